@@ -249,7 +249,7 @@ def on_grid(scene: Scene) -> Values:
         scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads
     )
     always = (
-        answer.permanent_stick(len(loads[0]) - per_cycle, 1e-3)
+        answer.permanent_stick_edges(len(loads[0]) - per_cycle, 1e-3)
         if per_cycle
         else (math.nan, math.nan)
     )

@@ -493,12 +493,12 @@ def _parts(
         relative uncertainty of the change by each curvature
     """
     import semi_analytic
-    from semi_analytic.next_order import CURVATURES, with_these_alone
+    from semi_analytic.next_order import CURVATURES, with_one_group_alone
 
     parts = {}
     rest = corrected_solution.dissipation / theory.dissipation - 1
     for curvature in CURVATURES:
-        effects_of_curvature = with_these_alone(effects, curvature)
+        effects_of_curvature = with_one_group_alone(effects, curvature)
         solution = semi_analytic.solve(
             theory.scene, x=0.0, time=theory.time, effects=effects_of_curvature, fields=WORK
         )
@@ -562,11 +562,12 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
     """Sizes of the tilt and of the bulk strain of the bodies, |alpha_P| + |alpha_Q| and |e_P| +
     |e_Q|: dimensionless, each the sum of that under P and that under Q.
     """
-    from semi_analytic.corrected import odd_part
+    from semi_analytic.corrected import dimensionless_tilt_and_strain
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.odd_memory import ODD_NUMBERS
 
-    odd_numbers = odd_part(effects, half_width, composite_modulus(scene.material))
+    modulus = composite_modulus(scene.material)
+    odd_numbers = dimensionless_tilt_and_strain(effects, half_width, modulus)
     sizes = {name: abs(number) for name, number in zip(ODD_NUMBERS, odd_numbers, strict=True)}
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]

@@ -25,18 +25,18 @@ from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
 from semi_analytic.answer_by_memory import folded
 from semi_analytic.corrected import (
-    OF_RIG,
+    WORDS_UNDER_RIG,
     OddPart,
     PathRows,
     PathSeries,
     PointFields,
     certificates_of,
     curvatures_of,
-    grids_at,
+    fields_at,
     instants_of,
     notes_of_effects,
     odd_part_on_grids,
-    permanent_stick,
+    permanent_stick_half_width,
     series_at,
     table_of,
     work_uncertainty_by_bodies,
@@ -264,7 +264,7 @@ def of_rig(question: Question) -> Findings:
     distance, distance_index = folded(x)
     time, row_numbers = instants_of(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
-    fields = grids_at(question, point_fields, distance, row_numbers)
+    fields = fields_at(question, point_fields, distance, row_numbers)
     cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
     errors = cycle_energy.errors
     density = np.full(len(distance), np.nan)
@@ -284,7 +284,7 @@ def of_rig(question: Question) -> Findings:
     values: dict[str, Any] = {
         **values_over_time,
         **{name: np.take(field, distance_index, axis=1) for name, field in fields.items()},
-        "permanent_stick_half_width": permanent_stick(corrected_path, last_cycle),
+        "permanent_stick_half_width": permanent_stick_half_width(corrected_path, last_cycle),
         "dissipation": work,
         "loop_work": cycle_energy.loop_work if wants_work else math.nan,
         "cycle_dissipation": np.array([work]),
@@ -757,7 +757,9 @@ def _notes(
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
             yield _note_of_next_order(rig, driven, last_cycle)
-        yield from notes_of_effects(rig.effects, half_width, modulus, tilt_and_strain, OF_RIG)
+        yield from notes_of_effects(
+            rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
+        )
     spring = rig.compliance.tangential_spring
     if spring:
         actuator_range = float(np.ptp(driven.actuator[last_cycle]))

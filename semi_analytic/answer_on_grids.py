@@ -23,12 +23,12 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.grid import INCREMENTS, Followed, GridRequest, edges_along, follow_on_grid
+from semi_analytic.grid import INCREMENTS, FollowedOnGrids, GridRequest, edges_along, follow_on_grid
 
 OF_WORK = frozenset(("dissipation", "dissipation_density"))
 """Fields that are taken from a method without grids where one holds for the steady cycle."""
 
-_OF_STEADY_CYCLE = (
+_VALUES_OF_STEADY_CYCLE = (
     "dissipation",
     "loop_work",
     "dissipation_density",
@@ -65,7 +65,7 @@ class GridAnswer:
         self.question = question
         self.x = x
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
-        self.followed: Followed = follow_on_grid(
+        self.followed: FollowedOnGrids = follow_on_grid(
             self._path_loads,
             self._tilted_contact,
             scene.profile.height,
@@ -84,8 +84,9 @@ class GridAnswer:
         estimated errors, notes, and how the path ended.
 
         `steady_cycle` is the steady cycle without grids and without the initial loading, where that
-        was found: W, W(x) and permanent stick are taken from it. A last cycle that is not steady
-        gets a note of how far its W may be from the steady one.
+        was found: W(x), permanent stick and W are taken from it, W also of each cycle from the
+        first steady one on. A last cycle that is not steady gets a note of how far its W may be
+        from the steady one.
         """
         question = self.question
         followed = self.followed
@@ -99,7 +100,7 @@ class GridAnswer:
             is_before_steady = np.arange(len(cycle_works)) < (followed.steady_from or 0)
             steady_work = steady_cycle.values["dissipation"]
             values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
-            for name in _OF_STEADY_CYCLE:
+            for name in _VALUES_OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
             errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
             errors |= dict(steady_cycle.errors)
@@ -170,7 +171,7 @@ class GridAnswer:
 
     def _rows(self) -> slice:
         """The instants of the answer, among all that were followed, as a slice: those of the last
-        cycle where it alone is asked for, else all.
+        cycle where it alone is asked for, else all, as of a path that does not repeat.
         """
         path = self.question.scene.load.path()
         if not self.question.wants_last_cycle_alone or path.period is None:
@@ -226,7 +227,7 @@ class GridAnswer:
             values["dissipation"] = math.nan
             values["loop_work"] = math.nan
             values["cycle_dissipation"] = np.full_like(works, np.nan)
-        # A path without cycles ends unloaded, where nothing sticks.
+        # A path without cycles begins unloaded, where nothing sticks.
         permanent_stick_edges = np.full(2, math.nan)
         if scene.load.path().period is not None:
             permanent_stick_edges = followed.permanent_stick_edges

@@ -42,6 +42,7 @@ import time as clock
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,7 +88,7 @@ from semi_analytic.next_order import (
     ratio_of_next_order,
     uncertain_fraction_of_curvatures,
     uncertain_fraction_of_tilt_and_strain,
-    with_these_alone,
+    with_one_group_alone,
 )
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
@@ -155,7 +156,9 @@ def curvatures_of(effects: BodyEffects) -> Curvatures:
     )
 
 
-def odd_part(effects: BodyEffects, half_width: float, modulus: float) -> tuple[float, ...]:
+def dimensionless_tilt_and_strain(
+    effects: BodyEffects, half_width: float, modulus: float
+) -> tuple[float, ...]:
     """Tilt alpha and bulk strain e of the bodies per P and per Q, made dimensionless: o = (alpha_P,
     alpha_Q, e_P, e_Q) P0/(a0/R).
 
@@ -175,12 +178,12 @@ class OddPart(NamedTuple):
         work and centres in the second order of these numbers, of `odd_memory`; None where it does
         not hold
     left_out
-        why nothing is added; empty where there is neither tilt nor bulk strain
+        why nothing is added; empty where something is, or where there is neither tilt nor strain
     work_on_grids
         work of each cycle by a numerical solution on grids, where the second order does not hold
         [energy per thickness]
     relative_uncertainty
-        of that work: what curvatures and next order of the bodies make uncertain
+        of either work: what curvatures and next order of the bodies make uncertain
     """
 
     second_order: OddAnswer | None = None
@@ -195,7 +198,7 @@ class OddPart(NamedTuple):
 
     def work(self, cycle: int) -> Estimate:
         """Friction work that tilt and bulk strain add in the cycle of that index [energy per
-        thickness]; 0 where it is not known.
+        thickness]; in the last known one where the index is beyond it, 0 where none is known.
         """
         if not self.has_work:
             return ZERO
@@ -208,13 +211,15 @@ class OddPart(NamedTuple):
         return Estimate(added_work.value, added_work.uncertainty + uncertainty)
 
     def centres(self, time: Array) -> tuple[Array, Array]:
-        """Centres x of contact and of the stick zone at instants (n,), (n,) each [length]."""
+        """Centres x of contact and of the stick zone at instants (n,), (n,) each [length]; 0 where
+        the second order does not hold.
+        """
         if self.second_order is None:
             return np.zeros(len(time)), np.zeros(len(time))
         return self.second_order.centres(time)
 
 
-class OddInAnswer(NamedTuple):
+class TiltAndStrainWords(NamedTuple):
     """Words of a note on an answer: what tilt and bulk strain change in it beside the dissipation,
     if they are taken; what is said if they are left out; and the other effects, even in x, that are
     in its values.
@@ -225,7 +230,7 @@ class OddInAnswer(NamedTuple):
     even: str
 
 
-OF_LOADS = OddInAnswer(
+WORDS_UNDER_LOADS = TiltAndStrainWords(
     if_taken=(
         "move edges of contact and stick, in the first, and U and the approach of a parabola by the"
         " moment of the pressure; fields at points, shear at edges and edge tension are without"
@@ -234,7 +239,7 @@ OF_LOADS = OddInAnswer(
     if_left_out="are left out, but for the moment of the pressure in U and approach of a parabola",
     even="the curvatures N, N_Q, T, T_P, their next order and the compliances c_n, c_t",
 )
-OF_RIG = OddInAnswer(
+WORDS_UNDER_RIG = TiltAndStrainWords(
     if_taken=(
         "change U of a parabola by the moment of the pressure; edges, fields at points, and P where"
         " the approach is prescribed, are without them"
@@ -249,13 +254,14 @@ def notes_of_effects(
     half_width: float,
     modulus: float,
     tilt_and_strain: OddPart,
-    in_answer: OddInAnswer = OF_LOADS,
+    words: TiltAndStrainWords = WORDS_UNDER_LOADS,
 ) -> Iterator[str]:
     """Sentences for the notes of an answer: which effects of the finite bodies its values contain.
 
     Effects that are even in x (curvatures, compliances) are contained. The odd ones, tilt and bulk
     strain, are in the dissipation where the work that they add is known. Else the sentence states
-    how large they are and why they are left out.
+    why they are left out, if a reason is given. Either way it states how large they are; there is
+    no such sentence where all four are 0.
 
     Parameters
     ----------
@@ -265,11 +271,11 @@ def notes_of_effects(
         contact half-width [length] and E* [stress], which make tilt and strain dimensionless
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
-    in_answer
-        words for the values that contain each kind of effect
+    words
+        of the values that contain each kind of effect
     """
-    yield f"effects: {in_answer.even} of the bodies are in these values"
-    sizes = odd_part(effects, half_width, modulus)
+    yield f"effects: {words.even} of the bodies are in these values"
+    sizes = dimensionless_tilt_and_strain(effects, half_width, modulus)
     if not any(sizes):
         return
     numbers_text = ", ".join(f"{size:.3g}" for size in sizes)
@@ -280,7 +286,7 @@ def notes_of_effects(
         yield (
             f"effects: tilt and bulk strain of the bodies, {sizes_text}, add"
             f" {added_work.value:.3g} ± {added_work.uncertainty:.1g} to the dissipation, {method},"
-            f" and {in_answer.if_taken}"
+            f" and {words.if_taken}"
         )
         return
     consequence = "which change the dissipation in the second order"
@@ -293,7 +299,7 @@ def notes_of_effects(
             " not known"
         )
     yield (
-        f"effects: tilt and bulk strain of the bodies {in_answer.if_left_out},"
+        f"effects: tilt and bulk strain of the bodies {words.if_left_out},"
         f" {sizes_text}, {consequence}{reason_text}"
     )
 
@@ -321,12 +327,13 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
 # ---------------------------------------------------------------------------------- rows of a path
 @dataclass(frozen=True, eq=False)
 class PathRows:
-    """The rows of a path that is followed by straight steps: the instants between them, with loads.
+    """The rows of a path that is followed by straight steps: the instants at which a step ends and
+    the next begins, with the loads of the contact there.
 
     Attributes
     ----------
     time, normal_load, tangential_load
-        (n,) t, P and Q of each row [force per thickness]
+        (n,) t, P and Q of each row [force per thickness]; P is 0 where the bodies are apart
     ends
         number of the row at which the initial loading ends, and of that at which each cycle ends;
         of the last row where there is no cycle
@@ -342,7 +349,9 @@ class PathRows:
 
     @property
     def cycles(self) -> list[slice]:
-        """Rows of each cycle, from the one at which it begins to the one at which it ends."""
+        """Rows of each cycle, from the one at which it begins to the one at which it ends; all rows
+        of a path that does not repeat.
+        """
         if self.period is None:
             return [slice(0, len(self.time))]
         return [slice(self.ends[k], self.ends[k + 1] + 1) for k in range(len(self.ends) - 1)]
@@ -392,11 +401,10 @@ class _Route:
 
     def rows(self, time: Array) -> PathRows:
         """Instants at which the load path is cut into straight steps, with the loads P and Q there:
-        `time` (n,) and the ends of the cycles.
+        those of `time` (n,) within the path, its start, and the ends of the cycles.
 
         Of two instants nearer than 1e-12 of the path's duration one is left out, never the end of
-        a cycle.
-        Where the bodies are pulled apart, P < 0, the load of the contact is 0.
+        a cycle. Where the bodies are pulled apart, P < 0, the load of the contact is 0.
 
         Raises
         ------
@@ -432,7 +440,8 @@ class _Route:
         there: those at which half-plane theory was solved, and `time` if it is given.
 
         Only two cycles are followed here, theory may have solved more. The instants of its last
-        cycle, as a rule a steady one, are taken in both.
+        cycle, as a rule a steady one, are taken in both. A `time` after them is moved back by whole
+        periods.
         """
         instants = self.instants
         cycle_ends = self.cycle_ends
@@ -451,7 +460,7 @@ class _Route:
         self, rows: PathRows, friction: float, curvatures: Curvatures, largest_parabola_load: float
     ) -> PathRows:
         """Straight steps of the load path, cut further at the instants at which slip reverses for
-        flat punches inside the contact.
+        six flat punches inside the contact. A path that is a series of loads keeps its steps.
 
         Slip reverses where the Coulomb bound of a punch has a turning point over time:
 
@@ -459,6 +468,7 @@ class _Route:
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
         of a parabola's punches up to this one. Half-planes, kn = kt = 0, turn at other instants.
+        The fourth order is left out of the bound here.
 
         Parameters
         ----------
@@ -467,7 +477,7 @@ class _Route:
         friction
             f
         curvatures
-            what P and Q add to kn and kt, per load
+            what P and Q add to kn and kt, per unit of load
         largest_parabola_load
             G of the largest punch [force per thickness times length]
         """
@@ -558,7 +568,9 @@ class PathSeries:
 
     @cached_property
     def stick_half_width(self) -> Array:
-        """Half-width c of the stick zone, (n,) [length]; a in full stick, NaN in full slip."""
+        """Half-width c of the stick zone, (n,) [length]; a in full stick and while bodies are
+        apart, NaN in full slip and where a is 0.
+        """
         followed = self.followed
         slips = followed.slip_direction != 0
         half_width_of_slip = followed.table.half_width(followed.innermost_slip_s)
@@ -664,13 +676,14 @@ class PathSeries:
         return followed.pressure_integral(at_edge), followed.shear_integral(at_tops, at_edge)
 
     @cached_property
-    def _directions_beyond_limit(self) -> Indices:
-        """Sign of the shear q of the memory curve at each instant, (n,), if |q| exceeds the Coulomb
-        limit f p somewhere inside the contact; 0 if not. There points slip further.
+    def _shear_signs_beyond_limit(self) -> Indices:
+        """Sign of the shear q of the memory curve at each instant, (n,), where |q| exceeds the
+        Coulomb limit f p most; 0 if it does nowhere inside the contact. There points slip further.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         Only curvatures of finite bodies make an excess possible. A few places are checked first,
-        more at suspect instants and at two instants on either side of them.
+        more at suspect instants and at two instants on either side of them. An excess below 3e-7 of
+        f times the largest pressure of the path counts as 0.
         """
         followed = self.followed
         directions = np.zeros(len(followed.edge_s), dtype=np.int64)
@@ -699,7 +712,8 @@ class PathSeries:
         at instants `rows` (n,), and the sign of q there: (n,) each, the first [stress].
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        The maximum is over `n_places` places from the middle to the edge of contact.
+        The maximum is over `n_places` places from the middle to the edge of the path's largest
+        contact. It is 0 at the least: outside the contact q and p are 0.
         """
         fractions = np.sin(np.linspace(0.0, math.pi / 2, n_places))
         fields_at_places = PointFields(self, float(np.max(self.half_width)) * fractions)
@@ -721,10 +735,10 @@ class PathSeries:
         return {}
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """Extra slip at those of the instants `rows` at which |q| of the memory curve exceeds f p,
-        each with the index of its instant in `rows`.
+        """Extra slip inside the contact at those of the instants `rows` at which |q| of the memory
+        curve exceeds f p, each with the index of its instant in `rows`.
         """
-        for index in np.flatnonzero(self._directions_beyond_limit[rows]).tolist():
+        for index in np.flatnonzero(self._shear_signs_beyond_limit[rows]).tolist():
             row = int(rows[index])
             if row not in self._inner_slips:
                 self._inner_slips[row] = self._inner_slip(row)
@@ -752,7 +766,7 @@ class PathSeries:
         )
         # Without slip at the edge all of the contact sticks.
         stick_half_width = ends_of_zones[0] if followed.direction[row] else half_width
-        direction = int(self._directions_beyond_limit[row])
+        direction = int(self._shear_signs_beyond_limit[row])
         return inner_slip(
             shear_and_limit, direction, half_width, ends_of_zones, stick_half_width, self.modulus
         )
@@ -905,7 +919,8 @@ class PointFields:
         instants `rows` of that cycle.
 
         Each step adds the mean of f p at its two ends times the distance that the point slips. A
-        point inside the smaller stick zone of the step does not slip.
+        point inside the smaller stick zone of the step does not slip. A pressure that is not finite
+        counts as 0.
         """
         row_numbers = np.arange(len(self._followed.edge_s))[rows]
         friction_limit = self._followed.friction * self.pressure(row_numbers)
@@ -1064,7 +1079,8 @@ def with_effects(question: Question) -> Findings:
     ------
     InputError
         For scenes with bulk stress, tilt or unequal sides of the profile, and for straight steps;
-        for curvatures under which the contact would split or leave the profile.
+        for curvatures under which the contact would split or leave the profile; for a path of more
+        than 200,000 instants.
     """
     _require_symmetric(question)
     with histories_kept():
@@ -1076,7 +1092,8 @@ def _answer(question: Question) -> Findings:
 
     The load path is followed with the finite bodies and with half-planes, by equal straight steps.
     Fields are those with the bodies; their tilt and bulk strain move the edges. The friction work
-    is that of exact half-plane theory plus the difference between the two followed paths.
+    is that of exact half-plane theory, plus the difference between the two followed paths, plus
+    what tilt and strain add.
     """
     started = clock.perf_counter()
     paths = _followed_paths(question)
@@ -1090,8 +1107,8 @@ def _answer(question: Question) -> Findings:
     distance, index_of_distance = folded(x)
     time, row_numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
-    fields_at_distances = grids_at(question, points, distance, row_numbers)
-    tilt_and_strain = _odd_part(paths)
+    fields_at_distances = fields_at(question, points, distance, row_numbers)
+    tilt_and_strain = _tilt_and_strain_of(paths)
     series_of_instants = series_at(question, bodies, row_numbers)
     contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
     series_of_instants["contact_edges"] = (
@@ -1108,9 +1125,12 @@ def _answer(question: Question) -> Findings:
     seconds["dissipation"] = clock.perf_counter() - fields_done
     termination, message = _ending(paths)
     fields_at_points = {
-        name: np.take(grid, index_of_distance, axis=1) for name, grid in fields_at_distances.items()
+        name: np.take(field, index_of_distance, axis=1)
+        for name, field in fields_at_distances.items()
     }
-    stick_half_width = permanent_stick(bodies, paths.last_cycle, stick_centres[paths.last_cycle])
+    stick_half_width = permanent_stick_half_width(
+        bodies, paths.last_cycle, stick_centres[paths.last_cycle]
+    )
     values: dict[str, Any] = {
         **series_of_instants,
         **fields_at_points,
@@ -1163,7 +1183,7 @@ def _followed_paths(question: Question) -> _Paths:
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
     # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
     memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
-    steady_from = _steady_from(memory_of_bodies, rows, scene)
+    steady_from = _first_steady_cycle(memory_of_bodies, rows)
     return _Paths(
         question=question,
         rows=rows,
@@ -1254,7 +1274,8 @@ def _require_one_contact(
     gap_fourth_coefficient: Array,
 ) -> None:
     """Refuse curvatures under which the contact would split: InputError unless the load that flat
-    punches of half-width up to c carry, eta + kn G + n4 G_4, grows with c.
+    punches of half-width up to c carry, eta + kn G + n4 G_4, grows with c. It is checked at the
+    instants of the least kn and of the least n4.
 
     Parameters
     ----------
@@ -1290,7 +1311,7 @@ def splits() -> InputError:
     )
 
 
-def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None:
+def _first_steady_cycle(followed: Followed, rows: PathRows) -> int | None:
     """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
     neither does.
 
@@ -1312,8 +1333,8 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
     tolerance = _STEADY_TOLERANCE * followed.friction * float(np.max(rows.normal_load))
     # At the end of the initial loading and of each cycle.
     forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in rows.ends]
-    for cycle in range(min(len(rows.cycles), max(scene.cycles, 2))):
-        if np.max(np.abs(forces_at_ends[cycle + 1] - forces_at_ends[cycle])) <= tolerance:
+    for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
+        if np.max(np.abs(forces_after - forces_before)) <= tolerance:
             return cycle
     return None
 
@@ -1398,7 +1419,7 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
     }
 
 
-def grids_at(
+def fields_at(
     question: Question, point_fields: PointFields, distance: Array, row_numbers: Indices
 ) -> dict[str, NDArray[Any]]:
     """Fields of the answer at instants and points, by their names, (n, k) each: pressure and shear
@@ -1418,7 +1439,7 @@ def grids_at(
     Raises
     ------
     InputError
-        Where the pressure is negative somewhere: the contact would split.
+        Where the pressure is asked for and negative somewhere: the contact would split.
     """
     shape = (len(row_numbers), len(distance))
     fields: dict[str, NDArray[Any]] = {
@@ -1465,8 +1486,8 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
     state_at_edge = states_by_direction[followed.direction[row_numbers, None] + 1]
     state_in_inner_zone = states_by_direction[followed.inner_zone_direction[row_numbers, None] + 1]
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
-    is_inside_slip_zone = between(stick_half_width * sides, distance) & (stick_half_width > 0)
-    states_without_inner_zone = np.where(is_inside_slip_zone, np.int8(STICK), state_at_edge)
+    is_within_stick_edges = between(stick_half_width * sides, distance) & (stick_half_width > 0)
+    states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
     for index, extra_slip in points.inner_slips(row_numbers):
@@ -1508,6 +1529,11 @@ def _work_of(
         (k,) |x| [length] from the middle
     tilt_and_strain
         work that tilt and bulk strain of the bodies add
+
+    Returns
+    -------
+    _Work
+        NaN for what the question does not ask for
     """
     question = paths.question
     work_of_cycles = np.full(len(paths.covered_cycles), np.nan)
@@ -1546,7 +1572,7 @@ def _density_of(
     paths: _Paths, points: PointFields, distance: Array, exact_density: Array
 ) -> tuple[Array, float | None]:
     """Friction work per area W(x) of the last cycle, (k,) [energy per area], and its error over the
-    largest W(x), None where nothing slips.
+    largest W(x), None where half-planes do not slip.
 
     It is `exact_density` of half-plane theory plus the change that finite bodies make, by equal
     steps with and without them; 0 where the bodies do not slip.
@@ -1587,7 +1613,9 @@ def _works_of_cycles(
 
     Friction work is that of half-planes plus what curvatures, tilt and bulk strain of finite bodies
     change. The work of the loads is the closed integral of Q dU + P d(approach). It equals the
-    friction work where the cycle is steady, and is NaN where it cannot be compared.
+    friction work where the cycle is steady, and is NaN where it cannot be compared or is not asked
+    for. There are no errors where half-planes do no work. That of the friction work is NaN where
+    tilt and strain are left out.
 
     Parameters
     ----------
@@ -1643,15 +1671,15 @@ def work_uncertainty_by_bodies(
 
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
     fourth order. `uncertain_fraction_of_curvatures` states which fraction of a change of work
-    that makes uncertain. Curvatures that may cancel each other, per P and per Q, are followed one
-    kind at a time.
+    that makes uncertain. Curvatures per P and curvatures per Q may cancel each other in W. Where
+    they may, each kind is followed alone, and its own change counts.
 
     Parameters
     ----------
     bodies, half_planes
         the path followed with the finite bodies, and with half-planes
     rows
-        instants of the cycle
+        instants of the cycle, in which half-planes must do friction work
     effects
         curvatures of the bodies
     """
@@ -1670,7 +1698,7 @@ def work_uncertainty_by_bodies(
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
     for kind in CURVATURES:
-        curvatures_of_kind = curvatures_of(with_these_alone(effects, kind))
+        curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind))
         memory = follow(
             followed.table, followed.friction, *loads, curvatures_of_kind, half_planes.followed
         )
@@ -1683,10 +1711,11 @@ def work_uncertainty_by_bodies(
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     """Relative uncertainty that the effects of finite bodies leave in the largest pressure and in
-    the contact half-width, by their names; see `work_uncertainty_by_bodies`.
+    the contact half-width, by the names of these values. Empty where there is no contact.
 
-    Each is a fraction of what the bodies change: the ratio of values with and without them, minus
-    1, at the largest load of the last cycle. Empty where there is no contact.
+    The curvatures of the bodies are uncertain themselves, and their series in x ends after the
+    fourth order. So a fraction of what they change is uncertain: of the ratio of values with and
+    without them, minus 1, at the largest load of the last cycle. 3e-5 of the value is added.
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
@@ -1720,7 +1749,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
 
     In such a step the memory curve (locked-in tangential force over the half-width of punches)
     grows by a straight chord, which is an approximation. All other steps are exact however long
-    they are. The change of work by halving gives the error.
+    they are. Long is a step in which P grows by more than 1 % of its largest value.
     """
     followed = paths.bodies.followed
     effects = paths.question.effects
@@ -1747,12 +1776,13 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     )
 
 
-def _odd_part(paths: _Paths) -> OddPart:
+def _tilt_and_strain_of(paths: _Paths) -> OddPart:
     """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause,
     with the uncertainty that the curvatures of the bodies leave in that work.
 
-    Taken in the second order of these small numbers; where that does not hold, by a numerical
-    solution on grids. Where neither works, the reason is returned instead of a number.
+    Taken in the second order of these small numbers. Where that does not hold, the work alone is
+    found by a numerical solution on grids, if the question asks for it. Where neither works, the
+    reason is returned instead of a number; nothing at all of bodies without tilt and strain.
     """
     question = paths.question
     effects = question.effects
@@ -1784,8 +1814,8 @@ def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: s
     solution of half-planes on grids [energy per thickness].
 
     Grids give the relative change of the work; `work` times it is added, that of the cycle without
-    tilt and strain. Used where the second order does not hold, for `reason`. Where grids refuse the
-    scene or the change is too large, nothing is added and the reason stated.
+    tilt and strain. Used where the second order does not hold, for `reason`. Where nothing slips,
+    grids refuse the scene or the change is above 30 %, nothing is added and the reason is stated.
     """
     try:
         half_plane_work = work_of_half_planes(scene)
@@ -1808,7 +1838,8 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
     They are the largest differences of the path of half-planes by these steps from exact theory, at
     some instants of the last cycle and some points, over the largest f p or the largest slip.
-    Points within 1 % of a half-width from an edge are left out.
+    Points within 1 % of a half-width from an edge are left out. A field that is not asked for or 0
+    throughout has no error here, nor has any without friction.
     """
     question = paths.question
     half_planes = paths.half_planes
@@ -1854,7 +1885,9 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     return errors
 
 
-def permanent_stick(bodies: PathSeries, rows: slice, centre: Array | float = 0.0) -> float:
+def permanent_stick_half_width(
+    bodies: PathSeries, rows: slice, centre: Array | float = 0.0
+) -> float:
     """Half-width of the permanent stick zone, which sticks all through a cycle [length]; NaN where
     no point does.
 
@@ -1887,7 +1920,9 @@ def _reference_load(scene: Scene, normal_load: Array) -> float:
 
 
 def _ending(paths: _Paths) -> tuple[str, str]:
-    """How the followed path ended: the termination of the answer, and a sentence about it."""
+    """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
+    sentence about it.
+    """
     if paths.rows.period is None:
         return "end of path", "the path was followed to its end"
     if paths.steady_from is None:
@@ -1899,7 +1934,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
     """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
     it, what is left out, and why the work of the loads is not compared with the friction work.
 
-    `tilt_and_strain` is the work that tilt and bulk strain of the bodies add.
+    `tilt_and_strain` is the work that tilt and bulk strain of the bodies add, or why none is added.
     """
     question = paths.question
     scene = question.scene
@@ -1922,7 +1957,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
 
 
 def certificates_of(
-    bodies: PathSeries, grids: Mapping[str, NDArray[Any]], row_numbers: Indices
+    bodies: PathSeries, fields: Mapping[str, NDArray[Any]], row_numbers: Indices
 ) -> dict[str, Array]:
     """Checks of the laws of contact along a followed path, by name, (n,) each, 0 where satisfied.
 
@@ -1930,14 +1965,14 @@ def certificates_of(
         cone                  the largest |q| - f p over the points, over f times the largest p
 
     M is the tangential force that the flat punches up to the edge of contact carry by their memory,
-    F + kt G + t4 G_4. The Coulomb limit ("cone") is checked where both pressure and shear were
-    asked for.
+    F + kt G + t4 G_4; the balance is not checked while P = 0. The Coulomb limit ("cone") is checked
+    where both pressure and shear were asked for.
 
     Parameters
     ----------
     bodies
         the path followed with the finite bodies
-    grids
+    fields
         pressure and shear at instants and points, (n, k) each
     row_numbers
         (n,) numbers of those instants
@@ -1958,8 +1993,8 @@ def certificates_of(
     is_pressed = followed.normal_load[row_numbers] > 0
     missing_force = np.where(is_pressed, missing_force, 0.0)
     checks = {"tangential_balance": missing_force / largest_friction_force}
-    pressure = grids["pressure"]
-    shear = grids["shear"]
+    pressure = fields["pressure"]
+    shear = fields["shear"]
     if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
         with np.errstate(invalid="ignore"):
             excess = np.abs(shear) - friction * pressure

@@ -66,28 +66,28 @@ Indices = NDArray[np.int64]
 
 # Cells of the table between two kinks of the profile: cubics leave 1e-12 of a load at 512, 4e-9
 # at 64.
-_CELLS, _FEWEST_CELLS = 512, 64
+_CELLS_PER_INTERVAL, _FEWEST_CELLS_PER_INTERVAL = 512, 64
 _MOST_CELLS = 4096
 _BISECTIONS = 60
 # Of many edges of contact at once: bisection to an eighth of a cell, then Newton's method, which
 # halves the error four times at worst before it squares it.
-_FIRST_BISECTIONS, _STEPS_AFTER = 12, 6
+_FIRST_BISECTIONS, _NEWTON_STEPS_AFTER_BISECTION = 12, 6
 # Newton's method from edges of contact that are known to 1e-3.
-_STEPS_NEAR = 2
-_STEPS_OF_NEWTON = 60
+_NEWTON_STEPS_FROM_KNOWN_EDGE = 2
+_MOST_NEWTON_STEPS = 60
 # Fraction of f P below which a difference of forces is round-off. A steady cycle slips along the
 # line of the cycle before: differences of the two are sums over all pieces of the curve, and reach
 # a few 1e-13. Taken for slip they move the edge of stick to an older piece.
-_ROUNDING = 1e-11
+_ROUND_OFF_SHARE = 1e-11
 # Fraction of the largest half-width that stands for 0 in a logarithm.
-_LEAST = 1e-9
+_LEAST_HALF_WIDTH_SHARE = 1e-9
 # Iterations of p_2 and the edge of contact: at most, and until the load that they still move is
 # this fraction of P. p_2 changes by a per cent in all.
-_ROUNDS_OF_MOMENT = 8
-_LEFT_OF_MOMENT = 1e-12
-_GAUSS = np.polynomial.legendre.leggauss(3)
+_MOST_MOMENT_ITERATIONS = 8
+_LOAD_MOVED_BY_MOMENT = 1e-12
+_GAUSS_RULE_OF_CELL = np.polynomial.legendre.leggauss(3)
 # Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
-_GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
+_GAUSS_RULE_OF_WORK = np.polynomial.legendre.leggauss(8)
 
 
 def area_of_loop(load: Array, movement: Array) -> float:
@@ -133,8 +133,8 @@ class PunchSums(NamedTuple):
 
 
 class PunchMoments(NamedTuple):
-    """An integral int w d eta, int w dG and int w dG_4 over the flat punches up to each of k, (k,)
-    each; w(c) is that of a punch of half-width c under unit load, such as a moment.
+    """Integrals int w d eta, int w dG and int w dG_4 over the flat punches up to each of k, (k,)
+    each; w(c) is a value of a punch of half-width c under unit load, such as a moment.
     """
 
     profile: Array
@@ -181,7 +181,9 @@ class PunchTable:
         self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
         self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
         n_intervals = len(self._interval_lengths)
-        self._cells_per_interval = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
+        self._cells_per_interval = max(
+            min(_CELLS_PER_INTERVAL, _MOST_CELLS // n_intervals), _FEWEST_CELLS_PER_INTERVAL
+        )
         self.largest_s = float(n_intervals)
         self.parabola_stiffness = math.pi * modulus / 4
         sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
@@ -236,7 +238,7 @@ class PunchTable:
         cells are equal steps of the punch coordinate s.
         """
         n_cells = len(self._load_cubics)
-        nodes, weights = _GAUSS
+        nodes, weights = _GAUSS_RULE_OF_CELL
         fraction_of_cell = (nodes + 1) / 2
         cell_length = 1 / self._cells_per_interval  # in s
 
@@ -371,7 +373,7 @@ class PunchTable:
         squared_width = half_width * half_width
         load = tabulated(self._load_coefficients)
         parabola = self.parabola_stiffness * squared_width
-        least_half_width = _LEAST * float(self._interval_ends[-1])
+        least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
         log_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
             logarithm=load * log_ratio + tabulated(self._load_integral_coefficients),
@@ -383,7 +385,7 @@ class PunchTable:
 
     def edge_of_contact_at(self, normal_load: float, curvature: float) -> float:
         """Coordinate s of the edge of contact a under one normal load P, from P = eta(a) + kn G(a)
-        by bisection.
+        by bisection; of the widest punch of the table where its contact carries less than P.
 
         eta(c) and G(c) are the loads that flat punches of half-width up to c carry, of the profile
         and of x^2/2. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
@@ -436,7 +438,9 @@ class PunchTable:
 
         `sums_at` has the first two for one s. L is the datum length.
         """
-        half_width = np.maximum(self.half_width(s), _LEAST * self._interval_ends[-1])
+        half_width = np.maximum(
+            self.half_width(s), _LEAST_HALF_WIDTH_SHARE * self._interval_ends[-1]
+        )
         log_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
             profile=self.load(s) * log_ratio + self.load_integral(s),
@@ -455,7 +459,7 @@ class PunchTable:
         kn G(a) + n4 G_4(a), by bisection and Newton's method.
 
         eta, G and G_4 are the loads that flat punches of half-width up to a carry: of the profile,
-        of x^2/2 and of x^4/24. Where P = 0, s is 0.
+        of x^2/2 and of x^4/24. s is 0 where P = 0, and at most that of the widest punch.
 
         Parameters
         ----------
@@ -474,7 +478,7 @@ class PunchTable:
         lower_s = np.zeros(len(normal_load))
         upper_s = np.full(len(normal_load), self.largest_s)
         edge_s = known_s
-        newton_steps = _STEPS_NEAR
+        newton_steps = _NEWTON_STEPS_FROM_KNOWN_EDGE
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
                 middle_s = (lower_s + upper_s) / 2
@@ -482,7 +486,7 @@ class PunchTable:
                 lower_s = np.where(carries_less, middle_s, lower_s)
                 upper_s = np.where(carries_less, upper_s, middle_s)
             edge_s = (lower_s + upper_s) / 2
-            newton_steps = _STEPS_AFTER
+            newton_steps = _NEWTON_STEPS_AFTER_BISECTION
         for _ in range(newton_steps):
             missing_load = normal_load - carried_load(edge_s)
             # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
@@ -540,7 +544,8 @@ class Curvatures(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s.
+    """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s:
+    what they carry beyond the share that the curvature of the faces gives them.
 
     It continues another piece outwards, number `parent`, from that one's `top` to its own, an s.
     On it dF = `slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. `load`, `parabola`,
@@ -604,12 +609,12 @@ class Pieces(list[Piece]):
         )
 
     def append_numbered(self, piece: Piece) -> int:
-        """Store a piece: its number."""
+        """Store a piece and return its number."""
         self.append(piece)
         return len(self) - 1
 
     def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
-        """Store a new piece, as `piece_above` makes it: its number."""
+        """Store a new piece, as `piece_above` makes it, and return its number."""
         return self.append_numbered(self.piece_above(parent, top, loads, slopes))
 
     def forget_beyond(self, count: int) -> None:
@@ -619,7 +624,8 @@ class Pieces(list[Piece]):
 
 class _Bound(NamedTuple):
     """Coulomb bound B_s of the locked-in tangential force F: what F is during slip in `direction`,
-    linear in eta, G and G_4. Where a punch sticks, `direction` F >= `direction` B_s.
+    `constant` at eta = 0, linear in eta, G and G_4. Where a punch sticks, `direction` F >=
+    `direction` B_s.
     """
 
     direction: int
@@ -634,7 +640,9 @@ class _Bound(NamedTuple):
         return self.slope, self.parabola_slope, self.fourth_slope
 
     def excess(self, piece: Piece) -> float:
-        """How far F at the top of a piece is beyond the bound; it slips where this is positive."""
+        """How far F at the top of a piece is beyond the bound [force per thickness]; it slips where
+        this is positive.
+        """
         at_top = self.constant + self.slope * piece.load
         at_top += self.parabola_slope * piece.parabola + self.fourth_slope * piece.fourth
         return self.direction * (at_top - piece.force)
@@ -651,12 +659,12 @@ class Followed:
     friction
         f
     normal_load, tangential_load, normal_curvature, tangential_curvature
-        (n,) P, Q, kn, kt at the rows of the path
+        (n,) P, Q, kn, kt at the rows of the path, the ends of its straight steps
     normal_fourth, tangential_fourth
         (n,) n4, t4 there
     edge_s, stick_edge_s
         (n,) coordinate s in the table of the edge of contact and of the stick edge; the same where
-        nothing slips
+        the edge sticks, stick edge 0 where the bodies slide as a whole
     direction
         (n,) direction of slip in the step that ends at the row, 0 in full stick
     inner_zone_s, inner_zone_direction
@@ -686,7 +694,7 @@ class Followed:
 
     @property
     def innermost_slip_s(self) -> Array:
-        """s of the inner end of all slip, (n,); of the edge of contact where nothing slips."""
+        """s of the inner end of all slip zones, (n,); of the edge of contact in full stick."""
         return np.where(self.inner_zone_direction != 0, self.inner_zone_s[:, 0], self.stick_edge_s)
 
     @property
@@ -776,10 +784,11 @@ class Followed:
             int f [mean load beyond c] |dF| dc/c,    c half-width of a punch
 
         F is the tangential force that a punch locks in while it sticks. During the step the Coulomb
-        bound moves linearly. A punch slips from when the bound meets F to the end of the step, or
-        until it leaves the contact. The mean of the load is over that time.
+        bound moves linearly. A punch slips from when the bound meets F, or it comes into contact,
+        to the end of the step, or until it leaves the contact. The mean of the load is over that
+        time.
         """
-        nodes, weights = _GAUSS_OF_WORK
+        nodes, weights = _GAUSS_RULE_OF_WORK
         length = (intervals.outer_s - intervals.inner_s)[:, None]
         s = intervals.inner_s[:, None] + length * (nodes + 1) / 2  # of the punches, (m, k)
         table = self.table
@@ -861,7 +870,7 @@ class Followed:
 
         The memory curve, F over the half-width of the punches, consists of pieces on which F is
         linear in the loads eta, G and G_4 of the punches. `piece_number` (m,) is that of the piece
-        on which row m of `punches` (m, k) lies.
+        on which row m of `punches` (m, k) lies; F is 0 on number 0, the empty curve.
         """
         pieces = self.pieces
         number_below = pieces.parent[piece_number]
@@ -935,7 +944,8 @@ class Followed:
         [force per thickness].
 
         F does not change while a punch sticks: it is the memory of the contact. It is read from the
-        pieces of the memory curve F(s). Beyond the edge of contact F is that at the edge.
+        pieces of the memory curve F(s). Beyond the edge of contact F is that at the edge; 0 while
+        the bodies are apart.
         """
         pieces = self.pieces
         numbers_of_pieces = pieces.chain(int(self.uppermost_piece[row]))
@@ -980,7 +990,7 @@ class _SlipIntervals(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PieceTable:
-    """The pieces as arrays (k,), in the order of a `Piece`."""
+    """The pieces of all memory curves as arrays (k,), with the fields of a `Piece`."""
 
     parent: Indices
     top: Array
@@ -992,9 +1002,9 @@ class PieceTable:
     parabola_slope: Array
     fourth_slope: Array
 
-    def chain(self, piece: int) -> Indices:
-        """The pieces of a curve from the empty one to the uppermost."""
-        numbers = [piece]
+    def chain(self, uppermost_piece: int) -> Indices:
+        """Numbers of the pieces of one memory curve, from the empty one, 0, to the uppermost."""
+        numbers = [uppermost_piece]
         while numbers[-1]:
             numbers.append(int(self.parent[numbers[-1]]))
         return np.array(numbers[::-1])
@@ -1108,7 +1118,7 @@ def follow(
             half_planes = follow(table, friction, normal_load, tangential_load, Curvatures())
         shear_second_moment = _estimated_shear_second_moment(table, rows, half_planes)
         rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second_moment
-    return _follow(table, friction, rows)
+    return _followed_rows(table, friction, rows)
 
 
 def _estimated_shear_second_moment(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
@@ -1160,8 +1170,8 @@ def _columns_of_path(
     tangential displacement of the faces; those of x^4/24; the punch coordinate s of the edge of
     contact; the loads of profile, x^2/2 and x^4/24 there.
 
-    kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated. In
-    kt the part by the second moment of the shear traction is left out.
+    kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated, at
+    most eight times. In kt the part by the second moment of the shear traction is left out.
     """
     curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
@@ -1170,7 +1180,7 @@ def _columns_of_path(
     normal_curvature = curvature_without_p2
     edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order)
     if curvatures.normal_mixed:
-        for _ in range(_ROUNDS_OF_MOMENT):
+        for _ in range(_MOST_MOMENT_ITERATIONS):
             moments_at_edge = table.second_moments(edge_s)
             pressure_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
             curvature_before = normal_curvature
@@ -1179,7 +1189,7 @@ def _columns_of_path(
             load_change = np.max(
                 np.abs(normal_curvature - curvature_before) * table.parabola(edge_s)
             )
-            if load_change <= _LEFT_OF_MOMENT * np.max(normal_load):
+            if load_change <= _LOAD_MOVED_BY_MOMENT * np.max(normal_load):
                 break
     columns = [
         normal_load,
@@ -1196,8 +1206,10 @@ def _columns_of_path(
     return np.stack(columns)
 
 
-def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
-    """Steps along a path whose instants are `columns` (10, n), a `Row` each; see `follow`."""
+def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Followed:
+    """Memory of friction along a path from the unloaded state; its n instants are `columns` (10,
+    n), a `Row` each: loads, curvatures and edge of contact.
+    """
     memory = MemoryCurve(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED
     steps = []
@@ -1310,7 +1322,7 @@ class MemoryCurve:
     largest_load
         largest P of the path, by which round-off is judged
     pieces
-        of all curves, those of the states among them
+        pieces of the memory curves of all states so far
     """
 
     table: PunchTable
@@ -1320,7 +1332,7 @@ class MemoryCurve:
 
     def is_unloaded(self, normal_load: float) -> bool:
         """Whether P is 0 but for round-off: the bodies are apart, and nothing is remembered."""
-        return normal_load <= _ROUNDING * self.largest_load
+        return normal_load <= _ROUND_OFF_SHARE * self.largest_load
 
     def step(self, state: State, row: Row) -> Step:
         """Memory curve, stick edge and slip zones at the end of a straight step of the loads.
@@ -1329,6 +1341,7 @@ class MemoryCurve:
         punches. First it is cut at the new edge of contact, or extended to it in stick. Then, from
         the edge inwards, F is set to the Coulomb bound as far as it is beyond it. When the edge of
         contact stops slipping, points further in may still slip as before: an inner slip zone.
+        Where the bodies are apart, P = 0, nothing is remembered.
 
         Parameters
         ----------
@@ -1340,7 +1353,7 @@ class MemoryCurve:
         if self.is_unloaded(row.normal_load):
             return Step(UNLOADED, stick_edge_s=row.edge_s)
         pieces = self.pieces
-        round_off = _ROUNDING * self.friction * self.largest_load
+        round_off = _ROUND_OFF_SHARE * self.friction * self.largest_load
         # The number is None as long as the piece is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
         stick_edge_s = row.edge_s
@@ -1383,8 +1396,9 @@ class MemoryCurve:
         extended to it in stick; and its number, None if it is new and not stored yet.
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. Extended, it gets a piece on which F is linear in the load eta of the punches. At
-        the new edge F = Q - kt G - t4 G_4, since all of Q is carried within it.
+        punches. Extended, it gets a piece on which F is linear in the load eta of the punches; on a
+        flat, which has none, in G. At the new edge F = Q - kt G - t4 G_4: all of Q is carried
+        within it.
 
         Parameters
         ----------
@@ -1419,12 +1433,12 @@ class MemoryCurve:
         return pieces.piece_above(piece.parent, row.edge_s, loads, piece.slopes), None
 
     def slide(self, row: Row, direction: int) -> Step:
-        """The state in which the contact slides as a whole, F at the bound of that direction all
-        along, whatever was before.
+        """The state in which the contact slides as a whole in one direction, +1 or -1, whatever was
+        before: F is the Coulomb bound of that direction at all punches.
         """
         bound = _bound(direction, self.friction, row)
-        curve = self.pieces.add(0, row.edge_s, row.edge_loads, bound.slopes)
-        return Step(State(curve, direction), stick_edge_s=0.0, direction=direction)
+        piece_number = self.pieces.add(0, row.edge_s, row.edge_loads, bound.slopes)
+        return Step(State(piece_number, direction), stick_edge_s=0.0, direction=direction)
 
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:
@@ -1611,7 +1625,7 @@ def _crossing_of_bound(
         s = low_s + fraction_of_piece * (high_s - low_s)
     loads_at_s = table.loads_at(s)
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
-    for _ in range(_STEPS_OF_NEWTON):
+    for _ in range(_MOST_NEWTON_STEPS):
         excess = excess_below + slope * (loads_at_s.load - piece_below.load)
         excess += parabola_slope * (loads_at_s.parabola - piece_below.parabola)
         excess += fourth_slope * (loads_at_s.fourth - piece_below.fourth)

@@ -18,7 +18,7 @@ and fro between +-Q do not see): they take turns until q rests.
 
 Each instant is one implicit increment from the one before. Active sets find the open, sticking and
 slipping cells: nothing of superposition, memory curves or edges is used, so that the tests hold the
-exact routines against `solve`. Edges err by a cell.
+exact routines against `Grid`. Edges err by a cell.
 
 The work of one grid errs by the place of the edges within their cells, 1e-4 to 5e-4 at 160 cells:
 waves of a cell, which cancel in the mean over grids that are evenly moved. What is left, 1e-5 to
@@ -57,12 +57,12 @@ INCREMENTS = 320
 """Increments a cycle; the difference from half as many gives the error."""
 
 # Iterations of an active set that are allowed: it takes about ten.
-_TURNS = 200
-# Numbers of cells in contact whose matrices are held: they take the square of them.
-_ZONES = 120
+_MOST_ITERATIONS = 200
+# Sizes of contact, in cells, whose matrices are held: each takes the square of its size.
+_MOST_ZONES = 120
 # Share of the largest f p by which round-off may leave |q| above f p: cells that stop slipping are
 # there.
-_ROUNDING = 1e-12
+_ROUND_OFF_SHARE = 1e-12
 # Share of the slip of an increment that a cell makes before it is touched.
 _SLIP_BEFORE_TOUCH = 1 / 3
 # Fewest increments of a segment of the cycle; each segment of the initial loading has a quarter of
@@ -72,17 +72,18 @@ _FEWEST_INCREMENTS = 4
 # the grid leaves.
 STEADY = 1e-6
 # Shares of a cell by which grids are moved, evenly, so that waves of a cell, a half, a third ...
-# cancel in their mean; no two are mirror images under a symmetric contact. How many groups of them
-# tell what is left.
+# cancel in their mean; no two are mirror images under a symmetric contact. Number of groups of them
+# whose means give the standard error of that mean.
 _SHIFTS = (np.arange(16) + 0.25) / 16
-_GROUPS = 4
+_GROUP_COUNT = 4
 # Cycles that the fine grids follow where coarse ones followed those before: the last two.
 _CYCLES_RESUMED = 2
 # Instants, out of those asked for, at which coarse and fine grids are compared.
 _INSTANTS_COMPARED = 40
 # Share of the longest slip path of a cycle up to which a cell counts as permanently stuck.
-_STUCK = 1e-3
-_STATES = np.array([STICK, SLIP_FORWARD, SLIP_REVERSE])
+_STUCK_SHARE = 1e-3
+# By the direction of slip, 0, 1 or -1.
+_STATES_BY_DIRECTION = np.array([STICK, SLIP_FORWARD, SLIP_REVERSE])
 
 
 class Fields(NamedTuple):
@@ -104,9 +105,9 @@ class Fields(NamedTuple):
         (n,) int x p and m_q = int x q
     density
         (n, k) friction work per area of the increment that ends there, by the trapezoidal rule
-    work, loop
+    work, work_of_loads
         (n,) its integral over the cells, and Q dU - m_q d eps of the increment, also by the
-        trapezoidal rule
+        trapezoidal rule, 0 in the first increment of all
     """
 
     x: Array
@@ -122,30 +123,34 @@ class Fields(NamedTuple):
     shear_moment: Array
     density: Array
     work: Array
-    loop: Array
+    work_of_loads: Array
 
     def edges(self, instant: int, *, stick: bool = False) -> tuple[float, float]:
         """Outer edges of the cells in contact, or of those that stick, at an instant; NaN where
         there are none.
         """
-        return self._ends(self.state[instant] == STICK if stick else self.state[instant] != OPEN)
+        state = self.state[instant]
+        return self._outer_edges(state == STICK if stick else state != OPEN)
 
-    def permanent_stick(self, first: int, share: float = 1e-9) -> tuple[float, float]:
-        """Outer edges of the cells that stay in contact from instant `first` on and slip at most
-        `share` of the farthest.
+    def permanent_stick_edges(self, first: int, share: float = 1e-9) -> tuple[float, float]:
+        """Outer edges of the cells that stay in contact from instant `first` on and whose slip
+        varies by at most `share` of the largest range of slip, cells outside the contact included.
         """
         slip_range = np.ptp(self.slip[first:], axis=0)
         stays_in_contact = np.all(self.state[first:] != OPEN, axis=0)
-        return self._ends(stays_in_contact & (slip_range <= share * np.max(slip_range)))
+        return self._outer_edges(stays_in_contact & (slip_range <= share * np.max(slip_range)))
 
-    def cycle_work(self, increments: int, *, loop: bool = False) -> Array:
-        """Friction work, or closed integral of Q dU - m_q d eps, of the last whole cycles of so
-        many increments.
+    def cycle_work(self, increments: int) -> Array:
+        """Friction work of each of the last whole cycles of so many increments, (c,); the first
+        increment of all belongs to none.
         """
-        values = (self.loop if loop else self.work)[1:]
-        return values[len(values) % increments :].reshape(-1, increments).sum(axis=1)
+        works = self.work[1:]
+        return works[len(works) % increments :].reshape(-1, increments).sum(axis=1)
 
-    def _ends(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
+    def _outer_edges(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
+        """Left edge of the first and right edge of the last cell of a mask (k,); NaN if it is
+        empty.
+        """
         middles = self.x[cells]
         if not len(middles):
             return math.nan, math.nan
@@ -196,10 +201,10 @@ class ContactCells(NamedTuple):
         """Number behind the last cell."""
         return self.begin + self.n_cells
 
-    def common_with(self, second: ContactCells) -> ContactCells:
-        """Cells that are in both; a number <= 0 where there are none."""
-        begin = np.maximum(self.begin, second.begin)
-        return ContactCells(begin, np.minimum(self.end, second.end) - begin)
+    def common_with(self, other_cells: ContactCells) -> ContactCells:
+        """Cells that are in both; their number is 0 or negative where there are none."""
+        begin = np.maximum(self.begin, other_cells.begin)
+        return ContactCells(begin, np.minimum(self.end, other_cells.end) - begin)
 
 
 class NormalSolution(NamedTuple):
@@ -236,8 +241,9 @@ class Grid:
         (g, k) middles of the cells of g grids; their width [length]
     slip
         (g, k) slip s of the upper face over the lower in the present state [length]
-    without_early_slip
-        number of increments whose newly touched cells were given no slip before the touch
+    increments_without_early_slip
+        number of increments whose newly touched cells were given no slip before the touch, each
+        counted once for every grid
     """
 
     def __init__(
@@ -291,7 +297,7 @@ class Grid:
         self._zones_by_size: dict[int, Zone] = {}
         self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
         # increments whose new cells did not slip before they were touched: `_solve_tangential`
-        self.without_early_slip = 0
+        self.increments_without_early_slip = 0
         # the state they are in; `_displacement` is U against a datum at the grid's length
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(no_cells, no_cells)
@@ -321,8 +327,9 @@ class Grid:
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
     def _zone(self, n_cells: int) -> Zone:
-        """Stiffness of so many cells side by side. Equal cells have one compliance matrix C
-        wherever they lie, and the root of C^-1 is a corner of that of all cells.
+        """Stiffness of so many cells side by side; the 120 last ones are kept. Equal cells have one
+        compliance matrix C wherever they lie, and the root of C^-1 is a corner of that of all
+        cells.
         """
         if n_cells not in self._zones_by_size:
             root = self._root_of_stiffness[:n_cells, :n_cells]
@@ -330,11 +337,11 @@ class Grid:
             self._zones_by_size[n_cells] = Zone(
                 root, traction_per_shift, float(np.sum(traction_per_shift))
             )
-            if len(self._zones_by_size) > _ZONES:
+            if len(self._zones_by_size) > _MOST_ZONES:
                 self._zones_by_size.pop(next(iter(self._zones_by_size)))
         return self._zones_by_size[n_cells]
 
-    def _inside(self, contact: ContactCells) -> NDArray[np.bool_]:
+    def _contact_mask(self, contact: ContactCells) -> NDArray[np.bool_]:
         """Which cells are in contact, (g, k)."""
         begin = contact.begin[:, None]
         end = contact.end[:, None]
@@ -365,7 +372,7 @@ class Grid:
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
-        for _ in range(_TURNS):
+        for _ in range(_MOST_ITERATIONS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
             # C p = delta - height over the cells in contact, and the sum of p is P over the step.
@@ -383,7 +390,7 @@ class Grid:
                 pressure[cells_in_contact] = (
                     approach[grids_of_size, None] * zone.traction_per_shift - pressure_by_height
                 )
-            is_inside = self._inside(contact)
+            is_inside = self._contact_mask(contact)
             gap = height - approach[:, None] + pressure @ self._compliance
             is_touching = np.where(is_inside, pressure > 0, gap < 0)
             if np.array_equal(is_touching, is_inside):
@@ -405,7 +412,8 @@ class Grid:
 
         Ahead of an edge that advances slip grows as the root of the distance. A cell that is
         touched after a share t of the increment has then made 2/3 t of the slip that it would have
-        made without contact: 1/3 in the mean over all t.
+        made without contact: 1/3 in the mean over all t. Where the earlier cells alone cannot carry
+        Q, new ones start without slip.
 
         Parameters
         ----------
@@ -434,9 +442,9 @@ class Grid:
                 if len(group) > 1:
                     groups_to_solve += np.split(group, len(group))
                 else:
-                    self.without_early_slip += 1
+                    self.increments_without_early_slip += 1
                 continue
-            is_new = self._inside(contact)[group] & ~self._inside(cells_in_both)[group]
+            is_new = self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
             slip_at_begin[group] += np.where(
                 is_new, _SLIP_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
             )
@@ -469,14 +477,14 @@ class Grid:
         friction_limit
             f p of the cells, (g, k) [stress]
         contact
-            the cells in contact
+            the cells in contact of each of the g grids
         slip_at_begin
             slip before the increment, (g, k) [length]
         grids
             numbers of the n grids that are solved, (n,): shapes of the result are (n, k) and
             (n,)
         """
-        is_inside = self._inside(contact)[grids]
+        is_inside = self._contact_mask(contact)[grids]
         n_cells = int(contact.n_cells[grids].max())
         zone = self._zone(n_cells)
         first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
@@ -486,7 +494,7 @@ class Grid:
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
         is_touching_in_zone = is_inside[grid_rows, columns]
         limit_in_zone = np.where(is_touching_in_zone, friction_limit[grids_and_columns], 0.0)
-        tolerance = _ROUNDING * friction_limit.max()
+        tolerance = _ROUND_OFF_SHARE * friction_limit.max()
         # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
         # before the increment
         shear_in_full_stick = (
@@ -520,6 +528,7 @@ class Grid:
 
         Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
         (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
+        Where P is not positive nothing touches, and Q is not looked at.
 
         U has two datums. The state, `_displacement`, holds U as it is solved for, against a datum
         at the distance of the grid's length. The field "displacement" is U against a datum at
@@ -546,9 +555,8 @@ class Grid:
             )
         shear, slip, slip_directions, displacement_in_grid = tangential_solution
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
-        state = np.where(self._inside(self._contact), _STATES[slip_directions], OPEN).astype(
-            np.int8
-        )
+        state_in_contact = _STATES_BY_DIRECTION[slip_directions]
+        state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(np.int8)
         fields: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
             "pressure": normal_solution.pressure,
@@ -563,7 +571,7 @@ class Grid:
             "work": self.step * np.sum(work_per_area, axis=1),
         }
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
-        fields["loop"] = _loop_between(self._last_fields or fields, fields)
+        fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
         self._shear = shear
         self.slip = slip
         self._displacement = displacement_in_grid
@@ -612,7 +620,7 @@ class Grid:
         """
         cells_before = self._contact
         shear_of_last_turn = self._shear
-        for _ in range(_TURNS):
+        for _ in range(_MOST_ITERATIONS):
             gap_by_shear = shear_of_last_turn @ self._coupling.T
             normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
             self._contact = normal_solution.contact
@@ -626,7 +634,7 @@ class Grid:
             )
             shear_change = float(np.max(np.abs(tangential_solution.shear - shear_of_last_turn)))
             shear_of_last_turn = tangential_solution.shear
-            if shear_change <= _ROUNDING * self.friction * normal_solution.pressure.max():
+            if shear_change <= _ROUND_OFF_SHARE * self.friction * normal_solution.pressure.max():
                 return normal_solution, tangential_solution
         raise ArithmeticError("pressure and shear by turns do not converge")
 
@@ -722,7 +730,7 @@ def _sliding_cells(
     ArithmeticError
         Where all cells slide, or the set does not settle.
     """
-    for _ in range(_TURNS):
+    for _ in range(_MOST_ITERATIONS):
         is_sliding = (direction != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
             raise ArithmeticError("all cells slip")
@@ -771,7 +779,7 @@ def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Ar
     return slip
 
 
-def _loop_between(fields_before: dict[str, Any], fields_at_end: dict[str, Any]) -> Array:
+def _work_of_loads_between(fields_before: dict[str, Any], fields_at_end: dict[str, Any]) -> Array:
     """Work of the loads in an increment, Q dU - m_q d eps, (g,) [energy per unit thickness], by the
     trapezoidal rule, from the fields before and at its end.
     """
@@ -967,7 +975,7 @@ class _Answers:
         number of increments that were solved
     works
         (g, c) friction work of the c cycles
-    work, loop
+    work, work_of_loads
         (g,) friction work of the last cycle; its closed integral of Q dU - m_q d eps
     density
         (g, k) friction work per area of the cells in the last cycle
@@ -988,7 +996,7 @@ class _Answers:
     increments: int = 0
     works: Array = field(default_factory=lambda: np.empty(0))
     work: Array = field(default_factory=lambda: np.empty(0))
-    loop: Array = field(default_factory=lambda: np.empty(0))
+    work_of_loads: Array = field(default_factory=lambda: np.empty(0))
     density: Array = field(default_factory=lambda: np.empty(0))
     permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
@@ -1071,8 +1079,9 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, compliance: Ar
     """State of g grids at one instant: q/(f p) and slip at points x (m,), the outer edges of stick,
     and the largest number of stick zones of a grid.
 
-    q/(f p) is interpolated between cells; slip follows from all tractions. A cell that sticks at
-    the edge of contact sticks up to that edge, wherever it lies in the cell: edge +-inf.
+    q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. A
+    cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
+    edge +-inf. Edges are NaN where nothing sticks.
 
     Parameters
     ----------
@@ -1178,7 +1187,7 @@ def _follow_cycles(
                 break
     answers.works = np.array(works_of_cycles).T
     answers.work = works_of_cycles[-1]
-    answers.loop = np.sum(fields.loop, axis=0)
+    answers.work_of_loads = np.sum(fields.work_of_loads, axis=0)
     answers.density = np.sum(fields.density, axis=0)
     answers.permanent_stick_edges = _permanent_edges(grid, fields, slip_before)
     return answers
@@ -1196,7 +1205,7 @@ def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
     slip_path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
     is_finite = np.isfinite(slip_path_of_cell)
     longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
-    is_stuck = slip_path_of_cell <= _STUCK * longest_slip_path[:, None]
+    is_stuck = slip_path_of_cell <= _STUCK_SHARE * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
     for grid_number, middles in enumerate(grid.x):
         stuck_middles = middles[is_stuck[grid_number]]
@@ -1227,8 +1236,9 @@ def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
-    """What was followed, n instants and k points; edges (n, 2), fields (n, k).
+class FollowedOnGrids:
+    """Loads, edges, fields and friction work along a path that was followed on grids: n instants, k
+    points; edges (n, 2), fields (n, k).
 
     Attributes
     ----------
@@ -1243,7 +1253,7 @@ class Followed:
     pressure, shear, slip, state
         (n, k), as in a ContactSolution
     works
-        friction work of each cycle that was followed; of the whole path where none repeats
+        friction work of each cycle that was followed; of the whole path where it has no cycle
     loop_work
         closed integral of Q dU - m_q d eps of the last [energy per thickness]
     unsteady_work
@@ -1256,7 +1266,7 @@ class Followed:
     permanent_stick_edges
         (2,) of the last cycle; NaN where none
     counts
-        grids, cells, increments, zones that stick
+        numbers of grids, cells, increments and zones that stick, by name
     errors
         relative, of dissipation, dissipation_density, shear and slip, as in a Record
     """
@@ -1291,7 +1301,9 @@ def cycles_needed(path: LoadPath, time: Array | None) -> int:
 
 
 def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
-    """Index of the first cycle whose work is that of the one before, to a share of it."""
+    """Index of the first cycle whose work is that of the one before, to a share of it; None where
+    there is no such cycle.
+    """
     for cycle in range(1, len(works)):
         if abs(works[cycle] - works[cycle - 1]) <= share * works[cycle]:
             return cycle
@@ -1300,11 +1312,12 @@ def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
 
 def remainder_of(works: Sequence[float]) -> float:
     """Estimated difference between the friction work W of the last cycle and that of the steady
-    cycle, from the changes of W from cycle to cycle, `works` (c,); infinite after a single cycle.
+    cycle, from the works `works` (c,) of the cycles so far; infinite after a single cycle.
 
-    The rest of a geometric series, where the last two ratios of changes are below a half, alike and
-    not rising. Else the changes may fall as slowly as k^-4, however fast the first ones were: then
-    it is k/3 times the last change.
+    The rest of a geometric series, where the last ratio of changes is below a half, and 0.8 to 1.05
+    times the one before. Else the changes may fall as slowly as k^-4, however fast the first ones
+    were: then it is k/3 times the last change, or the rest of a series where that is more. After
+    two cycles it is the change between them.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1359,7 +1372,7 @@ def follow_on_grid(
     x: Array,
     time: Array | None = None,
     request: GridRequest = GridRequest(),
-) -> Followed:
+) -> FollowedOnGrids:
     """Shear, slip and friction work of a load path with bulk stress and tilt, by cells from first
     touch, cycle by cycle until the friction work is steady to 1e-6; with their errors.
 
@@ -1427,7 +1440,7 @@ def follow_on_grid(
     errors = _errors_of_work(runs, density_of_grids, x)
     if request.pointwise and not runs.is_last_cycle_alone:
         errors |= _errors_of_fields(runs, friction_limit)
-    return Followed(
+    return FollowedOnGrids(
         time=runs.time,
         loads=fine_answers.loads,
         moment=contact.moment(contact_middle, half_width, load, tilt),
@@ -1440,7 +1453,7 @@ def follow_on_grid(
         slip=fields.slip,
         state=fields.state,
         works=runs.works_with_fine_last(),
-        loop_work=float(np.mean(fine_answers.loop)),
+        loop_work=float(np.mean(fine_answers.work_of_loads)),
         unsteady_work=remainder_of(works_of_cycles.tolist()),
         steady_from=first_repeat(works_of_cycles, STEADY),
         steady_tolerance=STEADY,
@@ -1636,7 +1649,9 @@ class _FieldsAtPoints(NamedTuple):
     def of_means(
         cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
-        """By the means over the grids; `friction_limit` (n, k) is f p."""
+        """Fields by the means over the grids; `friction_limit` (n, k) is f p. Shear is 0 outside
+        the contact.
+        """
         friction_ratio = np.where(is_in_contact, answers.friction_ratio, 0.0)
         state = _states_of(friction_ratio, is_in_contact)
         return cls(friction_limit * friction_ratio, answers.slip, state.astype(np.int8))
@@ -1693,8 +1708,8 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
         counts["increments"] += runs.coarse_answers.increments
     if runs.is_resumed:
         counts["cycles on coarse grids alone"] = runs.cycle_numbers[0]
-    if runs.fine_grids.without_early_slip:
-        counts["increments without early slip"] = runs.fine_grids.without_early_slip
+    if runs.fine_grids.increments_without_early_slip:
+        counts["increments without early slip"] = runs.fine_grids.increments_without_early_slip
     return counts
 
 
@@ -1709,7 +1724,7 @@ def _states_of(friction_ratio: Array, is_in_contact: NDArray[np.bool_]) -> NDArr
 
 def cycle_works(
     loads: PathLoads,
-    span: tuple[float, float],
+    outermost_edges: tuple[float, float],
     height: Callable[[Array], Array],
     friction: float,
     modulus: float,
@@ -1722,8 +1737,8 @@ def cycle_works(
 
     Parameters
     ----------
-    span
-        the outermost edges of contact, left and right, which the cells lie between [length]
+    outermost_edges
+        the leftmost and the rightmost edge of contact along the path [length]
     height
         h(x), the gap between the unloaded faces [length]
     friction, modulus
@@ -1736,7 +1751,9 @@ def cycle_works(
     InputError
         Where an increment does not converge.
     """
-    grids = _GridSetup(height, span, friction, modulus).moved_grids(request.cells, _SHIFTS)
+    grids = _GridSetup(height, outermost_edges, friction, modulus).moved_grids(
+        request.cells, _SHIFTS
+    )
     path = _PathInIncrements(loads, request.increments)
     n_cycles = request.most_cycles if loads.path.cycle else 0
     # number -1 is the initial loading before the first cycle, 0
@@ -1749,8 +1766,9 @@ def cycle_works(
 def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:
     """Times at which a solution on grids is given where the caller asks for none, (n,) ascending.
 
-    They are every second increment of all `cycles`, or of the last one only (`last_cycle_alone`),
-    and fewer of the initial loading. `increments` are those of a cycle.
+    They are as many as every second increment of all `cycles`, equally spaced, and fewer of the
+    initial loading; of the last cycle only with `last_cycle_alone`. `increments` are those of a
+    cycle.
     """
     if last_cycle_alone and path.period is not None:
         start_of_last_cycle = path.cycle_start + (cycles - 1) * path.period
@@ -1770,7 +1788,9 @@ def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alon
 
 
 def _work_density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
-    """Friction work per area of the last cycle, W(x), of each grid at points (m,): (g, m)."""
+    """Friction work per area of the last cycle, W(x), of each grid at points (m,), (g, m): linear
+    between the middles of cells, 0 beyond them.
+    """
     density_of_grids = [
         np.interp(x, middles, density_of_cells, left=0.0, right=0.0)
         for middles, density_of_cells in zip(grid.x, answers.density, strict=True)
@@ -1783,13 +1803,15 @@ def _relative_error(fine_values: Array, coarse_values: Array, convergence_order:
 
     It is the change of the mean from coarse grids, over 2^order - 1 (Richardson), plus twice the
     standard error of the mean. The latter comes from the means over every fourth grid. Arrays have
-    the grids along their first axis.
+    the grids along their first axis. 0 where the fine values are.
     """
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
     change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
-    means_of_groups = np.array([np.mean(fine_values[k::_GROUPS], axis=0) for k in range(_GROUPS)])
-    variance = np.var(means_of_groups, axis=0) / (_GROUPS - 1)
+    means_of_groups = np.array(
+        [np.mean(fine_values[k::_GROUP_COUNT], axis=0) for k in range(_GROUP_COUNT)]
+    )
+    variance = np.var(means_of_groups, axis=0) / (_GROUP_COUNT - 1)
     error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**convergence_order - 1)
     return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value

@@ -21,10 +21,10 @@ from scenes.body_effects import ZERO
 from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.odd_memory import ODD_NUMBERS
 
-# Of r and of r^2: the order after the fourth. Fitted with the next two numbers, see above.
-_AFTER_NEXT = (0.02, 0.1)
+# Factors of r and of r^2: the order after the fourth. Fitted with the next two numbers, see above.
+_FACTORS_OF_SIXTH_ORDER = (0.02, 0.1)
 _NEXT_ORDER_OF_TILT_AND_STRAIN = 0.6
-_PRODUCT = 0.5
+_FACTOR_ON_PRODUCT = 0.5
 LEAST_UNCERTAIN_FRACTION = 3e-5
 """Relative uncertainty of a value that the bodies change, whatever they are."""
 
@@ -48,8 +48,12 @@ coupling one of bodies without a mirror line, the two of fourth order.
 
 
 def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
-    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, fourth order over curvature; a is `half_width`."""
-    return max(_ratio(effects, curvature, half_width) for curvature, *_ in CURVATURES.values())
+    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, fourth order over curvature; a is `half_width`.
+    0 for a curvature that is 0.
+    """
+    return max(
+        _ratio_to_curvature(effects, curvature, half_width) for curvature, *_ in CURVATURES.values()
+    )
 
 
 def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
@@ -62,7 +66,7 @@ def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) ->
 
     The uncertainty is the relative one of the curvature itself, plus the order after the fourth,
     0.02 r + 0.1 r^2 with r = |N_4 a^2/N|, or |T_4 a^2/T|. a is the `half_width` of contact
-    [length]. The two factors are fitted, to the 133 bodies that the module names.
+    [length]. The two factors are fitted to 133 random bodies. 0 for a curvature that is 0.
 
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)
@@ -79,20 +83,21 @@ def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) ->
     }
 
 
-def uncertain_fraction_of_tilt_and_strain(of_curvatures: float, ratio: float) -> float:
+def uncertain_fraction_of_tilt_and_strain(change_by_curvatures: float, ratio: float) -> float:
     """Relative uncertainty of the change of the dissipation by tilt and bulk strain: their next
     order, and their product with the curvatures.
 
-    `of_curvatures` is the relative change by the curvatures, `ratio` that of `ratio_of_next_order`.
+    `change_by_curvatures` is the relative change of the dissipation by the curvatures, `ratio` that
+    of the fourth order over the curvatures, of `ratio_of_next_order`.
     """
-    return _NEXT_ORDER_OF_TILT_AND_STRAIN * ratio + _PRODUCT * abs(of_curvatures)
+    return _NEXT_ORDER_OF_TILT_AND_STRAIN * ratio + _FACTOR_ON_PRODUCT * abs(change_by_curvatures)
 
 
-def with_these_alone(effects: BodyEffects, words: str) -> BodyEffects:
+def with_one_group_alone(effects: BodyEffects, name_of_group: str) -> BodyEffects:
     """The effects without tilt and bulk strain, and with one group of `CURVATURES` alone."""
     other_effects: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
-    for other_words, names in CURVATURES.items():
-        if other_words != words:
+    for name_of_other_group, names in CURVATURES.items():
+        if name_of_other_group != name_of_group:
             other_effects |= dict.fromkeys(names, ZERO)
     return replace(effects, **other_effects)
 
@@ -111,17 +116,20 @@ def has_next_order(effects: BodyEffects) -> bool:
 def _uncertain_fraction_of_curvature(
     effects: BodyEffects, curvature: str, half_width: float
 ) -> float:
-    """Relative uncertainty of the change by one curvature; 0 where the curvature is 0."""
+    """Relative uncertainty of the change by one curvature of that name, its own and that by the
+    order after the fourth; 0 where the curvature is 0.
+    """
     estimate: Estimate = getattr(effects, curvature)
     if not estimate.value:
         return 0.0
-    linear, square = _AFTER_NEXT
-    ratio = _ratio(effects, curvature, half_width)
-    return estimate.uncertainty / abs(estimate.value) + linear * ratio + square * ratio**2
+    linear_factor, square_factor = _FACTORS_OF_SIXTH_ORDER
+    ratio = _ratio_to_curvature(effects, curvature, half_width)
+    own_uncertainty = estimate.uncertainty / abs(estimate.value)
+    return own_uncertainty + linear_factor * ratio + square_factor * ratio**2
 
 
-def _ratio(effects: BodyEffects, curvature: str, half_width: float) -> float:
-    """|N_4 a^2/N|, fourth order over curvature, of one curvature; 0 where the curvature is 0."""
+def _ratio_to_curvature(effects: BodyEffects, curvature: str, half_width: float) -> float:
+    """|N_4 a^2/N|, fourth order over curvature, for the curvature of that name; 0 where it is 0."""
     leading_estimate: Estimate = getattr(effects, curvature)
     if not leading_estimate.value:
         return 0.0

@@ -102,7 +102,7 @@ class Ellipses:
     permanent_stick_load: Array
 
     def take(self, members: Any) -> Ellipses:
-        """The ellipses of the numbers or mask `members`, arrays in its shape."""
+        """The ellipses with the given numbers, a slice or a mask, as numpy selects `members`."""
         return Ellipses(**{name: values[members] for name, values in vars(self).items()})
 
     def over(self, unit: Array) -> Ellipses:
@@ -137,8 +137,8 @@ class Ellipses:
         return np.maximum(ends, 2 * self.load_amplitude * self.sine_of_start * sine)
 
     def load(self, cosine: Array | float) -> Array:
-        """P where cos t is known, from the least load so that it keeps its digits close to full
-        unloading.
+        """P at the times t of given cos t, counted from the least load so that it keeps its digits
+        close to full unloading.
         """
         return (self.mean_load - self.load_amplitude) + self.load_amplitude * (1 + cosine)
 
@@ -203,11 +203,12 @@ def ellipses_of(
 
 
 def slip_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """Three values at angles `s` [rad] from the begin of one phase of slip: rate of (+-Q - f P)/f
-    per rad, load P - P_c of the slip zones, and normal load P, shape of `s`.
+    """Three values at angles `s` [rad] in one phase of slip: rate of (+-Q - f P)/f per rad, load
+    P - P_c of the slip zones, and normal load P, shape of `s`.
 
-    The phase is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). P_c is the
-    load at which the edge of contact would be at the stick edge. Loads are forces per thickness.
+    The phase is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). s counts from
+    the begin of E-G and I-J, and back from the end of J-M. P_c is the load at which the edge of
+    contact would be at the stick edge. Loads are forces per thickness.
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code.
     if name == "I-J":
@@ -245,23 +246,29 @@ def half_angle(squared_sine: Array) -> Array:
     return 2 * np.arcsin(np.sqrt(np.clip(squared_sine, 0.0, 1.0)))
 
 
-def _stick_edge_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
-    """Angles at which the stick edge is at given loads P: 2 arcsin of the roots of (P - P_T)/v and
-    of (P - P_T)/u, for the phases of slip E-G and J-M.
+def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
+    """Angles [rad] at which the load at the stick edge is P = `loads`, for the phases of slip E-G
+    and J-M: 2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u.
+
+    Both count back from the end of the phase. They are 0 for P below P_T, the load of the permanent
+    stick zone, and pi for loads that the stick edge does not reach.
     """
-    load_above = np.maximum(loads - e.permanent_stick_load, 0.0)
-    by_v = half_angle(load_above / np.where(e.v > 0, e.v, np.inf))
-    by_u = half_angle(load_above / np.where(e.u > 0, e.u, np.inf))
-    return by_v, by_u
+    u = ellipses.u
+    v = ellipses.v
+    load_above = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
+    angle_in_e_to_g = half_angle(load_above / np.where(v > 0, v, np.inf))
+    angle_in_j_to_m = half_angle(load_above / np.where(u > 0, u, np.inf))
+    return angle_in_e_to_g, angle_in_j_to_m
 
 
 def corner_angles(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
-    """Angles [rad] from the begin of each slip phase between which its integrands are smooth,
-    (cuts, m) ascending, by the name of the phase.
+    """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
+    by the name of the phase.
 
-    "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Cuts are the ends of a phase, and
-    where the edge of contact or of stick passes a corner of the profile. There P or P_c, the load
-    at the stick edge, equals one of the loads `corners` (c, 1).
+    "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the begin of E-G and
+    I-J, and back from the end of J-M. Cuts are the ends of a phase, and where the edge of contact
+    or of stick passes a corner of the profile. There P or P_c, the load at the stick edge, equals
+    one of the loads `corners` (c, 1). A corner that is not met adds a cut of no consequence.
     """
     cosine_at_corner = (corners - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
@@ -376,13 +383,14 @@ def _work_density_of_phases(
 
 def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Array, Array], ...]:
     """Angles [rad] between which the point x of each ellipse slips: number of the slip phase, first
-    and last angle from the begin of the phase, (m, 1) each.
+    and last angle s in the phase, (m, 1) each. It does not slip where the last is below the first.
 
     # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
     #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E to
-    #           G, s angle from the begin of a phase, t_E time of E
+    #           G; s angle from the begin of E-G and I-J, back from the end of J-M; t_E time of E
 
-    The phases are E-G, reverse slip, and I-J, J-M, forward slip. The point is in contact for
+    The phases are E-G, reverse slip, and I-J, J-M, forward slip. E-G comes twice, before and after
+    the least load, at which the point may be open. The point is in contact for
     pi + h < t < 3 pi - h; 2 h is the angle about the least load within which it is open,
     2 P1 sin^2(h/2) = P_x - P_min. The stick edge passes it in E-G where sin^2((D - s)/2) = (P_x -
     P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
@@ -496,11 +504,11 @@ _GRADED_RULES = (_graded_piece_rule(),)
 _PHASE_RULES = (_legendre_piece_rule(20, 0), _legendre_piece_rule(24, 2))
 _COURSE_RULES = tuple(_legendre_piece_rule(count, 1) for count in (8, 10, 12, 16, 24))
 _COURSE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
-# The same for the three last coefficients: they fall like a power where two corners are close, and
-# leave 1e-3 of themselves; in courses of loads so many times P0^2 of W are enough: they leave 2e-12
-# of P0^2 where P hardly grows, 1e-14 elsewhere.
+# The share of W below which the three last coefficients have converged: they fall like a power
+# where two corners are close, and leave 1e-3 of themselves. In courses of loads the share is one of
+# 50 P0^2 where W is less: that leaves 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
 _COEFFICIENT_SHARE = 3e-8
-_LEAST_WORK = 50.0
+_LEAST_WORK_OF_COURSES = 50.0
 # Error of an integral over its largest error check, at most: where the interval has converged, and
 # where W is too small for that.
 _ERROR_OVER_CHECK = 1e-2
@@ -692,18 +700,18 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     return dissipation_and_error(ellipses, contact)[:2]
 
 
-def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Friction work W pi E*/(2 f^2) of forward and of reverse slip of m ellipses on any profile,
-    and an upper bound of the error of their sum, (3, m); NaN where the quadrature does not
-    converge.
+def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """Friction work W pi E*/(2 f^2) of forward and of reverse slip per steady cycle of m ellipses
+    on any profile, and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2];
+    NaN where the quadrature does not converge.
     """
-    works = np.empty((3, len(e.mean_load)))
-    for ellipse_numbers, first_octave, last_octave in groups_by_largest_load(e):
+    works = np.empty((3, len(ellipses.mean_load)))
+    for ellipse_numbers, first_octave, last_octave in groups_by_largest_load(ellipses):
         works[:, ellipse_numbers] = _dissipation_of_group(
-            e.take(ellipse_numbers), contact, first_octave, last_octave
+            ellipses.take(ellipse_numbers), contact, first_octave, last_octave
         )
     total = works[0] + works[1]
-    works[2] += roundoff_error(e, total) + contact.noise * np.abs(total)
+    works[2] += roundoff_error(ellipses, total) + contact.noise * np.abs(total)
     return works
 
 
@@ -714,9 +722,9 @@ def _dissipation_of_group(
     error of their sum, (3, m).
 
     Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
-    from the largest load P - P_c of the slip zones over P0. Deep slip: integrals over the loads P
-    and P_c. Shallow slip: a table of ln a. The least slip: the kernel Lam = int ln(a(eta)/a(P_c)) d
-    eta of the normal contact, slow but with all digits.
+    from the largest load P - P_c of the slip zones over P0. Above 0.002: integrals over the loads P
+    and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and
+    for eight ellipses or fewer: Lam of the normal contact itself, slow but with all digits.
     """
     works = np.empty((3, len(ellipses.mean_load)))
     slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load
@@ -808,8 +816,8 @@ def _work_over_phases(
     works_of_phases, error = _integrals_by_group(
         ellipses, pieces, len(PHASES), work_rate, rules, converged_share
     )
-    reverse, forward_work_later, forward_work_early = works_of_phases
-    return np.stack([forward_work_later + forward_work_early, reverse, error])
+    reverse, forward_work_early, forward_work_later = works_of_phases
+    return np.stack([forward_work_early + forward_work_later, reverse, error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -825,8 +833,8 @@ def _work_over_loads(
     load at the stick edge. A course is one of these loads through one phase of slip: E-G (reverse),
     I-J or J-M (forward). Courses are cut at the `corner_loads` (n,), between which ln a is smooth.
 
-    Angles are t along P; along P_c in phase I-J 2 t_I - t, where P_c is P at that time, D - s in
-    E-G and s in J-M. s is the angle from the begin of a phase, D the angle from E to G.
+    Angles are t along P; along P_c in phase I-J 2 t_I - t, where P_c is P at that time. In E-G and
+    J-M the angle along P_c counts back from the end of the phase, where P_c is least.
     """
     # L counts from that of P0: what is left of any constant is round-off.
     log_at_mean = log_half_width(ellipses.mean_load[None])[0]
@@ -849,7 +857,7 @@ def _work_over_loads(
         weighted_log,
         _COURSE_RULES,
         _COEFFICIENT_SHARE,
-        _LEAST_WORK,
+        _LEAST_WORK_OF_COURSES,
     )
     (
         load_course_of_reverse,
@@ -927,7 +935,8 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     along one course: P, or P_c at the stick edge, through a phase of slip.
 
     `name` is the load and the phase, such as "P_c, E-G". `angle` [rad] is the variable along the
-    course. One tangent of half of it stands for sine and cosine, since numpy has it in vector code.
+    course: t for P, 2 t_I - t for P_c in I-J, else counted back from the end of the phase. One
+    tangent of half of it stands for sine and cosine, since numpy has it in vector code.
     """
     tangent = np.tan(angle / 2)
     squared_tangent = tangent * tangent
@@ -1007,13 +1016,14 @@ def _integrals_by_group(
     integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
     converged_share: float,
-    least_share: float = 0.0,
+    least_work: float = 0.0,
 ) -> tuple[Array, Array]:
     """Integrals for the friction work of each ellipse, summed by group, (n_groups, m), and the
-    error of their sum, (m,); NaN where no halving converges.
+    error of their sum, (m,); NaN where fifteen halvings do not converge.
 
     A group is a phase of slip, or P or P_c through a phase; its range of angles is given cut into
     intervals, the `pieces`. Those whose error checks are too large are halved and integrated again.
+    After three halvings an error check of 1e-14 P0^2 is enough.
 
     Parameters
     ----------
@@ -1021,14 +1031,15 @@ def _integrals_by_group(
         of (group, ellipse, angle) arrays
     rules
         quadrature rules, of which each interval names one
-    converged_share, least_share
+    converged_share, least_work
         an interval has converged if its error check is below `converged_share` times W, or times
-        `least_share` P0^2 where that is more
+        `least_work` P0^2 where that is more; fewer than 100 ellipses take neither `least_work` nor
+        any rule but the last
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
         pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
-        least_share = 0.0
+        least_work = 0.0
     works_of_groups = np.zeros((n_groups, n_ellipses))
     error_of_ellipse = np.zeros(n_ellipses)
     work_size = np.zeros(n_ellipses)
@@ -1037,7 +1048,7 @@ def _integrals_by_group(
         ellipse_of_piece = pieces.ellipse
         if not halvings:
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
-            work_size = np.maximum(work_of_ellipse, least_share * np.square(ellipses.mean_load))
+            work_size = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
         is_check_small = ~(checks > converged_share * work_size[ellipse_of_piece])
         is_check_negligible = checks <= _NEGLIGIBLE_CHECK * np.square(
             ellipses.mean_load[ellipse_of_piece]
@@ -1235,8 +1246,8 @@ def works_by_lam(
     each [force^2 per thickness^2].
 
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
-    a(P_c)] d eta, or a multiple of it. Each ellipse gets as few nodes as it needs. Ellipses of one
-    rule and one formula for Lam are integrated together.
+    a(P_c)] d eta, or a multiple of it, which W then has too. Each ellipse gets as few nodes as it
+    needs. Ellipses of one rule and one formula for Lam are integrated together.
 
     Parameters
     ----------
@@ -1328,11 +1339,11 @@ def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Arra
 
 def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     """Number in `_RULES` of the Gauss rule with the fewest nodes that is good enough for the
-    friction work of each ellipse, (m,).
+    friction work of each ellipse, (m,); of the graded rule, the last, where none is.
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
-    #           P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; s angle from the begin of a
-    #           phase, D length of E-G and of J-M, pi - D that of I-J; t_E time of E
+    #           P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; s angle from the begin of E-G
+    #           and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E time of E
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
     and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
@@ -1562,7 +1573,7 @@ class LamTable:
         where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
 
     The number of a cell is that of the leading bits of the load, so that there is no search. To
-    1e-13. `largest_log_half_width` is the largest L.
+    1e-13. `largest_log_half_width` is the largest L in the table.
     """
 
     def __init__(self, contact: Contact, first_octave: int, last_octave: int) -> None:
@@ -1606,7 +1617,8 @@ class LamTable:
         the cell, shape of `load`.
 
         Both come from the bits of the number: its exponent and the leading bits of its fraction
-        count the cells, and the other bits of the fraction are the position.
+        count the cells, and the other bits of the fraction are the position. AssertionError for a
+        load outside the table.
         """
         bits = load.view(np.int64)
         position_bits = bits & _FRACTION_BITS

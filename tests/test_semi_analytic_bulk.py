@@ -1303,7 +1303,7 @@ def test_a_cell_that_opens_does_not_stick_though_it_does_not_slip():
 
 
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
-    monkeypatch.setattr(dense_grid, "_TURNS", 1)
+    monkeypatch.setattr(dense_grid, "_MOST_ITERATIONS", 1)
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]))
     with pytest.raises(
         InputError,
