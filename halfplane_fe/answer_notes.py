@@ -111,11 +111,16 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     x = arrays["x"]
     slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
     largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)
-    creep_share = largest_creep / max(float(slip_range.max()), 1e-300)
+    between_edges = "No node between them slips"
+    if largest_creep:
+        creep_share = largest_creep / float(slip_range.max())
+        between_edges = (
+            "What slips between them counts as stuck: it slips by"
+            f" {creep_share:.1e} of the largest slip at most"
+        )
     yield (
         f"the permanent stick zone, {zone_ends[0]:.6g} to {zone_ends[1]:.6g}, reaches beyond the"
-        f" stick edges of {n_narrower} of {len(outward_edges)} instants. What slips between them"
-        f" counts as stuck: it slips by {creep_share:.1e} of the largest slip at most"
+        f" stick edges of {n_narrower} of {len(outward_edges)} instants. {between_edges}"
     )
 
 

@@ -17,7 +17,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import FiniteElementSolution, SolverSettings, resolution
+from halfplane_fe import FiniteElementSolution, SolverSettings, answer_notes, resolution
 from meshes import MeshSettings
 from reports.cli import main
 from reports.comparison.words import summary_rows
@@ -398,3 +398,35 @@ def test_without_shear_the_error_of_the_pressure_alone_asks_for_a_note():
     """At 8 elements q is off by 8 %, p by 3 %."""
     errors = [resolution._ExpectedErrors(1.0, sheared=sheared) for sheared in (True, False)]
     assert [error.call_for_note(8.0) for error in errors] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("slip_between", "words"),
+    [
+        (0.0, "No node between them slips"),
+        (2e-4, "it slips by 2.0e-04 of the largest slip at most"),
+    ],
+)
+def test_a_permanent_stick_zone_beyond_the_stick_edges_says_what_slips_between(
+    slip_between: float, words: str
+) -> None:
+    """Of two nodes between the edges of an instant and the permanent stick zone."""
+    scene = load_scene("cattaneo-mindlin")
+    path = scene.load.path()
+    time = path.cycle_start + np.array([0.0, 0.25, 0.5, 0.75]) * path.period
+    slip = np.zeros((4, 5))
+    slip[2] = 1.0, slip_between, 0.0, slip_between, 1.0
+    edges = np.tile([-0.6, 0.6], (4, 1))
+    edges[2] = -0.4, 0.4
+    arrays = {
+        "permanent_stick_edges": np.array([-0.6, 0.6]),
+        "stick_edges": edges,
+        "stick_edge_uncertainty": np.full((4, 2), 1e-3),
+        "time": time,
+        "normal_load": np.full(4, 100.0),
+        "x": np.linspace(-1.0, 1.0, 5),
+        "slip": slip,
+    }
+    (note,) = answer_notes._creep_notes(scene, arrays)
+    assert "reaches beyond the stick edges of 1 of 4 instants" in note
+    assert words in note
