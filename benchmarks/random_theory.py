@@ -39,7 +39,7 @@ from scenes import (
 )
 from semi_analytic import answer_on_grids
 from semi_analytic.grid import CELLS, INCREMENTS, GridRequest
-from semi_analytic.memory import PROMISED
+from semi_analytic.memory import PROMISED_ERROR
 from semi_analytic.profiles import contact_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
@@ -205,7 +205,7 @@ def _errors(true_error: Any, stated: float) -> Errors:
 
 def _stated(answer: ContactSolution, name: str) -> float:
     """What an answer states over the largest value: its error, or what all closed forms promise."""
-    return answer.record.errors.get(name, 0.0) + PROMISED
+    return answer.record.errors.get(name, 0.0) + PROMISED_ERROR
 
 
 def _places(scene: Scene) -> tuple[Array, Array]:

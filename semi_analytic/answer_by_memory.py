@@ -51,7 +51,7 @@ from semi_analytic.bulk_and_tilt import OneCurve
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
-    Loop,
+    LoopOfSeries,
     LoopWork,
     closed_integral,
     density_of_records,
@@ -68,13 +68,13 @@ from semi_analytic.load_series import (
     States,
     StepBlock,
     blocks,
-    depth_of,
+    line_count_of,
     series_of,
     straight_series,
 )
 from semi_analytic.memory import (
     LAST_DIGITS,
-    PROMISED,
+    PROMISED_ERROR,
     Piece,
     Snapshot,
     force_on_piece,
@@ -160,6 +160,13 @@ def by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
     The memory curve is the tangential force of the flat punches up to each normal load. With bulk
     stress or tilt one curve is enough for some load paths alone: `bulk_tilt_path` has such a path
     and its tilted contact. It is None without bulk stress and tilt.
+
+    Raises
+    ------
+    InputError, InadmissibleLoadError
+        For a time outside the load path, straight steps without times; gross sliding, separation.
+    NotFoundError
+        Where a value of a field, a half-width or an error is not a number.
     """
     started = clock.perf_counter()
     scene = question.scene
@@ -226,11 +233,12 @@ def by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
 
 
 def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> LoadSeries | History:
-    """The load path of a question, followed with its friction history: straight steps between the
-    times asked for, or the curved path of the scene.
+    """The load path of a question, followed with its friction history: the path of the scene, or
+    straight steps between its loads at the times asked for where the question wants these.
 
     With bulk stress or tilt `bulk_tilt_path` has the P and Q to follow, and the tilted contact;
-    None without these.
+    None without these. A path comes as a `LoadSeries` where it is all straight, else as a
+    `History`.
 
     Raises
     ------
@@ -253,11 +261,11 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
     """The load path of a scene with its friction history: by straight steps where all its load
     segments are straight, else by times of stick and of slip in one direction.
 
-    A segment is curved where a sum of P and Q may turn inside of it.
+    A segment is curved where a weighted sum of P and Q may have a turning point inside of it.
     """
     if not isinstance(scene.load, TimeSeriesLoad):
         path = scene.load.path()
-        if any(leg.most_turns for leg in (*path.initial_loading, *path.cycle)):
+        if any(segment.most_turns for segment in (*path.initial_loading, *path.cycle)):
             return history_of(path, scene.friction.coefficient, scene.cycles, time)
     return series_of(scene, time)
 
@@ -299,8 +307,8 @@ def _request_of(
 
 
 def folded(x: Array) -> tuple[Array, Indices]:
-    """Different |x| (k,), ascending, and where each point (m,) finds its own; sides that differ by
-    a last digit are one.
+    """Different |x| (k,), ascending, and for each point (m,) the index of its own among them.
+    Distances that differ by at most two last digits of the largest count as one.
 
     >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
@@ -360,7 +368,8 @@ class PathResult:
     least_stick_load
         least P_c of the last cycle [force per thickness]
     largest_slip_zone_share
-        largest (P - P_c)/P of all that was followed
+        largest P - P_c of all that was followed, over its largest P; of straight steps the largest
+        of these shares of a part of the path, initial loading or cycle
     works
         (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
     work_errors
@@ -375,9 +384,10 @@ class PathResult:
     spans
         times of stick, or of slip in one direction, of the last cycle; none for straight steps
     work_increments
-        (n,) friction work since the instant before, empty where instants lie between rows
+        (n,) friction work since the instant before, empty where instants lie between rows or the
+        work was not wanted
     counts
-        what was done
+        numbers of spans, pieces of memory curves, quadratures and their nodes, by name
     n_skipped_in_stick
         how many quadratures were not done, since nothing slips
     """
@@ -446,7 +456,7 @@ class _InstantsOnPath(NamedTuple):
 
     @property
     def all_at_rows(self) -> bool:
-        """Whether each instant is a row of the series, the end of a step."""
+        """Whether each instant is a row of the series: the end of a step, or the start of all."""
         is_start = (self.share_of_step == 0) & (self.step == 0)
         return bool(np.all((self.share_of_step == 1) | is_start))
 
@@ -485,10 +495,10 @@ class _SeriesSums:
     Attributes
     ----------
     works, work_errors, slip_zone_shares
-        (parts,) friction work of each part of the path, its error [energy per thickness], and the
-        largest (P - P_c)/P
+        (parts,) friction work of each part of the path, its error [energy per thickness], and its
+        largest P - P_c over its largest P
     step_works
-        (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
+        (steps + 1,) a 0, then the friction work of each step; (1,) where it is not wanted
     density
         (k,) W(x) of the last cycle
     least_stick_load
@@ -496,7 +506,7 @@ class _SeriesSums:
     n_skipped_in_stick
         integrals that were not taken, since nothing slips
     counts
-        what was done
+        numbers of records, slips, pieces of memory curves, quadratures and their nodes, by name
     """
 
     works: Array
@@ -538,13 +548,13 @@ class _SeriesSums:
         n_records = len(block.records.row)
         n_slips = int(np.count_nonzero(block.records.direction))
         n_steps = len(block.rows) - 1
-        pieces_after = depth_of(block.curve)
+        pieces_after = line_count_of(block.curve)
         self.counts["spans"] += n_records
         self.counts["slips"] += n_slips
         self.counts["slip_quadratures"] += integrals_per_record * n_slips
         self.n_skipped_in_stick += integrals_per_record * (n_records - n_slips)
         self.counts["pieces_dropped"] += n_steps + pieces_before - pieces_after
-        self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.most_lines)
+        self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.largest_line_count)
 
     def add_block(
         self,
@@ -620,8 +630,8 @@ class _SeriesSums:
     def update_slip_zone_share(
         self, block: StepBlock, part_number: int, largest_load: float
     ) -> None:
-        """Raise the largest (P - P_c)/P of a part of the path to that of a block of it, where it is
-        higher there. P is the `largest_load` of the part.
+        """Raise the largest P - P_c over the `largest_load` P of a part of the path to that of a
+        block of it, where it is higher there.
         """
         self.slip_zone_shares[part_number] = max(
             self.slip_zone_shares[part_number], block.largest_slip_zone_load / largest_load
@@ -674,13 +684,13 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             work_of_steps=wants_increments,
             density=wants_density and is_last,
         )
-        pieces_before = depth_of(part.curve)
-        for first_row, block in blocks(part, friction, states.curves):
+        pieces_before = line_count_of(part.curve)
+        for first_row, block in blocks(part, friction, states.stores_curves):
             first_step = series.first_steps[part_number] + first_row
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
             path_sums.update_slip_zone_share(block, part_number, part.largest_load)
             path_sums.count(block, wanted_integrals.count_per_record, pieces_before)
-            pieces_before = depth_of(block.curve)
+            pieces_before = line_count_of(block.curve)
             path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
             if is_last:
                 path_sums.update_least_stick_load(block)
@@ -696,8 +706,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         work_errors = relative_errors[covered_parts]
     work_increments = np.empty(0)
     if wants_increments:
-        revolutions = series.revolutions_beyond(request.time)
-        work_beyond = revolutions * path_sums.works[last_part]
+        work_beyond = series.cycles_beyond(request.time) * path_sums.works[last_part]
         work_increments = _increments_of_work(path_sums, instants, work_beyond)
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathResult(
@@ -709,34 +718,34 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         work_errors=work_errors,
         density=path_sums.density if wants_density else np.full(len(path_sums.density), math.nan),
         density_error=rounding_of_parts[last_part] if wants_density else 0.0,
-        loop_integral=loop_integral.value if loop_integral is not None else None,
+        loop_integral=loop_integral.work if loop_integral is not None else None,
         spans=(),
         work_increments=work_increments,
         counts={
             "rows": len(series.times),
             **path_sums.counts,
-            "curves": len(snapshot.uppermost_pieces) if states.curves else 0,
+            "curves": len(snapshot.uppermost_pieces) if states.stores_curves else 0,
         },
         n_skipped_in_stick=path_sums.n_skipped_in_stick,
     )
 
 
-def _empty_loop_integral(series: LoadSeries, request: Request) -> Loop | None:
-    """The closed integral of Q dU of the last cycle, to which its blocks are to be added; None
-    where it is not asked for or the cycle is not steady.
+def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopOfSeries | None:
+    """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
+    added; None where it is not asked for or the cycle is not steady.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
         return None
     last_cycle = series.parts[series.covered_parts[-1]]
-    return Loop(request.contact, request.modulus, series.friction, last_cycle.largest_load)
+    return LoopOfSeries(request.contact, request.modulus, series.friction, last_cycle.largest_load)
 
 
 def _increments_of_work(
     path_sums: _SeriesSums, instants: _InstantsOnPath, work_beyond: Array
 ) -> Array:
     """Friction work between successive instants of a request, (n,), 0 for the first one [energy per
-    thickness]. All instants are ends of load steps.
+    thickness]. All instants are ends of load steps, or the start of the path.
 
     Parameters
     ----------
@@ -757,14 +766,14 @@ def _increments_of_work(
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
     """Numbers of the parts of a path, initial loading or cycles, to be followed: those that the
-    answer covers, and those from the first to the last of the steps (n,), which are ascending.
+    answer covers, and all from the part of the first to that of the last `step`, (n,) ascending.
     """
     first_part, last_part = np.searchsorted(series.first_steps, step[[0, -1]], side="right") - 1
     return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
 
 
 class _WorkOfCycle(NamedTuple):
-    """Friction work of a cycle, and its relative error."""
+    """Friction work of a cycle [energy per thickness], and its relative error."""
 
     work: float
     error: float
@@ -774,7 +783,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     """Friction states at the instants of a request, and friction work of the cycles, along a curved
     load path, from its spans: times of full stick, or of slip in one direction.
 
-    W(x) and the closed integral of Q dU are those of the last covered cycle.
+    W(x) and the closed integral of Q dU are those of the last covered cycle. The integral is None
+    where that cycle is not steady or no friction work was wanted.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -842,7 +852,7 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
 
 
 def _least_stick_load(spans: Sequence[Span]) -> float:
-    """The least load P_c at the stick edge of a cycle [force per thickness].
+    """The least load P_c at the stick edge of a cycle [force per thickness]; P where nothing slips.
 
     P_c is the normal load whose contact half-width is that of the stick zone. `spans` are the times
     of stick, or of slip in one direction; P_c is taken at their ends.
@@ -900,7 +910,7 @@ def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _
     work_forward, work_reverse = works_over_time(ellipses, request.contact)  # times pi E*/(2 f^2)
     scaled_work = float(work_forward[0] + work_reverse[0])
     work = request.unit_compliance * friction**2 * scaled_work
-    return _WorkOfCycle(work, roundoff_error if roundoff_error > PROMISED else 0.0)
+    return _WorkOfCycle(work, roundoff_error if roundoff_error > PROMISED_ERROR else 0.0)
 
 
 def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
@@ -932,8 +942,11 @@ def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | Non
 
 
 def _loop_work_of(answer: PathResult) -> float:
-    """Closed integral of Q dU of the last cycle [energy per thickness]; NaN where there is none, or
-    round-off leaves less than two digits of it, too few to compare the friction work with.
+    """Closed integral of Q dU of the last cycle [energy per thickness]; 0 where nothing is
+    dissipated.
+
+    NaN where there is none, or where round-off leaves less than two digits of it, too few to
+    compare the friction work with.
     """
     if answer.loop_integral is None:
         return math.nan
@@ -951,7 +964,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
 
     With bulk stress and tilt also these, and the moments of the tractions; edges are then those of
     the tilted contact. `snapshot` has the friction states at the instants. Displacements that were
-    not asked for are NaN, and so are the edges of no stick zone.
+    not asked for are NaN, and so are the edges of no stick zone. Under a flat face the stick zone
+    is no narrower than the flat, at the very limit |Q| = f P too.
 
     Raises
     ------
@@ -992,7 +1006,7 @@ def _values_with_bulk_and_tilt(
     request: Request, bulk_tilt_path: OneCurve, snapshot: Snapshot, values: Mapping[str, Array]
 ) -> dict[str, Array]:
     """What bulk stress and tilt add to the values over time, or change in them, by name: bulk
-    stresses, tilt, moments of pressure and of shear (n,), edges (n, 2), Q and approach.
+    stresses, tilt, moments of pressure and of shear, half-width, Q and approach (n,), edges (n, 2).
 
     `values` are those of a contact centred at x = 0. `snapshot` has the friction states.
     """
@@ -1096,8 +1110,9 @@ def _state_of(
     """State of contact at the instants and distances of a request, (n, k): open, stick, slip
     forward or slip in reverse, by the codes of a ContactSolution.
 
-    A point in contact sticks between the stick edges and slips outside of them, in the direction
-    that `snapshot` has. Edges of contact and of stick, (n, 2), are in `loads_and_edges`.
+    A point in contact sticks between the stick edges. Outside of them it slips in the direction
+    that `snapshot` has, and sticks where that is 0. Edges of contact and of stick, (n, 2), are in
+    `loads_and_edges`; stick edges are NaN where nothing sticks.
     """
     contact = request.contact
     distances = request.distance
@@ -1156,7 +1171,7 @@ def _relative_errors(
         errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
         (tangential force of the flat punches up to each load)
     loop_work
-        closed integral of Q dU of the last cycle
+        closed integral of Q dU of the last cycle, NaN where there is none to compare W with
 
     Raises
     ------
@@ -1165,7 +1180,7 @@ def _relative_errors(
     """
     contact = request.contact
     errors = {"dissipation_density": path_answer.density_error}
-    if request.wants("pressure", *arc_errors):
+    if request.wants("pressure", "shear", "slip"):
         kernel_sums = _kernel_sums(
             request, path_answer.snapshot, loads_and_edges, fields, arc_errors
         )
@@ -1189,7 +1204,7 @@ def _relative_errors(
         )
         error_of_last_cycle = float(path_answer.work_errors[-1])
         loop_error = error_of_last_cycle + difference_of_routes
-        errors["loop_work"] = loop_error if loop_error > PROMISED else 0.0
+        errors["loop_work"] = loop_error if loop_error > PROMISED_ERROR else 0.0
         errors["dissipation"] = error_of_last_cycle + kernel_error
         errors["dissipation_density"] += errors["dissipation"]
         error_of_worst_cycle = float(np.max(path_answer.work_errors))
@@ -1204,8 +1219,9 @@ def _relative_errors(
 
 
 def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
-    """The closed integral of Q dU of the last cycle, a second route to the friction work, and its
-    round-off; both over A/pi [force^2 per thickness^2].
+    """The closed integral of Q dU of the last cycle, `loop_work`, a second route to the friction
+    work, and its round-off; both over A/pi [force^2 per thickness^2]. NaN and 0 where there is
+    none.
     """
     loop_integral = path_answer.loop_integral
     roundoff = loop_integral.rounding if loop_integral is not None else 0.0
@@ -1219,8 +1235,8 @@ def _kernel_sums(
     fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
 ) -> Sums:
-    """What the error estimate of pressure, shear and slip needs at a sample of instants: points,
-    loads, half-widths, the largest slip, and the number of terms in the sums that they are.
+    """What the error estimate of pressure, shear and slip needs: points, half-widths at all
+    instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
     straight piece of it adds its slope times the difference of a kernel at both its ends.
@@ -1268,7 +1284,7 @@ def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> d
         return {}
     # Each neglected load is a share of what makes an edge of contact slip or lift.
     neglected_share = sum(bulk_tilt_path.neglected.values())
-    if neglected_share <= PROMISED:
+    if neglected_share <= PROMISED_ERROR:
         return {}
     return dict.fromkeys(sorted(question.fields & _OF_FRICTION), neglected_share)
 
@@ -1286,8 +1302,9 @@ def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
 def _notes_of_path(
     question: Question, path: LoadSeries | History, n_rows: int, n_rows_left_out: int
 ) -> Iterator[str]:
-    """Sentences for the notes of an answer: that the last cycle is not steady, and that the answer
-    to a measured record is given at `n_rows` of its rows, without `n_rows_left_out`.
+    """Sentences for the notes of an answer: that the last cycle of a periodic path is not steady,
+    where friction work was wanted; and that the answer to a measured record is given at `n_rows` of
+    its rows, without `n_rows_left_out`.
     """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
@@ -1303,7 +1320,9 @@ def _notes_of_path(
 
 
 def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
-    """Sentences for the notes of an answer: one for each relative error above `_DOUBTFUL`."""
+    """Sentences for the notes of an answer: one for each relative error above 1e-9, but for those
+    of fields next to an edge.
+    """
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
             reference = "the largest value"
@@ -1316,7 +1335,7 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
 
 
 def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
-    """How a followed path ended, steady or not, as a term and as a sentence."""
+    """How a followed path ended, as a term, "steady" or "end of path", and as a sentence."""
     if path.period is None:
         return "end of path", "the path was followed to its end"
     if path.steady_from is None:

@@ -22,7 +22,7 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.loops_in_phase import STROKE_NODES, Stroke, work_by_loads
-from semi_analytic.memory import PROMISED
+from semi_analytic.memory import PROMISED_ERROR
 
 _INSTANTS = 400  # of the cycle, besides turning points
 
@@ -110,7 +110,7 @@ def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
         termination="steady",
         message="the second cycle ends in the state it started from",
         notes=tuple(neglected_coupling(scene.material)),
-        errors={name: error for name, error in errors.items() if error > PROMISED},
+        errors={name: error for name, error in errors.items() if error > PROMISED_ERROR},
         counts={"quadrature_nodes": 4 * STROKE_NODES**2, "cycles_solved": 1},
         seconds={"dissipation": clock.perf_counter() - started},
     )

@@ -47,7 +47,7 @@ from semi_analytic.corrected import curvatures_of, notes_of_batch
 from semi_analytic.corrected_batches import CurvatureColumns, EllipseOfLoads, works_of_ellipses
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.memory import LAST_DIGITS, PROMISED
+from semi_analytic.memory import LAST_DIGITS, PROMISED_ERROR
 from semi_analytic.phases import accepts_phase, phase_in_radians
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.steady_ellipse import (
@@ -234,7 +234,7 @@ def _largest_maximum(
         * (ellipses.mean_load + ellipses.load_amplitude)
         / np.where(largest_slip_load > 0, largest_slip_load, np.inf)
     )
-    relative_roundoff = PROMISED + 3 * share_of_last_digits
+    relative_roundoff = PROMISED_ERROR + 3 * share_of_last_digits
     # Where no maximum is found W(x) may be lost in the last digits. It is at most the product of p,
     # 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) (P - P_c)/(pi a).
     error_without_maximum = (

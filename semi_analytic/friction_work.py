@@ -8,7 +8,8 @@ P_x load at which a = |x|
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt        over the times with c < |x| < a(P)
     W    = closed-int Q dU                                  over a steady cycle
 
-A span is the time of one direction of slip. It is integrated by one rule for singular ends: roots
+A span is the time of one direction of slip. Where the whole contact slips, |Q| stays at f P: w does
+not grow, and such spans add nothing. A span is integrated by one rule for singular ends: roots
 at the edges of contact, the logarithm of gross sliding and P close to 0 all lie at an end of it or
 beyond. Three things make an integrand rough within a span: segments of the load path without
 formulas, half-widths at which P hardly grows with a, and corners of the profile. There a rule of
@@ -41,31 +42,31 @@ from semi_analytic.tilted_profile import TiltedProfile
 Indices = NDArray[np.intp]
 
 CONVERGED = 1e-12
-# How often a range is halved at most: parts of 1/131,072 of it are left as they are; and all parts
-# where they are more than so many an integral and a few hundred: what is left to halve then is the
-# last digits of loads along which next to nothing slips.
+# How often a range is halved at most: parts of 1/131,072 of it are left as they are. So are all
+# parts where they are more than so many an integral and so many more: what is left to halve then is
+# the last digits of loads along which next to nothing slips.
 _HALVINGS = 17
-_MOST = 64
-_FEW = 256
+_PARTS_PER_INTEGRAL = 64
+_PARTS_ALLOWED = 256
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
-_DIGITS_OF_SHIFT = 5e-16
+_ROUNDOFF_OF_DISPLACEMENT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the
 # singularity. Above, graded, which takes 193: a million rows would take ten times as long. Close
 # behind a corner, 24 that crowd to both ends.
-_RULE = 3e-13
-_SHARES = (0.05, 0.3, 0.6, 0.9)
-_COUNTS = (4, 6, 12, 24)
+_ERROR_OF_RULE = 3e-13
+_CLOSENESS_LIMITS = (0.05, 0.3, 0.6, 0.9)
+_NODE_COUNTS = (4, 6, 12, 24)
 # Records of a block that are looked at for the error of W.
-_SAMPLE = 200
+_SAMPLED_RECORDS = 200
 # Half-widths over the largest: 7 % apart a root of dP/da at 0.73 +- 0.24 i leaves 4e-14 of W, 16 %
 # apart 2e-11.
-_LADDER = 2.0 ** -np.arange(0.1, 5.0, 0.1)
+_HALF_WIDTH_RATIOS = 2.0 ** -np.arange(0.1, 5.0, 0.1)
 # Quadrature nodes that are held at a time.
-_CHUNK = 200_000
+_NODES_AT_ONCE = 200_000
 _TINY = float(np.finfo(float).tiny)
 
 
-class Split(NamedTuple):
+class WorkByDirection(NamedTuple):
     """Friction work while the upper face slips forward, and in reverse, and an estimate of the
     error of their sum; one number or (k,) at points.
     """
@@ -80,12 +81,13 @@ class Split(NamedTuple):
         return self.forward + self.reverse
 
 
-def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
+def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> WorkByDirection:
     """Friction work W of a load path over the whole contact, by the direction of slip, and its
     error [energy per unit thickness].
 
-    A span is the time of one direction of slip, or of full stick. From Q = 0 to k f P at constant P
-    W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2], A = 2/E*, E* = `modulus`.
+    A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
+    nothing sticks, nothing is added. From Q = 0 to k f P at constant P, with A = 2/E* and E* =
+    `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -99,7 +101,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     (0.004256098192, 0.004256098192)
     """
     ranges = [
-        _whole_span(span) for span in spans if span.direction and span.sticking_piece is not None
+        _range_of_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
     def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
@@ -111,8 +113,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         kernel = contact.dissipation_kernel(load, slip_zone_load)
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
-    split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work_in_range))
-    return Split(split.forward[0], split.reverse[0], split.error[0])
+    split = _work_over_spans(contact, modulus, ranges, 1, _span_by_span(work_in_range))
+    return WorkByDirection(split.forward[0], split.reverse[0], split.error[0])
 
 
 QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
@@ -130,7 +132,7 @@ class SpanRanges(NamedTuple):
     end: Array
 
 
-def _whole_span(span: Span) -> SpanRanges:
+def _range_of_span(span: Span) -> SpanRanges:
     """One range, from begin to end of the span, for integral number 0."""
     begin = np.array([span.begin.time])
     return SpanRanges(span, np.zeros(1, dtype=int), begin, np.array([span.end.time]))
@@ -149,13 +151,13 @@ def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array])
     return integrals_along
 
 
-def _over_spans(
+def _work_over_spans(
     contact: Contact,
     modulus: float,
     spans_with_ranges: Sequence[SpanRanges],
     n_integrals: int,
     integrals_along: IntegralsAlong,
-) -> Split:
+) -> WorkByDirection:
     """Friction work: A/pi times integrals over the time of slip, summed by the direction of slip,
     and the errors of the sums; A = 2/E*.
 
@@ -180,7 +182,7 @@ def _over_spans(
 
     Returns
     -------
-    Split
+    WorkByDirection
         forward, reverse and the error of both, (n_integrals,) each
     """
     corner_times_of_spans = [
@@ -191,7 +193,7 @@ def _over_spans(
     )
     needs_halving = np.array(
         [
-            has_corner or uneven(contact, ranges_of_span.span)
+            has_corner or has_uneven_edges(contact, ranges_of_span.span)
             for has_corner, ranges_of_span in zip(passes_corner, spans_with_ranges, strict=True)
         ],
         dtype=bool,
@@ -245,7 +247,7 @@ def _over_spans(
         [ranges_of_span.span.direction > 0 for ranges_of_span in spans_with_ranges], dtype=bool
     )
     compliance = 2 / (math.pi * modulus)  # A/pi
-    return Split(
+    return WorkByDirection(
         forward=compliance * np.sum(integrals[is_forward], axis=0),
         reverse=compliance * np.sum(integrals[~is_forward], axis=0),
         error=compliance * np.sum(errors, axis=0),
@@ -305,9 +307,13 @@ def _scaled_excess_rate(span: Span, times: Array) -> Array:
     )
 
 
-def uneven(contact: Contact, span: Span) -> bool:
-    """Whether the edges of contact or stick may run unevenly within a span: the load, or the edge
-    of stick along an arc of the memory curve, has no formula in time, or P may hardly grow with a.
+def has_uneven_edges(contact: Contact, span: Span) -> bool:
+    """Whether the edges of contact or stick may run unevenly within a span of slip in one
+    direction: the load, or the edge of stick along an arc, has no formula in time, or P may hardly
+    grow with a.
+
+    An arc is a curved piece of the memory curve, tangential force of the flat punches up to each
+    load.
     """
     if contact.bends_anywhere:
         return True
@@ -320,13 +326,14 @@ def uneven(contact: Contact, span: Span) -> bool:
 
 def pointwise_dissipation(
     contact: Contact, modulus: float, spans: Sequence[Span], x: Array
-) -> Split:
+) -> WorkByDirection:
     """Friction work per area W(x) of a load path at |x| = `x` (k,), by the direction of slip, and
     its error, (k,) each [energy per area].
 
-    A span is the time of one direction of slip, or of full stick. While Q grows at constant P, W(x)
-    is f p(x) s(x) with the slip s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of
-    arccosh(|x|/a) over the loads up to P, P_c the load at the stick edge, A = 2/E*, E* = `modulus`.
+    A span is the time of one direction of slip, or of full stick. A point that always sticks, or is
+    never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip s
+    = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up to
+    P, P_c the load at the stick edge, A = 2/E*, E* = `modulus`.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -370,7 +377,7 @@ def pointwise_dissipation(
         density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
         return np.asarray(np.sum(density_at_nodes, axis=-1))
 
-    return _over_spans(contact, modulus, ranges, len(x), _span_by_span(density_in_ranges))
+    return _work_over_spans(contact, modulus, ranges, len(x), _span_by_span(density_in_ranges))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -384,7 +391,7 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     = P_x.
     """
     assert span.sticking_piece is not None
-    leg = span.segment
+    segment = span.segment
     # the combination +-Q - f P of the loads
     excess = slip_combination(span.direction, span.friction)
     begin_instant = span.begin
@@ -398,20 +405,20 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
     excess_rise = excess_on_curve - float(
-        combination_change(span.sticking_piece.anchor, leg, excess, begin_instant.time)
+        combination_change(span.sticking_piece.anchor, segment, excess, begin_instant.time)
     )
-    time_of_stick_edge = leg.time_of(excess, excess_rise, begin_instant.time, end_instant.time)
+    time_of_stick_edge = segment.time_of(excess, excess_rise, begin_instant.time, end_instant.time)
     time_of_stick_edge = np.where(
         edge_load <= load_at_piece_bottom, end_instant.time, time_of_stick_edge
     )
     begin_time = np.where(edge_load >= load_at_piece_top, begin_instant.time, time_of_stick_edge)
-    time_of_contact_edge = leg.time_of(
+    time_of_contact_edge = segment.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
     )
     end_of_span = np.full(begin_time.shape, end_instant.time)
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
-    change_of_load = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
+    change_of_load = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
     if change_of_load >= LEAST:
         time_of_touch = np.where(
             edge_load >= end_instant.normal, end_instant.time, time_of_contact_edge
@@ -466,11 +473,12 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     for span in spans:
         _, force = span.segment.loads(np.linspace(span.begin.time, span.end.time, 5))
         total_change_of_force += float(np.sum(np.abs(np.diff(force))))
-    roundoff = _DIGITS_OF_SHIFT * spans[0].friction * displacement_size * total_change_of_force
+    roundoff_of_displacement = _ROUNDOFF_OF_DISPLACEMENT * spans[0].friction * displacement_size
+    roundoff = roundoff_of_displacement * total_change_of_force
 
-    ranges = [_whole_span(span) for span in spans]
+    ranges = [_range_of_span(span) for span in spans]
     work_along = partial(_works_of_ranges, integrals)
-    total = _over_spans(contact, modulus, ranges, 1, work_along).total[0]
+    total = _work_over_spans(contact, modulus, ranges, 1, work_along).total[0]
     return LoopWork(float(total), 2 / (math.pi * modulus) * roundoff)
 
 
@@ -573,7 +581,7 @@ def _gauss_rule(count: int) -> QuadratureRule:
 
 
 _RULES: tuple[tuple[QuadratureRule, int], ...] = (
-    *((_gauss_rule(count), count) for count in _COUNTS),
+    *((_gauss_rule(count), count) for count in _NODE_COUNTS),
     (graded, NODES),
     (crowded_nodes, len(crowded_nodes(0.0, 1.0)[0])),
 )
@@ -587,9 +595,12 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
     Closeness is 1 - d_min/d_max with the distances d of a load from the singularity, or from the
     load of the corner below, along the range of integration: 0 far away, 1 where it is reached.
     """
-    rule_number = np.searchsorted(_SHARES, closeness_to_singularity)
-    is_beside_corner = closeness_to_corner > np.maximum(closeness_to_singularity, _SHARES[0])
-    rule_number[(rule_number < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
+    rule_number = np.searchsorted(_CLOSENESS_LIMITS, closeness_to_singularity)
+    is_beside_corner = closeness_to_corner > np.maximum(
+        closeness_to_singularity, _CLOSENESS_LIMITS[0]
+    )
+    takes_gauss_rule = rule_number < len(_CLOSENESS_LIMITS)
+    rule_number[takes_gauss_rule & is_beside_corner] = len(_CLOSENESS_LIMITS) + 1
     return rule_number
 
 
@@ -639,7 +650,7 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     if contact.bends_anywhere and len(records.row):
         largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
         largest_half_width = contact.half_width(largest_load)
-        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _LADDER))
+        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _HALF_WIDTH_RATIOS))
     stick_edge_load = records.load - records.slip_zone_load
     stick_edge_load_after = records.load_after - records.slip_zone_load_after
     shares_at_cuts = [np.zeros((len(records.row), 1))]
@@ -703,12 +714,12 @@ def work_error(contact: Contact, records: Records) -> float:
     """
     if contact.closed_form or not len(records.row):
         return 0.0
-    sampled_numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
+    sampled_numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLED_RECORDS).astype(int))
     sampled_records = records.take(sampled_numbers)
     load = np.append(sampled_records.load, sampled_records.load_after)
     slip_zone_load = np.append(sampled_records.slip_zone_load, sampled_records.slip_zone_load_after)
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
-    error_of_rule = _RULE * contact.dissipation_kernel(load, slip_zone_load)
+    error_of_rule = _ERROR_OF_RULE * contact.dissipation_kernel(load, slip_zone_load)
     kernel_error = error_of_kernel + error_of_rule
     if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
@@ -726,7 +737,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """
     density = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
-    parts_at_once = max(_CHUNK // len(x), 1)
+    parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
     for first_part in range(0, len(smooth_parts.load), parts_at_once):
         parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
         density += _density_of_parts(contact, parts_of_chunk, x)
@@ -785,8 +796,8 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     density = np.zeros(len(x))
     for rule_number, (rule, n_nodes) in enumerate(_RULES):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
-        for j in range(0, len(pairs_of_rule), _CHUNK // n_nodes):
-            pairs = pairs_of_rule[j : j + _CHUNK // n_nodes]
+        for j in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
+            pairs = pairs_of_rule[j : j + _NODES_AT_ONCE // n_nodes]
             shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
             load_at_nodes, stick_edge_load_of_pairs = loads_at(pairs, shares_at_nodes)
             load_outside_stick = np.maximum(
@@ -842,7 +853,7 @@ def _shares_in_slip(
     return np.where(load_growth > 0, begin_in_growth, begin_share), end_share
 
 
-class Loop:
+class LoopOfSeries:
     """Closed integral of Q dU over the records of a steady cycle, block by block, and its round-off
     error.
 
@@ -909,10 +920,10 @@ class Loop:
         self._scaled_displacement = float(displacement_after[-1])
 
     @property
-    def value(self) -> LoopWork:
-        """The integral so far."""
+    def work(self) -> LoopWork:
+        """The integral so far, and its round-off error."""
         rounding = (
-            _DIGITS_OF_SHIFT
+            _ROUNDOFF_OF_DISPLACEMENT
             * self._friction
             * self._displacement_size
             * self._total_change_of_force
@@ -921,9 +932,7 @@ class Loop:
 
 
 class LoopWork(NamedTuple):
-    """Closed integral of Q dU [energy per unit thickness], and what rounding may have left in
-    it.
-    """
+    """Closed integral of Q dU [energy per unit thickness], and its error by rounding at most."""
 
     value: float
     rounding: float
@@ -1005,7 +1014,7 @@ def by_halving(
         sums = left_halves + right_halves
         changes_by_halving = np.abs(sums - estimates)
         is_last = (n_halvings == _HALVINGS) | (
-            len(integrand_numbers) > _MOST * len(integrals) + _FEW
+            len(integrand_numbers) > _PARTS_PER_INTEGRAL * len(integrals) + _PARTS_ALLOWED
         )
         is_final = (
             (changes_by_halving <= allowed_errors[integrand_numbers])

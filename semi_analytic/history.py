@@ -46,7 +46,7 @@ from semi_analytic.memory import (
     load_in_stick,
     load_of_slip_zone,
     pieces,
-    repeats_within,
+    repeat_tolerance,
     slip_combination,
     slip_combination_on_piece,
     slip_to,
@@ -56,7 +56,7 @@ from semi_analytic.profiles import Contact
 
 # Share of the largest load, or of the rates of P and Q, below which a difference is rounding.
 _ROUNDING = 1e-14
-# Share of a stretch of time, or of a level, within which two instants are one.
+# Share of a range of time, or of a load combination, within which two instants are one.
 _NEAR = 1e-14
 # Share of f P by which a stick edge may miss the end of the piece that it meets, and of a time to
 # which a crossing is found.
@@ -68,8 +68,8 @@ _INSTANTS = 400
 _INSTANTS_OF_LOADING = 100
 # Histories that are kept while `histories_kept` holds, by path and friction, then by the most
 # cycles that were followed.
-_Kept = dict[tuple[LoadPath, float], dict[int, "History"]]
-_kept_histories: ContextVar[_Kept | None] = ContextVar("histories", default=None)
+_HistoriesByPath = dict[tuple[LoadPath, float], dict[int, "History"]]
+_kept_histories: ContextVar[_HistoriesByPath | None] = ContextVar("histories", default=None)
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
 SLACK = 1e-9
@@ -115,16 +115,20 @@ class Span:
         return self.slip_zone_load_at(t, self.segment.loads(t)[0])
 
     def slip_zone_load_at(self, t: Array, load: Array) -> Array:
-        """P - P_c at times t of the segment at which P is `load`."""
+        """P - P_c >= 0 at times t of the segment at which P is `load`, P_c the load at the stick
+        edge, which stays on the sticking piece; 0 where nothing slips, P where all does.
+        """
         if self.direction == 0:
             return np.zeros(t.shape)
         if self.sticking_piece is None:
             return load
-        lag = load_of_slip_zone(self.sticking_piece, self.direction, self.friction, self.segment, t)
-        least_lag = np.maximum(load - self.sticking_piece.top, 0.0)
-        largest_lag = load - self.sticking_piece.bottom
+        slip_zone_load = load_of_slip_zone(
+            self.sticking_piece, self.direction, self.friction, self.segment, t
+        )
+        least_slip_zone_load = np.maximum(load - self.sticking_piece.top, 0.0)
+        largest_slip_zone_load = load - self.sticking_piece.bottom
         # of a single number two calls take a quarter of the time of `clip`
-        return np.minimum(np.maximum(lag, least_lag), largest_lag)
+        return np.minimum(np.maximum(slip_zone_load, least_slip_zone_load), largest_slip_zone_load)
 
     @cached_property
     def largest_slip_zone_load(self) -> float:
@@ -136,7 +140,7 @@ class Span:
         return float(np.max(self.slip_zone_load(np.linspace(self.begin.time, self.end.time, 3))))
 
     def curve(self, time: float) -> Curve:
-        """The memory curve at a time of the segment."""
+        """The memory curve at a time of the segment; None out of contact."""
         point = instant(self.segment, time)
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal)
@@ -282,8 +286,9 @@ def _spans_of_part(
     P, Q - f P and Q + f P are monotonic.
 
     Rising Q - f P is forward slip, falling Q + f P reverse slip. Neither, with rising P, is loading
-    in stick. The memory curve M(eta) is the tangential force of the flat punches up to the load
-    eta. Each smooth piece of it that slip erases makes a span of its own.
+    in stick. Both, with falling P, is unloading: the memory curve decides on slip. Loads that rest
+    make one span of stick. The memory curve M(eta) is the tangential force of the flat punches up
+    to the load eta. Each smooth piece of it that slip erases makes a span of its own.
 
     Parameters
     ----------
@@ -494,7 +499,7 @@ def _directions_on(
     M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
     of Q - M(P). It is sampled at some times and at turning points, and changes where Q - M(P) = 0.
     """
-    # A piece is a line, a parabola, or an arc: a stretch of a curved load path itself.
+    # A piece is a line, a parabola, or an arc: a part of a curved load path itself.
     is_arc = piece.arc is not None
     is_line = not is_arc and piece.bend == 0
     along_line = Combination(-piece.slope, 1.0)  # Q - slope P
@@ -593,7 +598,7 @@ class History:
 
     @property
     def is_long_record(self) -> bool:
-        """Whether the path is answered at its rows: it has none."""
+        """False: a curved path is no measured record, which would be answered at its rows."""
         return False
 
     def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
@@ -664,7 +669,7 @@ def follow(
     loading: Sequence[LoadSegment], cycles_of_path: Iterable[CycleOfPath], friction: float
 ) -> History:
     """Friction history of an initial loading and of the cycles after it, up to the first cycle that
-    ends in the state in which it began; `friction` is f.
+    ends in the state in which it began, else of all of them; `friction` is f.
 
     States agree where the memory curves do. A memory curve M(eta) is the tangential force of the
     flat punches up to the load eta. The less slips in a cycle, the closer they must agree.
@@ -683,7 +688,7 @@ def follow(
         spans, curve = march(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
-        tolerance = repeats_within(slip_zone_share(spans))
+        tolerance = repeat_tolerance(slip_zone_share(spans))
         if is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number
             break
@@ -807,8 +812,11 @@ def time_in_followed_path(
 
 
 def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
-    """Times evenly spaced within each of some spans between `span_ends` (n + 1,), ascending, with
-    both ends of each: about 400 in all for a cycle, 100 for an `initial` loading.
+    """Times evenly spaced within each of n spans of time between `span_ends` (n + 1,), ascending:
+    about 400 in all for a cycle, 100 for an `initial` loading.
+
+    A span has its middle and both its ends at least. The end of a span and the begin of the next
+    are both there.
     """
     count = _INSTANTS_OF_LOADING if initial else _INSTANTS
     durations = np.diff(span_ends)

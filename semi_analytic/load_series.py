@@ -1,17 +1,18 @@
-"""Load series: paths of straight steps, two or a million of them, and the memory curve as a list of
-knots (Masing rule).
+"""Load series: paths of straight steps, two or a million of them, and the memory curve as a chain
+of straight lines (Masing rule).
 
-# notation: (P, Q) loads; M(eta) memory curve, its knots joined by straight lines; s direction of
-#           slip; P_c load at the stick edge; level s Q - f P, which grows in slip
+# notation: (P, Q) loads; M(eta) memory curve, tangential force of the flat punches up to the load
+#           eta; s direction of slip; P_c load at the stick edge; level s Q - f P, which grows in
+#           slip
 
-A step loads in full stick and adds a knot; or it slips, and its stick edge goes down through the
-lines between the knots; or it unloads, on one side of the curve or along it. Every knot is put on
-once and taken off once. A line keeps its own length and rise, so that P - P_c is a sum of lengths
-and keeps its digits, however little slips.
+A step loads in full stick and adds a line; or it slips, and its stick edge goes down through the
+lines; or it unloads, on one side of the curve or along it. Every line is put on once and taken off
+once. A line keeps its own length and rise, so that P - P_c is a sum of lengths and keeps its
+digits, however little slips.
 
 A step leaves one record for each line that it goes through: along it P, P_c, Q and the level are
 linear in one another. Rows are taken a block at a time: what stays in memory is what was asked for,
-and the knots that are alive.
+and the lines of the curve.
 """
 
 from __future__ import annotations
@@ -45,20 +46,20 @@ from semi_analytic.history import (
     evenly_spaced_times,
     time_in_followed_path,
 )
-from semi_analytic.memory import Snapshot, repeats_within
+from semi_analytic.memory import Snapshot, repeat_tolerance
 
 Indices = NDArray[np.int64]
 
 # Share of the rates of P and Q below which growth of a level is rounding.
-_NOISE = 1e-14
-# Share of f P by which a stick edge may miss the knot that it meets.
+_RATE_ROUNDOFF = 1e-14
+# Share of f P by which a stick edge may miss the end of a line that it meets.
 _LAST_DIGITS = 4e-15
 # Share of f P within which a path runs along the curve that it unloads, and share within which a
 # line goes straight on.
-_ALONG = 8e-15
-_STRAIGHT_ON = 1e-15
+_ALONG_CURVE = 8e-15
+_SAME_SLOPE = 1e-15
 # Steps that are followed at a time.
-_BLOCK = 10_000
+_STEPS_AT_ONCE = 10_000
 # Rows of a measured record beyond which it is answered at its own rows, with pointwise fields at
 # about so many of them.
 _ROWS_OF_SHORT_RECORD = 1000
@@ -71,20 +72,31 @@ _SPACINGS_AT_ROW = 8
 
 
 # --------------------------------------------------------------------------- the curve and one step
-class Knot(NamedTuple):
-    """The uppermost line of a memory curve, and by `below` the whole curve; None for bodies out of
-    contact.
+class Line(NamedTuple):
+    """The uppermost straight line of a memory curve M(eta), and by `below` the whole curve, a chain
+    of lines from eta = 0 up to P; None in its place stands for bodies out of contact.
 
-    `top` and `force` are eta and M at its upper end, `length` and `rise` their growth along it,
-    `depth` is the number of lines. A `memory.CurvePart` that is straight.
+    M(eta) is the tangential force of the flat punches up to the load eta. A straight
+    `memory.CurvePart`.
+
+    Attributes
+    ----------
+    below
+        the line under this one, None if this one begins at eta = 0
+    top, force
+        eta and M at its upper end [force per thickness]
+    length, rise
+        growth of eta and of M along the line
+    line_count
+        number of lines of the curve up to this one
     """
 
-    below: Knot | None
+    below: Line | None
     top: float
     force: float
     length: float
     rise: float
-    depth: int
+    line_count: int
 
     @property
     def bottom(self) -> float:
@@ -111,8 +123,8 @@ class Knot(NamedTuple):
         return np.full(eta.shape, self.straight_slope)
 
 
-_knot = tuple.__new__  # half the time of the class, a million times
-_OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
+_new_tuple = tuple.__new__  # half the time of the class, a million times
+_NO_LINE = Line(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
 Station = tuple[float, float, float]
 """A point of a load step: P, Q and the share of the step that is over."""
 
@@ -192,21 +204,22 @@ _NUMBERS = _RECORD_NUMBERS + len(LineTable._fields)
 
 
 class Recorder:
-    """Takes the records of steps while these are followed; keeps their lines only where `curves`
-    are wanted.
+    """Takes the records of load steps while these are followed, a record being a part of a step in
+    which the stick edge moves along one line of the memory curve.
 
-    All numbers go into one array: an object for each record would take three times as long.
+    All numbers go into one array: an object for each record would take three times as long. The
+    lines themselves, and with them the memory curves, are stored only where `stores_curves`.
     """
 
-    def __init__(self, curves: bool) -> None:
-        self.lines: list[Knot | None] = []
+    def __init__(self, stores_curves: bool) -> None:
+        self.lines: list[Line | None] = []
         self.numbers = array("d")
-        self._add_line = self.lines.append if curves else None
+        self._add_line = self.lines.append if stores_curves else None
         self._add_numbers = self.numbers.extend
 
     def add(
         self,
-        line: Knot | None,
+        line: Line | None,
         direction: int,
         begin: Station,
         end: Station,
@@ -232,7 +245,7 @@ class Recorder:
         """
         if self._add_line is not None:
             self._add_line(line)
-        _, top, force_at_top, length, line_rise, _ = line or _OPEN
+        _, top, force_at_top, length, line_rise, _ = line or _NO_LINE
         load_at_begin, _, _ = begin
         load_at_end, _, fraction_at_end = end
         self._add_numbers(
@@ -255,12 +268,13 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     """Kind of each straight load step between rows (n + 1, 2) of P and Q, by Coulomb's law with f =
     `friction`, (n,).
 
-    1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|. A step
-    slips where |dQ| grows by more than f dP; in a step of the last kind the memory curve decides.
+    1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading. Where P does not fall a step
+    slips if |dQ| > f dP, and sticks if not. Where P falls a step slips if |dQ| >= f |dP|. If not,
+    or if both are 0, it is of the last kind: the memory curve decides on its slip.
     """
     load_growth, force_rise = np.diff(rows, axis=0).T
     limit = friction * load_growth
-    round_off = _NOISE * (np.abs(force_rise) + np.abs(limit))
+    round_off = _RATE_ROUNDOFF * (np.abs(force_rise) + np.abs(limit))
     slips_forward = force_rise - limit > round_off
     slips_in_reverse = -force_rise - limit > round_off
     kinds = np.full(len(load_growth), _STICKS, dtype=np.int8)
@@ -270,44 +284,45 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     return kinds
 
 
-def _without_upper_share(curve: Knot, cut_share: float) -> Knot:
+def _without_upper_share(curve: Line, cut_share: float) -> Line:
     """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
     line's length in eta and its rise in M both shrink. The lowest line begins at eta = 0.
     """
-    below, top, force, length, rise, depth = curve
+    below, top, force, length, rise, line_count = curve
     remaining_length = (1 - cut_share) * length
     remaining_rise = (1 - cut_share) * rise
     if below is None:
-        return _knot(
-            Knot, (None, remaining_length, remaining_rise, remaining_length, remaining_rise, depth)
+        return _new_tuple(
+            Line,
+            (None, remaining_length, remaining_rise, remaining_length, remaining_rise, line_count),
         )
-    return _knot(
-        Knot,
+    return _new_tuple(
+        Line,
         (
             below,
             top - cut_share * length,
             force - cut_share * rise,
             remaining_length,
             remaining_rise,
-            depth,
+            line_count,
         ),
     )
 
 
 def _step(
-    curve: Knot | None,
+    curve: Line | None,
     kind: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
-) -> Knot | None:
+) -> Line | None:
     """The memory curve after a straight load step; None for bodies out of contact.
 
     The memory curve M(eta) is the tangential force that the flat punches up to the normal load eta
-    carry, for 0 <= eta <= P: a chain of straight lines. A `Knot` is its uppermost line, and by
+    carry, for 0 <= eta <= P: a chain of straight lines. A `Line` is its uppermost line, and by
     `below` the whole curve.
 
     The friction state along the step goes to `recorder`: one record for each line that the step
@@ -338,7 +353,7 @@ def _step(
     return curve
 
 
-def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Station) -> Knot:
+def _load_in_stick(curve: Line | None, begin_station: Station, end_station: Station) -> Line:
     """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
     rise dQ is put on top.
 
@@ -355,27 +370,27 @@ def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Stat
         # The slopes of the line below and of the step, both times both lengths.
         line_slope_scaled = curve.rise * length
         step_slope_scaled = rise * curve.length
-        tolerance = _STRAIGHT_ON * (abs(line_slope_scaled) + abs(step_slope_scaled))
+        tolerance = _SAME_SLOPE * (abs(line_slope_scaled) + abs(step_slope_scaled))
         if abs(line_slope_scaled - step_slope_scaled) <= tolerance:
             curve_below = curve.below
             length += curve.length
             rise += curve.rise
     # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
     if curve_below is None:
-        return _knot(Knot, (None, load_at_end, force_at_end, load_at_end, rise, 1))
-    return _knot(
-        Knot, (curve_below, load_at_end, force_at_end, length, rise, curve_below.depth + 1)
+        return _new_tuple(Line, (None, load_at_end, force_at_end, load_at_end, rise, 1))
+    return _new_tuple(
+        Line, (curve_below, load_at_end, force_at_end, length, rise, curve_below.line_count + 1)
     )
 
 
 def _slip(
-    curve: Knot | None,
+    curve: Line | None,
     direction: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
-) -> Knot | None:
+) -> Line | None:
     """The memory curve after a straight load step with slip in one direction: its part above the
     stick edge is replaced by a line at the Coulomb limit, of slope s f up to (P, Q).
 
@@ -385,7 +400,8 @@ def _slip(
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
     stick edge goes down through the straight lines of the curve while the level grows. A line of
     length l in eta and rise r in M is passed when the level has grown by f l - s r. P - P_c is the
-    growth of P in the step plus the lengths of all lines passed.
+    growth of P in the step plus the lengths of all lines passed. Where that is not above 0 no line
+    is put on.
 
     Parameters
     ----------
@@ -479,8 +495,8 @@ def _slip(
 
 
 def _with_line_at_limit(
-    sticking_curve: Knot | None, load: float, force: float, slip_zone_load: float, slope: float
-) -> Knot:
+    sticking_curve: Line | None, load: float, force: float, slip_zone_load: float, slope: float
+) -> Line:
     """The memory curve after slip: the part that still sticks, and on top of it a line at the
     Coulomb limit that ends at P = `load`, Q = `force`.
 
@@ -489,18 +505,20 @@ def _with_line_at_limit(
     the load eta. Where nothing sticks, the line begins at eta = 0.
     """
     if sticking_curve is None:
-        return _knot(Knot, (None, load, force, load, slope * load, 1))
-    depth = sticking_curve.depth + 1
-    return _knot(Knot, (sticking_curve, load, force, slip_zone_load, slope * slip_zone_load, depth))
+        return _new_tuple(Line, (None, load, force, load, slope * load, 1))
+    line_count = sticking_curve.line_count + 1
+    return _new_tuple(
+        Line, (sticking_curve, load, force, slip_zone_load, slope * slip_zone_load, line_count)
+    )
 
 
 def _unload(
-    curve: Knot | None,
+    curve: Line | None,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
-) -> Knot | None:
+) -> Line | None:
     """The memory curve after a step in which P falls and |dQ| <= f |dP|; None where the step ends
     out of contact.
 
@@ -517,14 +535,14 @@ def _unload(
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
     *earlier_parts, last_part = _parts_of_unloading(
-        curve, load_drop, path_slope, _ALONG * friction * load
+        curve, load_drop, path_slope, _ALONG_CURVE * friction * load
     )
     station = begin_station
     for part in earlier_parts:
-        share_of_step = begin_share + part.load_fallen / load_drop * (end_share - begin_share)
+        share_of_step = begin_share + part.load_drop_at_end / load_drop * (end_share - begin_share)
         next_station = (
-            load - part.load_fallen,
-            force - path_slope * part.load_fallen,
+            load - part.load_drop_at_end,
+            force - path_slope * part.load_drop_at_end,
             share_of_step,
         )
         curve = _unload_part(curve, part.direction, station, next_station, friction, recorder)
@@ -534,45 +552,45 @@ def _unload(
 
 
 class _UnloadingPart(NamedTuple):
-    """A part of an unloading step: fall of P from the begin of the step to the end of the part, and
-    direction of slip, 1, -1 or 0 for none.
+    """A part of an unloading step: how far P has fallen at its end since the begin of the step
+    [force per thickness], and direction of slip, 1, -1 or 0 for none.
     """
 
-    load_fallen: float
+    load_drop_at_end: float
     direction: int
 
 
 def _parts_of_unloading(
-    curve: Knot | None, load_drop: float, path_slope: float, tolerance: float
+    curve: Line | None, load_drop: float, path_slope: float, tolerance: float
 ) -> list[_UnloadingPart]:
     """The parts of an unloading step, one at least, by the side of the memory curve M(P) on which
-    the path runs: slip forward where Q > M(P), in reverse below it, none within `tolerance` of it.
+    the path runs: slip forward where Q > M(P), in reverse below it, none along it.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Along
-    the step P falls by `load_drop`, and dQ/dP = `path_slope`. The excess Q - M(P) is followed line
-    by line of the curve.
+    The path runs along a line of the curve where Q - M(P) is within `tolerance` at both ends of the
+    line [force per thickness]. The memory curve M(eta) is the tangential force of the flat punches
+    up to the load eta. Along the step P falls by `load_drop`, and dQ/dP = `path_slope`. The excess
+    Q - M(P) is followed line by line of the curve.
     """
     parts: list[_UnloadingPart] = []
     line = curve
-    load_fallen = 0.0  # fall of P up to the upper end of the line
+    drop_above_line = 0.0  # fall of P from the begin of the step to the upper end of the line
     excess = 0.0  # Q - M(P) there
     side_before = 0  # its sign: 1, -1 or 0
     side_of_open_part = 0
-    while line is not None and load_fallen < load_drop:
-        fall_on_line = (
-            line.length if line.length < load_drop - load_fallen else load_drop - load_fallen
-        )
-        excess_after = excess + line.rise * (fall_on_line / line.length) - path_slope * fall_on_line
+    while line is not None and drop_above_line < load_drop:
+        drop_left = load_drop - drop_above_line
+        drop_on_line = line.length if line.length < drop_left else drop_left
+        excess_after = excess + line.rise * (drop_on_line / line.length) - path_slope * drop_on_line
         side = 1 if excess_after > 0 else -1
         if abs(excess_after) <= tolerance:
             side = 0
         if side * side_before < 0:
-            fall_at_crossing = load_fallen + fall_on_line * excess / (excess - excess_after)
-            parts.append(_UnloadingPart(fall_at_crossing, side_before))
-        elif load_fallen > 0 and (side or side_before) != side_of_open_part:
-            parts.append(_UnloadingPart(load_fallen, side_of_open_part))
+            drop_at_crossing = drop_above_line + drop_on_line * excess / (excess - excess_after)
+            parts.append(_UnloadingPart(drop_at_crossing, side_before))
+        elif drop_above_line > 0 and (side or side_before) != side_of_open_part:
+            parts.append(_UnloadingPart(drop_above_line, side_of_open_part))
         side_of_open_part = side or side_before
-        load_fallen += fall_on_line
+        drop_above_line += drop_on_line
         excess = excess_after
         side_before = side
         line = line.below
@@ -580,13 +598,13 @@ def _parts_of_unloading(
 
 
 def _unload_part(
-    curve: Knot | None,
+    curve: Line | None,
     direction: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
-) -> Knot | None:
+) -> Line | None:
     """The memory curve after a part of an unloading step with slip in one direction, 1 or -1, or
     without slip, 0, down along the curve.
 
@@ -600,8 +618,8 @@ def _unload_part(
 
 
 def _retrace(
-    curve: Knot | None, begin_station: Station, end_station: Station, recorder: Recorder
-) -> Knot | None:
+    curve: Line | None, begin_station: Station, end_station: Station, recorder: Recorder
+) -> Line | None:
     """The memory curve after unloading along it, Q = M(P), without slip: what lies above the new P
     is taken off.
 
@@ -639,47 +657,52 @@ class StepBlock(NamedTuple):
     """What load steps between rows of P and Q (n + 1, 2) leave: records of their parts (m,), and
     the line of the memory curve that each goes through, as numbers and, where wanted, as `lines`.
 
-    `curve` is the memory curve at the last row, `most_lines` the largest number of lines that it
-    had.
+    `curve` is the memory curve at the last row, `largest_line_count` the largest number of lines
+    that it had.
     """
 
     rows: Array
     records: Records
     line_table: LineTable
-    lines: list[Knot | None]
-    curve: Knot | None
-    most_lines: int
+    lines: list[Line | None]
+    curve: Line | None
+    largest_line_count: int
 
     @property
     def largest_slip_zone_load(self) -> float:
-        """The largest P - P_c [force per thickness], P_c the load at the stick edge."""
+        """The largest P - P_c [force per thickness], P_c the load at the stick edge; 0 where
+        nothing slips.
+        """
         at_ends = np.maximum(self.records.slip_zone_load, self.records.slip_zone_load_after)
         return float(np.max(at_ends, initial=0.0))
 
 
-def depth_of(curve: Knot | None) -> int:
-    """Number of straight pieces of a memory curve; 0 without one."""
-    return curve.depth if curve is not None else 0
+def line_count_of(curve: Line | None) -> int:
+    """Number of straight lines of a memory curve; 0 for None, bodies out of contact."""
+    return curve.line_count if curve is not None else 0
 
 
-def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> StepBlock:
+def follow(
+    curve: Line | None, rows: Array, friction: float, stores_curves: bool = False
+) -> StepBlock:
     """Friction history of straight load steps between `rows` of P and Q, (n + 1, 2), from a given
     memory curve on: slip in each part of a step, and the memory curve at the last row.
 
     The memory curve is the tangential force carried up to each load, a chain of straight lines.
-    `curve` is its uppermost line at the first row, None for bodies out of contact. With `curves`
-    the memory curve of each part of a step is stored too.
+    `curve` is its uppermost line at the first row, None for bodies out of contact. Where
+    `stores_curves` the memory curve of each part of a step is stored too. The loads are admissible:
+    `check_rows` has seen them.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
     ...     block.records.slip_zone_load_after.tolist(),
-    ...     block.most_lines,
+    ...     block.largest_line_count,
     ... )  # P - P_c = Q/f, then dQ/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
-    recorder = Recorder(curves)
+    recorder = Recorder(stores_curves)
     counts_of_numbers = [0]  # how many numbers the recorder holds after each step
-    most_lines = 0
+    largest_line_count = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
@@ -698,8 +721,8 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
             load = next_load
             force = next_force
             counts_of_numbers.append(len(recorder.numbers))
-            if curve is not None and curve.depth > most_lines:
-                most_lines = curve.depth
+            if curve is not None and curve.line_count > largest_line_count:
+                largest_line_count = curve.line_count
     finally:
         if was_collecting:
             gc.enable()
@@ -709,30 +732,32 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     columns = [*number_columns[:_RECORD_NUMBERS], step_of_record]
     records = Records._make(columns).with_stick_edge_in_contact()
     line_table = LineTable(*number_columns[_RECORD_NUMBERS:])
-    return StepBlock(rows, records, line_table, recorder.lines, curve, most_lines)
+    return StepBlock(rows, records, line_table, recorder.lines, curve, largest_line_count)
 
 
-def knots_of(curve: Knot | None) -> Array:
-    """(eta, M) of the knots, ascending from (0, 0): (2, n)."""
-    points = []
+def _knots_of(curve: Line | None) -> Array:
+    """eta and M(eta) at the knots of a memory curve, the ends of its lines, (2, n), ascending from
+    (0, 0), the one knot of None.
+    """
+    knots = []
     while curve is not None:
-        points.append((curve.top, curve.force))
+        knots.append((curve.top, curve.force))
         curve = curve.below
-    points.append((0.0, 0.0))
-    return np.array(points[::-1]).T
+    knots.append((0.0, 0.0))
+    return np.array(knots[::-1]).T
 
 
-def _same_memory(
-    first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
+def _is_same_memory(
+    first_curve: Line | None, second_curve: Line | None, friction: float, tolerance: float
 ) -> bool:
     """Whether two memory curves M(eta), tangential force of the flat punches up to the load eta,
     agree, so that a cycle between them is steady.
 
-    Their largest eta must agree within `tolerance` times the larger, and M at the knots of both
-    within `tolerance` times f times that, f = `friction`.
+    Their largest eta must agree within `tolerance` times the larger, and M at the ends of the lines
+    of both within `tolerance` times f times that, f = `friction`.
     """
-    first_loads, first_forces = knots_of(first_curve)
-    second_loads, second_forces = knots_of(second_curve)
+    first_loads, first_forces = _knots_of(first_curve)
+    second_loads, second_forces = _knots_of(second_curve)
     loads_of_knots = np.union1d(first_loads, second_loads)
     largest_load = loads_of_knots[-1]
     force_differences = np.abs(
@@ -752,7 +777,7 @@ class PathPart(NamedTuple):
 
     rows: Array
     delay: float
-    curve: Knot | None = None
+    curve: Line | None = None
 
     @property
     def largest_load(self) -> float:
@@ -774,7 +799,8 @@ class LoadSeries:
     first_cycle_part
         number of the first cycle among the parts
     steady_from
-        index of the first cycle that ends in the state it started from, None if none did
+        index of the first cycle that ends in the state it started from, None if none did; a path
+        without a period counts as one cycle
     period
         duration of a cycle, None for a path that does not repeat
     covered
@@ -812,13 +838,13 @@ class LoadSeries:
 
     @cached_property
     def times(self) -> Array:
-        """Of all rows, ascending."""
+        """Times of all rows, (n,) ascending."""
         first_row = self.parts[0].rows[:1, 0]
         return np.concatenate([first_row, *(part.rows[1:, 0] + part.delay for part in self.parts)])
 
     @cached_property
     def first_steps(self) -> Indices:
-        """Number of the first step of each part, and of steps in all."""
+        """Number of the first step of each part, and behind them the number of all steps."""
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
     def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
@@ -878,9 +904,11 @@ class LoadSeries:
         )
         return step, share_of_step, step_slack
 
-    def revolutions_beyond(self, time: Array) -> Indices:
-        """(n,) whole revolutions by which instants lie beyond the path that was followed: as steady
-        ones they are answered in its last revolution.
+    def cycles_beyond(self, time: Array) -> Indices:
+        """Number of whole cycles by which instants lie beyond the path that was followed, (n,); 0
+        without a period.
+
+        The cycles beyond are copies of the last one that was followed, which is steady.
         """
         if self.period is None:
             return np.zeros(len(time), dtype=int)
@@ -929,10 +957,12 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     return replace(series, is_long_record=is_long_record)
 
 
-def _rows_of(legs: Sequence[LoadSegment]) -> Array:
-    """Time, P and Q at the ends of m load segments: (m + 1, 3), or (0, 3)."""
-    instants = [(segment.start, segment) for segment in legs[:1]]
-    instants += [(segment.end, segment) for segment in legs]
+def _rows_of(segments: Sequence[LoadSegment]) -> Array:
+    """Time, P and Q at the ends of m load segments, one after the other: (m + 1, 3), or (0, 3) of
+    none.
+    """
+    instants = [(segment.start, segment) for segment in segments[:1]]
+    instants += [(segment.end, segment) for segment in segments]
     rows = []
     for time, segment in instants:
         normal_load, tangential_load = segment.loads(time)
@@ -1000,7 +1030,7 @@ def check_rows(rows: Array, friction: float) -> None:
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
-    slack = _NOISE * float(np.max(np.abs(normal_load)))
+    slack = _RATE_ROUNDOFF * float(np.max(np.abs(normal_load)))
     separates = normal_load < -slack
     slides = np.abs(tangential_load) > friction * (normal_load + slack)
     bad_rows = np.flatnonzero(separates | slides)
@@ -1043,10 +1073,11 @@ def _follow_cycles(
     period
         of the cycle
     whole_cycles
-        number of whole cycles that the answer covers; 0 for all that are followed
+        number of whole cycles that the answer covers; 0 for all that are followed, or for the
+        first one where they do not repeat
     repeats
         whether all cycles have the same loads. Those after a steady one are then copies and are
-        not followed.
+        not followed. Else all are followed.
     """
     followed_cycles: list[PathPart] = []
     steady_from = None
@@ -1062,8 +1093,8 @@ def _follow_cycles(
             curve = block.curve
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # The less slips in a cycle, the closer its memory curves must agree.
-        tolerance = repeats_within(largest_slip_zone_load / cycle.largest_load)
-        if steady_from is None and _same_memory(curve_at_begin, curve, friction, tolerance):
+        tolerance = repeat_tolerance(largest_slip_zone_load / cycle.largest_load)
+        if steady_from is None and _is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:
                 break
@@ -1085,14 +1116,19 @@ def _follow_cycles(
 
 
 def blocks(
-    part: PathPart, friction: float, curves: bool = False
+    part: PathPart, friction: float, stores_curves: bool = False
 ) -> Iterator[tuple[int, StepBlock]]:
     """Number of the first step, and friction history, of each block of at most 10,000 load steps of
-    a part of the path.
+    a part of the path; where `stores_curves` also the memory curve of each part of a step.
     """
     curve = part.curve
-    for first_row in range(0, len(part.rows) - 1, _BLOCK):
-        block = follow(curve, part.rows[first_row : first_row + _BLOCK + 1, 1:], friction, curves)
+    for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
+        block = follow(
+            curve,
+            part.rows[first_row : first_row + _STEPS_AT_ONCE + 1, 1:],
+            friction,
+            stores_curves,
+        )
         yield first_row, block
         curve = block.curve
 
@@ -1111,25 +1147,26 @@ class _StateColumns(NamedTuple):
 
 
 class States:
-    """Friction states at the instants of a request, collected block by block of load steps; with
-    `curves` also their memory curves.
+    """Friction states at the instants of a request, collected block by block of load steps; where
+    `stores_curves` also their memory curves.
     """
 
-    def __init__(self, friction: float, curves: bool) -> None:
+    def __init__(self, friction: float, stores_curves: bool) -> None:
         self.friction = friction
-        self.curves = curves
+        self.stores_curves = stores_curves
         self._columns: list[_StateColumns] = []
-        self._lines: list[Knot | None] = []
+        self._lines: list[Line | None] = []
 
     def add(self, block: StepBlock, step: Indices, share_of_step: Array, slack: Array) -> None:
         """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
         direction of slip, and the line of the memory curve at the stick edge.
 
-        `step` is the number of the load step in which each instant lies, `share_of_step` the share
-        of it that is over. A step has a record for each line of the memory curve that it goes
-        through. An instant that is beyond the end of a record by at most `slack`, as a share of the
-        step, counts as that end. The memory curve M(eta) is the tangential force of the flat
-        punches up to the load eta. M(P) - Q, zero but for round-off, is stored as a check.
+        `step` is the number within the block of the load step in which each instant lies,
+        `share_of_step` the share of it that is over. A step has a record for each line of the
+        memory curve that it goes through. An instant that is beyond the end of a record by at most
+        `slack`, as a share of the step, counts as that end. The memory curve M(eta) is the
+        tangential force of the flat punches up to the load eta. M(P) - Q, zero but for round-off,
+        is stored as a check.
         """
         if not len(step):
             return
@@ -1156,7 +1193,7 @@ class States:
         force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
         line_number = np.zeros(len(step), dtype=np.intp)
         lines_before = len(self._lines)
-        if self.curves:
+        if self.stores_curves:
             used_records, line_number = np.unique(record_number, return_inverse=True)
             self._lines += [block.lines[k] for k in used_records.tolist()]
         self._columns.append(

@@ -27,23 +27,26 @@ from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, LoadSegment
 from scenes.array_types import Array
 
 _EPS = float(np.finfo(float).eps)
-_REPEATS = 1e-12
-_OF_SLIP = 1e-4
-_LEAST = 2e-14
+# Changes of M(eta) over f P with which a cycle counts as repeated: the largest, that over the share
+# of P that the slip zones carry, and the least, which is round-off.
+_LARGEST_CHANGE = 1e-12
+_CHANGE_OVER_SLIP_ZONE_SHARE = 1e-4
+_LEAST_CHANGE = 2e-14
 LAST_DIGITS = 4 * _EPS
-"""Error of P_c over P, at most: measured 1 to 3 last digits on cycles of constant P with d/P from
-1e-4 to 1e-14.
+"""Error of P_c over P, at most: measured 1 to 3 last digits on cycles of constant P with (P -
+P_c)/P from 1e-4 to 1e-14. P_c is the load at the stick edge.
 """
 
-PROMISED = 1e-12
-"""Closed forms promise that much, see `errors`; what rounding adds is stated where it is more."""
+PROMISED_ERROR = 1e-12
+"""Relative error that closed forms promise; what rounding adds is stated where it is more."""
 
 
-def repeats_within(slip_zone_share: float) -> float:
-    """Largest change of M(eta) over f P with which a cycle counts as repeated: 1e-12, but no more
-    than 1e-4 of the load P - P_c that slips, `slip_zone_share` of P.
+def repeat_tolerance(slip_zone_share: float) -> float:
+    """Largest change of M(eta) over f P with which a cycle counts as repeated: 1e-4 of the share
+    (P - P_c)/P that the slip zones carry, `slip_zone_share`, within 2e-14 and 1e-12.
     """
-    return min(_REPEATS, max(_OF_SLIP * slip_zone_share, _LEAST))
+    change = max(_CHANGE_OVER_SLIP_ZONE_SHARE * slip_zone_share, _LEAST_CHANGE)
+    return min(_LARGEST_CHANGE, change)
 
 
 def slip_combination(direction: int, friction: float) -> Combination:
@@ -91,8 +94,8 @@ def combination_change(
 
 
 class CurvePart(Protocol):
-    """A piece of a memory curve M(eta) as fields use it: a `Piece`, or the line that ends at a
-    `Knot` of a load series. All pieces below come with it.
+    """A piece of a memory curve M(eta) as fields use it: a `Piece`, or a straight `Line` of a load
+    series. All pieces below come with it.
     """
 
     @property
@@ -194,15 +197,17 @@ def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     )
 
 
-def _whole_arc(piece: Piece) -> tuple[float, float]:
-    """Times at both ends of a piece's arc as it was made, before unloading shortened it."""
+def _times_of_arc(piece: Piece) -> tuple[float, float]:
+    """Times at both ends of a piece's arc as it was made, before unloading shortened it: begin and
+    end on the load segment of its anchor.
+    """
     assert piece.arc is not None  # for the type checker: only called for arcs
     return piece.arc[0], piece.anchor.time
 
 
 def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
     """Time on an arc's load segment at which P was `load`, in the shape of `load`."""
-    begin, end = _whole_arc(piece)
+    begin, end = _times_of_arc(piece)
     return piece.anchor.segment.time_of(
         NORMAL_LOAD, np.asarray(load, dtype=float) - piece.bottom, begin, end
     )
@@ -230,7 +235,7 @@ def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
 
 def unload_to(curve: Curve, load: float) -> Curve:
     """The memory curve M(eta) after unloading to P = `load` without slip: its part up to that load;
-    None where nothing is left.
+    None where nothing is left, the curve itself where it ends below the load.
 
     M(eta) is the tangential force of the flat punches up to the load eta. A curve is given by its
     uppermost piece, which goes from the load `bottom` to `top`; `below` is the rest. An arc also
@@ -278,8 +283,9 @@ def slip_to(
     P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
 
     M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
-    change. `slip_zone_load` is P - P_c [force per thickness]. Masing rule: after a reversal of Q at
-    constant P, P - P_c = dQ/(2 f), half of that in first loading.
+    change. `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is added.
+    Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in first
+    loading.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -385,7 +391,7 @@ def _load_of_slip_zone_on_arc(
     `direction` of slip. If P and Q are a single wave on one segment, that time is the mirror image
     of `time` about the extreme of s Q - f P; else it is found by iteration along the arc.
     """
-    arc_begin, arc_end = _whole_arc(piece)
+    arc_begin, arc_end = _times_of_arc(piece)
     combination = slip_combination(direction, friction)
     arc_segment = piece.anchor.segment
     if arc_segment is segment:
@@ -403,11 +409,12 @@ def _load_of_slip_zone_on_arc(
 def is_same_memory(
     curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12
 ) -> bool:
-    """Whether two memory curves M(eta) agree within `tolerance` times f P: then loads that follow
-    have the same tractions and slip after both.
+    """Whether two memory curves M(eta) agree, M within `tolerance` times f P and their largest load
+    within `tolerance` times P: then loads that follow have the same tractions and slip after both.
 
     M(eta) is the tangential force of the flat punches up to the load eta; f is `friction`. The
-    curves are compared at the ends of their pieces and at three loads in between.
+    curves are compared at the ends of their pieces and at three loads in between. None, out of
+    contact, agrees with None only.
 
     >>> is_same_memory(None, None, 0.5)
     True

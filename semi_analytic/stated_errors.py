@@ -34,7 +34,7 @@ import numpy as np
 from scenes.array_types import Array, Indices
 from semi_analytic.answer import largest_error
 from semi_analytic.history import Span, slip_zone_share
-from semi_analytic.memory import LAST_DIGITS, PROMISED, slip_combination
+from semi_analytic.memory import LAST_DIGITS, PROMISED_ERROR, slip_combination
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -68,7 +68,7 @@ def error_by_slip_zone_load(quantity: str, share: float) -> float:
     accuracy of closed forms, or nothing slips.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
-    if max(_ERROR_BY_SLIPPED_LOAD.values()) * error <= PROMISED:
+    if max(_ERROR_BY_SLIPPED_LOAD.values()) * error <= PROMISED_ERROR:
         return 0.0
     return _ERROR_BY_SLIPPED_LOAD[quantity] * error
 
@@ -95,7 +95,7 @@ def error_of_displacement(friction: float, approaches: Array, displacements: Arr
         return 0.0
     largest_approach = float(np.max(np.abs(approaches)))
     error = 2 * LAST_DIGITS * friction * largest_approach / largest_displacement
-    return error if error > PROMISED else 0.0
+    return error if error > PROMISED_ERROR else 0.0
 
 
 class LoopIntegral(NamedTuple):
@@ -205,7 +205,7 @@ def errors_of_sums(contact: Contact, sums: Sums) -> dict[str, float]:
         for name, size in largest.items()
     }
     if contact.closed_form or isinstance(contact, TiltedProfile):
-        return {name: error for name, error in errors_of_arcs.items() if error > PROMISED}
+        return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}
     errors: dict[str, float] = {}
     if largest_pressure <= _TINY:
         return errors

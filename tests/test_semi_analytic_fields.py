@@ -46,7 +46,7 @@ from semi_analytic import (
 )
 from semi_analytic.fields import Arc, Integrals
 from semi_analytic.hertz import HertzContact
-from semi_analytic.load_series import Knot
+from semi_analytic.load_series import Line
 from semi_analytic.memory import Piece
 from semi_analytic_cases import (
     LOADS,
@@ -244,7 +244,7 @@ def drop_history(monkeypatch):
             end = curve.anchor
             leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
             curve = Piece(
-                None, end.normal, end._replace(leg=leg, time=0.0), end.tangential / end.normal
+                None, end.normal, end._replace(segment=leg, time=0.0), end.tangential / end.normal
             )
         return march(curve, legs, friction, delay)
 
@@ -253,7 +253,7 @@ def drop_history(monkeypatch):
 
     def forgetful_step(curve, *arguments):
         if curve is not None:
-            curve = Knot(None, curve.top, curve.force, curve.top, curve.force, depth=1)
+            curve = Line(None, curve.top, curve.force, curve.top, curve.force, line_count=1)
         return step(curve, *arguments)
 
     monkeypatch.setattr(semi_analytic.load_series, "_step", forgetful_step)
