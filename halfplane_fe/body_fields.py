@@ -122,8 +122,8 @@ class BodyFields:
     von_mises
         (n,) [stress]
     edges
-        (2,) x of the left and right edge of contact, by the tractions; NaN out of contact
-        [length]
+        (2,) x of the left and right edge of contact, by the tractions [length]; NaN where fewer
+        than three nodes touch
     edge_tension, edge_tension_uncertainty
         (2,) xx of the face at those edges, which lie between nodes [stress]; NaN in a body so
         thin that what its size adds is not known
@@ -171,9 +171,8 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     InputError
         For an instant outside the solved time; for a solution without meshes.
     """
-    if not isinstance(solution, FiniteElementSolution):
-        raise InputError("fields: the answer has no meshes, so nothing inside the bodies is known")
-    steps = [_step(solution, float(instant)) for instant in instants]
+    _require_meshes("fields", solution)
+    steps = [_nearest_step("fields", solution, float(instant)) for instant in instants]
     if not steps:
         return ()
     lower, upper = _fields_of_bodies(solution, steps)
@@ -186,6 +185,16 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
         )
         for step, fields_of_lower, fields_of_upper in zip(steps, lower, upper, strict=True)
     )
+
+
+def _require_meshes(caller: str, solution: ContactSolution) -> None:
+    """Refuse a solution that is not by finite elements or was read back from disk (InputError,
+    which names the `caller`): it has no meshes.
+    """
+    if not isinstance(solution, FiniteElementSolution):
+        raise InputError(
+            f"{caller}: the answer has no meshes, so nothing inside the bodies is known"
+        )
 
 
 def _fields_of_bodies(
@@ -242,18 +251,20 @@ def _displacement_and_stress(
     tractions_at_steps: Sequence[Tractions | None],
     body_number: int,
 ) -> tuple[Array, Array]:
-    """Displacement (n_steps, n, 2) [length] and stress xx, yy, xy, zz (n_steps, n, 4) at the n
-    nodes of one body. The frame is the common one (y out of the lower body).
+    """Displacement (n_steps, n, 2) [length] and stress xx, yy, xy, zz (n_steps, n, 4) [stress] at
+    the n nodes of one body. The frame is the common one (y out of the lower body).
 
-    Far from the contact the stress is that of the elements, next to it that of the tractions on a
-    half-plane. The rigid motion of the upper body is left out.
+    Far from the contact the stress is that of the elements. Next to it, it is that of the tractions
+    on a half-plane plus what the finite size of the body adds. Both results contain the bulk
+    stress. The rigid motion of the upper body is left out.
 
     Parameters
     ----------
     steps
         indices of stored instants
     tractions_at_steps
-        tractions on the lower body at each step, as sine series; None out of contact
+        tractions on the lower body at each step, as sine series; None where fewer than three nodes
+        touch
     body_number
         0 of the lower body, 1 of the upper one
     """
@@ -293,15 +304,16 @@ def _rigid_motion(
     return np.asarray(tilt * points[:, ::-1] * [-1.0, 1.0] + translation)
 
 
-def _step(solution: FiniteElementSolution, instant: float) -> int:
-    """Index of the stored step of a solution whose time is nearest to an instant; InputError for an
-    instant outside the solved time.
+def _nearest_step(caller: str, solution: FiniteElementSolution, instant: float) -> int:
+    """Index of the stored step of a solution whose time is nearest to an instant; InputError, which
+    names the `caller`, for an instant outside the solved time.
     """
     start = float(solution.time[0])
     end = float(solution.time[-1])
     if not start - _ROUNDING_OF_TIME <= instant <= end + _ROUNDING_OF_TIME:
         raise InputError(
-            f"fields: instant {instant:.6g} lies outside the solved time, {start:.6g} to {end:.6g}"
+            f"{caller}: instant {instant:.6g} lies outside the solved time, {start:.6g} to"
+            f" {end:.6g}"
         )
     return int(np.argmin(np.abs(solution.time - instant)))
 
@@ -322,9 +334,10 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     Returns
     -------
     values, uncertainties
-        (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN
-        where fewer than three nodes touch, and where what the size of a body adds is not known:
-        in a curved face with a side near, and in one so near to its base that bulk stress pulls
+        (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 where P = 0; NaN where
+        fewer than three nodes touch under a load, and in a body of which it is not known what its
+        size adds: one with a support or side near the contact that has a curved face, bulk stress,
+        or free sides on rollers, or is too thin for its kernels
 
     Raises
     ------
@@ -332,7 +345,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         For bodies of finite size whose meshes are not there: answers that were read back from disk
         have none, nor have kernel solves, of which flat bodies need none.
     """
-    if not _has_bodies(solution):
+    if not _has_data_of_size_effect(solution):
         raise InputError(
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
             " known; solve it again, with meshed bodies"
@@ -346,9 +359,9 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     return tension.values, np.maximum(uncertainties, tension.change_by_unseen_slip)
 
 
-def _has_bodies(solution: ContactSolution) -> bool:
-    """Whether the stress that the size of the bodies adds on their faces can be computed from a
-    solution: on curved faces this needs meshes.
+def _has_data_of_size_effect(solution: ContactSolution) -> bool:
+    """Whether a solution carries what the stress by the finite size of its bodies is computed from:
+    their meshes, or the kernels of flat faces. Half-planes need neither.
     """
     bodies = solution.scene.bodies
     if isinstance(solution, KernelSolution):
@@ -364,6 +377,8 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     has left. With p = K sqrt(d) near the edge, a jump c of q/p at the distance w changes s_xx by
     (4/pi) c K sqrt(w). Returned is the largest change by the strips since each earlier instant. A
     strip that reaches the outermost node counts a quarter; beyond the rim node it counts nothing.
+    Zero where not all of the contact sticks, where P does not grow, and where so few nodes touch
+    that there is no rim node.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
     # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the
@@ -425,8 +440,9 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     possible change by slip in a zone too narrow for the nodes.
 
     The tractions cause opposite tensions in two half-planes; bulk stress and the finite size of
-    each body add to them. Arrays are (n_steps, 2, 2) by body and edge: NaN where too few nodes
-    touch to fit sine series to the tractions, 0 where P = 0.
+    each body add to them. Arrays are (n_steps, 2, 2) by body and edge. Where P = 0 all are 0. Where
+    fewer than three nodes touch under a load, or it is not known what the size of a body adds,
+    values and uncertainties are NaN.
 
     Parameters
     ----------
@@ -475,7 +491,8 @@ def _added_edge_tension(
     Returns
     -------
     values, uncertainties
-        (n_steps, 2, 2) by body and edge, and (2,) by body [stress]; NaN where it is not known
+        (n_steps, 2, 2) by body and edge, and (2,) by body [stress]; NaN for a body of finite size
+        of which there is neither a fit beside the contact nor kernels
     """
     bodies = solution.scene.bodies
     material = solution.scene.material
@@ -489,38 +506,36 @@ def _added_edge_tension(
         if isinstance(getattr(bodies, name), HalfPlane):
             added_tension[:, body_number] = bulk_stresses[body_number][:, None]
             continue
+        size_fit: _SizeFit | None = None
+        if isinstance(solution, KernelSolution):
+            kernels = getattr(solution.kernels, name)
+        else:
+            assert isinstance(solution, FiniteElementSolution)  # for the type checker
+            if body_number == 1 and are_mirrored:
+                size_fit = size_fit_of_lower
+            else:
+                size_fit = _size_fit(
+                    solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
+                )
+            kernels = _kernels_of_thin_body(solution, body_number) if size_fit is None else None
+        if body_number == 0:
+            size_fit_of_lower = size_fit
         tractions_on_body = [
             _on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
         ]
-        if isinstance(solution, KernelSolution):
-            kernels = getattr(solution.kernels, name)
-            added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
-                kernels, getattr(material, name), tractions_on_body
-            )
-            continue
-        assert isinstance(solution, FiniteElementSolution)  # for the type checker
-        if body_number == 1 and are_mirrored:
-            size_fit = size_fit_of_lower
-        else:
-            size_fit = _size_fit(
-                solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
-            )
-        size_fit_of_lower = size_fit
         if size_fit is not None:
             # the fit has the bulk stress in it, as the elements have
             added_tension[:, body_number] = size_fit.tension(
                 tractions_on_body, bulk_stresses[body_number]
             )
             uncertainties[body_number] = size_fit.uncertainty
-            continue
-        kernels = _kernels_of_thin_body(solution, body_number)
-        if kernels is None:
+        elif kernels is not None:
+            added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
+                kernels, getattr(material, name), tractions_on_body
+            )
+        else:
             added_tension[:, body_number] = math.nan
             uncertainties[body_number] = math.nan
-            continue
-        added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
-            kernels, getattr(material, name), tractions_on_body
-        )
     return added_tension, uncertainties
 
 
@@ -538,8 +553,11 @@ def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> 
 
 @lru_cache(maxsize=2)
 def _flat_body_kernels(scene: Scene, body_number: int, reach: float) -> BodyKernels | None:
-    """Kernels of the lower (0) or upper (1) body over |x| <= `reach` [length]; None where its face
-    is curved, or a bulk stress pulls it, or it has rollers with free sides, or is thinner still.
+    """Kernels of the lower (0) or upper (1) body over |x| <= `reach` [length]: what its finite size
+    adds to the displacement of its face by unit forces.
+
+    None where no kernels are derived: for a curved face, a path with bulk stress, free sides on
+    rollers, or a body so thin that the kernels need a polynomial of too high a degree.
     """
     name = _BODY_NAMES[body_number]
     datum_length = max(scene.profile.datum_length, reach)
@@ -554,11 +572,11 @@ def _size_tension_by_kernels(
     kernels: BodyKernels, material: Elastic, tractions_on_body: Sequence[Tractions]
 ) -> tuple[Array, float]:
     """Stress s_xx at both edges of contact that the finite size of a flat-faced body adds to that
-    of a half-plane, (n_steps, 2), and its uncertainty [stress].
+    of a half-plane, (n_steps, 2) [stress]. Its uncertainty is the largest difference of s_xx
+    between the kernels of a fine and of a coarse mesh, of all steps [stress].
 
     It is E/(1 - nu^2) times the strain along the face, since no pressure acts beside the contact.
-    The strain is the body's response to the nodal forces (its kernels), integrated by Gauss-
-    Chebyshev points over the contact.
+    The strain is that by the tractions, as forces at Gauss-Chebyshev points over the contact.
 
     Parameters
     ----------
@@ -653,8 +671,11 @@ def _size_fit(
     """Linear regression of the stress that the finite size of a body adds beside the contact; the
     predictors are moments of the tractions and the bulk stress.
 
-    That stress is element stress minus half-plane stress at a dozen steps, spread evenly; the
-    regression gives it at all others. None where the body is too thin for it.
+    That stress is element stress minus half-plane stress at up to a dozen steps, spread evenly; the
+    regression gives it at all others. None where a support or side is too near the contact.
+
+    The uncertainty is the standard error of s_xx at an edge, plus what the regression misses of
+    s_xx at the middle of the face; of both the largest at the sampled steps.
 
     Parameters
     ----------
@@ -735,17 +756,22 @@ def stress(
     Returns
     -------
     Array
-        (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz [stress]
+        (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz [stress]; NaN where fewer than three
+        nodes touch under a load
 
     Raises
     ------
     InputError
-        For an instant outside the solved time, a place outside the body, or one of a body of finite
-        size that is further than three half-widths from the contact, or close to a support or side:
-        `fields` has the stress there.
+        For a solution without meshes, an unknown body, an instant outside the solved time, or a
+        place outside the body. In a body of finite size also for a place that is further than three
+        half-widths from the contact, or close to a support or side, or with bulk stress where
+        nothing touches: `fields` has the stress there.
     """
+    _require_meshes("stress", solution)
+    if body not in _BODY_NAMES:
+        raise InputError(f"stress: body is lower or upper, not {body!r}")
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
-    steps = [_step(solution, float(instant)) for instant in instant_times]
+    steps = [_nearest_step("stress", solution, float(instant)) for instant in instant_times]
     body_number = _BODY_NAMES.index(body)
     sign_of_y = _sign_of_y(body_number)
     x_places, y_places = np.broadcast_arrays(
@@ -770,7 +796,9 @@ def stress(
     stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk_stress[:, None]
-    elif any(step_tractions is not None for step_tractions in tractions_at_steps):
+    elif bulk_stress.any() or any(
+        step_tractions is not None for step_tractions in tractions_at_steps
+    ):
         nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
         near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
         size_effect = None if near_contact is None else near_contact.size_effect
@@ -785,6 +813,9 @@ def stress(
     stress[..., 2] *= sign_of_y  # s_xy from the body's own frame to the common one
     poisson_ratio = solution.condensed[body_number].material.poisson_ratio
     stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])  # plane strain
+    for k, step in enumerate(steps):
+        if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
+            stress[k] = math.nan
     return stress
 
 
@@ -797,11 +828,11 @@ class LargestTension:
     value, uncertainty
         of the tension [stress]
     time
-        at which it is met
+        instant of it
     body
         "lower" or "upper"
     x
-        the edge that it is at [length]
+        place of the edge of contact where it is [length]
     edges
         left and right edge of contact at that time [length]
     """
@@ -818,10 +849,10 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     """The largest tension s_xx of the last cycle of a solution, along either face just outside an
     edge of contact, with its place, time and uncertainty.
 
-    None out of contact, and where it is not known what the size of a body adds
-    (`why_tension_is_unknown`). Just after a load
-    reverses, the new slip zone is narrower than an element, so that the stress is still that from
-    before. The largest tension comes before a reversal: such slip adds no uncertainty to it.
+    None where at no instant of that cycle three nodes touch, and where it is not known what the
+    size of a body adds (`why_tension_is_unknown`). Just after a load reverses, the new slip zone is
+    narrower than an element, so that the stress is still that from before. The largest tension
+    comes before a reversal: such slip adds no uncertainty to it.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
@@ -857,13 +888,13 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
 def why_tension_is_unknown(solution: ContactSolution) -> str | None:
     """Reason in words why `largest_edge_tension` is not known of a solution; None where neither
-    body stands in its way.
+    body is the reason. It is found without a fit.
 
-    Known must be the stress that the finite size of each body adds on its face: by a fit beside the
-    contact, or by kernels. Asked before either is made.
+    The stress that the finite size of each body adds on its face must be known: by a fit beside the
+    contact, or by kernels.
     """
-    if not _has_bodies(solution):
-        return "a face is curved, and no body has a mesh"
+    if not _has_data_of_size_effect(solution):
+        return "the answer has no meshes, which the stress of its bodies needs"
     if not isinstance(solution, FiniteElementSolution):
         return None
     half_width = float(solution.contact_half_width[solution.last_cycle].max())
@@ -892,8 +923,9 @@ def _why_no_kernels(shape: Shape, scene: Scene) -> str:
 
 
 def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
-    """Candidates for the instant of the largest edge tension: steps of the last cycle, in order of
-    time, at which an estimate of it is highest.
+    """Candidates for the instant of the largest edge tension: indices of the steps of the last
+    cycle, in order of time, at which an estimate of it is highest. Empty where no step has three
+    nodes in contact.
 
     The estimate is the tension by tractions that are fitted at few points, plus the tension that
     bulk stress and body size add, interpolated in time. Fits cost most: they are made in the order
@@ -1027,9 +1059,10 @@ def profile_kinks(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _NodalFields:
-    """Displacement and stress by elements at the n nodes of a body, k stored steps, its own frame.
+    """Displacement and stress by elements at the n nodes of a body at k stored steps, in the body's
+    own frame, whose y points out of it.
 
-    The bulk stress of a block is in both; that of a half-plane is not.
+    The bulk stress of a body of finite size is in both; that of a half-plane is not.
 
     Attributes
     ----------
@@ -1053,7 +1086,7 @@ def _nodal_fields(
     solution: FiniteElementSolution, body_number: int, steps: Sequence[int], bulk_stress: Array
 ) -> _NodalFields:
     """Displacement and stress at the nodes of one body by its elements, at k stored steps, in the
-    body's own frame.
+    body's own frame, whose y points out of it.
 
     Parameters
     ----------
@@ -1088,11 +1121,12 @@ class _NearContact:
     largest_distance
         of its nodes from the middle of the contact [length]
     nodes
-        (m,) in it
+        (m,) numbers of the nodes in it
     x, y
-        (m,) their places, the face flattened [length]
+        (m,) their places, y counted from the face, as if that were flat [length]
     tractions
-        (k,) tractions on this body at the k steps, in its own frame; None out of contact
+        (k,) tractions on this body at the k steps, in its own frame; None where fewer than three
+        nodes touch
     size_effect
         stress that the finite size of the body adds; None of a half-plane
     """
@@ -1115,8 +1149,9 @@ def _near_contact(
     the body and a fit of the stress that its finite size adds there.
 
     There stress follows from the tractions more accurately than from the elements. The fit uses
-    nodes deep enough, or far enough beside the contact, for the elements to be accurate. None where
-    nothing touches, and where a support or a side is too near.
+    nodes deep enough, or far enough beside the contact, for the elements to be accurate. Where a
+    support or side is near, the distance is shorter. None where it is too short for a fit, and
+    where at no step three nodes touch.
 
     Parameters
     ----------
@@ -1125,7 +1160,8 @@ def _near_contact(
     nodal_fields
         stress and displacement at its nodes by the elements, at k steps
     tractions_at_steps
-        (k,) tractions on the lower body at the steps, as sine series; None out of contact
+        (k,) tractions on the lower body at the steps, as sine series; None where fewer than three
+        nodes touch
     """
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     half_widths = [
@@ -1186,7 +1222,7 @@ def _stress_of_tractions(
     tractions_at_steps: Sequence[Tractions | None], x: Array, y: Array
 ) -> Array:
     """Stress s_xx, s_yy, s_xy (n, 3, k) of a half-plane y <= 0 at n places under the tractions of k
-    steps [stress]; 0 out of contact.
+    steps [stress]; 0 where the tractions are None.
     """
     no_stress = np.zeros((len(x), 3))
     return np.stack(
@@ -1206,7 +1242,7 @@ def _joined_stress(
 
     The blending zone is an annulus inside the largest distance of the nodes close to the contact.
     With s the distance from its outer circle over its width, 0 <= s <= 1, the weight of the
-    tractions' stress is s^2 (3 - 2 s).
+    tractions' stress is s^2 (3 - 2 s). At steps without tractions all is that of the elements.
 
     Parameters
     ----------
@@ -1225,7 +1261,10 @@ def _joined_stress(
         traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
     blending_width = _BLENDING_SHARE * near_contact.largest_distance
     s = np.clip((near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
-    weight = (s**2 * (3 - 2 * s))[:, None, None]
+    has_tractions = np.array(
+        [step_tractions is not None for step_tractions in near_contact.tractions]
+    )
+    weight = (s**2 * (3 - 2 * s))[:, None, None] * has_tractions
     stress = nodal_fields.stress.copy()
     stress[nodes, :3] = (1 - weight) * stress[nodes, :3] + weight * traction_stress
     stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
@@ -1305,9 +1344,9 @@ def _extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
     """Matrix (n_nodes, n_quadrature) that extrapolates values at the quadrature points of an
     element to its nodes, by the polynomial that fits them best in least squares.
 
-    The polynomial has a degree less than the displacement, where stresses are most accurate:
-    constant, or linear (bilinear on a quadrilateral). Source: Zienkiewicz and Zhu (1992), Int. J.
-    Numer. Meth. Engng 33, 1331-1364.
+    The polynomial is constant for displacements of `order` 1, and linear (bilinear on a
+    quadrilateral) of order 2: at the quadrature points stresses of that degree are most accurate.
+    Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364.
     """
     refdom = basis.mesh.refdom
     corners = np.asarray(refdom.p, dtype=float)

@@ -1,9 +1,8 @@
 """Static condensation: plane-strain elasticity of one body, reduced by a Schur complement to the
 nodes that may touch.
 
-The stiffness by elements that do not lock:
-
-Displacement elements lock as nu -> 1/2: with quadratic ones the body's energy stays right, but the
+The elements do not lock. Those of the displacement alone do as nu -> 1/2: with quadratic ones the
+body's energy stays right, but the
 contact tractions rock from node to node. So what Lame's lambda has above 2 G (nu = 1/3) enters
 through a continuous linear pressure r = lambda_1 div u, the pair of Taylor and Hood, and nothing
 locks at any nu < 1/2; below that the elements are plain ones. Linear elements have no such partner.
@@ -140,8 +139,8 @@ def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
 def assemble(body: BodyMesh, material: Elastic) -> System:
     """Finite-element system of a meshed body on its supports.
 
-    It states which degrees of freedom lie on the contact and on a half-disc's arc, which are held,
-    and the forces of a unit of tension on the body's ends.
+    It states which degrees of freedom lie on the contact and on the arc of a half-disc (a
+    half-plane's mesh), which are held, and the forces of a unit of tension on the body's ends.
 
     Raises
     ------
@@ -193,10 +192,10 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         tension_forces=np.empty(0),
     )
     facets_of_ends = [facet for name in pulled_ends for facet in mesh.boundaries[name]]
-    return replace(system, tension_forces=_pull(system, facets_of_ends))
+    return replace(system, tension_forces=_tension_forces(system, facets_of_ends))
 
 
-def _pull(system: System, facets: list[int]) -> Array:
+def _tension_forces(system: System, facets: list[int]) -> Array:
     """Nodal forces (n_dofs,) by a unit of tension along x on the ends of a body [length]; `facets`
     are the numbers of the element sides there, whose outward normals are along x.
     """
@@ -208,8 +207,8 @@ def _pull(system: System, facets: list[int]) -> Array:
 
 
 class SplitLame(NamedTuple):
-    """Lame's lambda of the displacement elements, what of it goes through the pressure r (0 where
-    nothing does), and G [stress].
+    """Lame's constants [stress]: the part of lambda that the displacement elements have, the part
+    that enters through the mixed pressure r (0 where there is none), and G.
     """
 
     of_displacement: float
@@ -218,7 +217,9 @@ class SplitLame(NamedTuple):
 
 
 def split_lame(material: Elastic, order: int) -> SplitLame:
-    """Lame's constants of a material, lambda split between displacement and mixed pressure r."""
+    """Lame's constants of a material, lambda split between displacement and mixed pressure r: r
+    takes what lambda has above 2 G, in elements of order 2 only.
+    """
     lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
     rest_of_lambda = lam - PLAIN_LAMBDA * shear_modulus
     if order == 2 and rest_of_lambda > 1e-6 * shear_modulus:
@@ -375,15 +376,17 @@ class _Subspace(NamedTuple):
     column_of_dof: Indices
     factor_of_dof: Array
 
-    def motions(self, moved_dofs: Indices, by: Indices) -> sparse.csr_matrix:
-        """Displacement (m, n) of m degrees of freedom of the body by n of the k motions, `by`."""
+    def motions(self, moved_dofs: Indices, motion_numbers: Indices) -> sparse.csr_matrix:
+        """Displacement (m, n) of m degrees of freedom of the body, by their numbers, in n of the k
+        motions, by theirs.
+        """
         place = np.full(len(self.leading_dofs), -1)
-        place[by] = np.arange(len(by))
+        place[motion_numbers] = np.arange(len(motion_numbers))
         column = place[self.column_of_dof[moved_dofs]]
         factor = np.where(column >= 0, self.factor_of_dof[moved_dofs], 0.0)
         return sparse.csr_matrix(
             (factor, np.maximum(column, 0), np.arange(len(moved_dofs) + 1)),
-            shape=(len(moved_dofs), len(by)),
+            shape=(len(moved_dofs), len(motion_numbers)),
         )
 
 
@@ -461,8 +464,9 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     """Rank (n_dofs,) of each degree of freedom in an order of elimination that leaves the factors
     of a stiffness sparse. Those of one node have one rank.
 
-    It is the minimum-degree order of the inner nodes by their stiffness along x alone. This takes a
-    quarter of the work of ordering all degrees of freedom.
+    It is the minimum-degree order of the inner nodes, those that carry neither contact forces nor
+    reactions, by their stiffness along x alone. This takes a quarter of the work of ordering all
+    degrees of freedom. All other nodes have the last rank.
     """
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
@@ -521,7 +525,7 @@ class _Elimination(NamedTuple):
     schur_cholesky: Array
 
     @classmethod
-    def of(cls, stiffness: sparse.csc_matrix, n_inner: int) -> _Elimination:
+    def from_stiffness(cls, stiffness: sparse.csc_matrix, n_inner: int) -> _Elimination:
         """Sparse elimination of the first n_inner degrees of freedom of a stiffness, and dense
         Cholesky factor of the Schur complement S of the others.
 
@@ -552,7 +556,7 @@ class _Elimination(NamedTuple):
         return lower_triangle + np.tril(lower_triangle, -1).T
 
     def displacements(self, loads: Array) -> Array:
-        """Displacement (n, k) of all degrees of freedom under k load cases, (n, k)."""
+        """Displacement (n, k) of all degrees of freedom under `loads` (n, k), one column a case."""
         n_inner = self.n_inner
         remaining = slice(n_inner, None)
         # Of the degrees of freedom that remain this gives the load that is left to them.
@@ -612,7 +616,7 @@ def _condensed_subspace(
     n_reactions = len(reaction_numbers)
     ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
-    elimination = _Elimination.of(ordered_stiffness, len(inner_numbers))
+    elimination = _Elimination.from_stiffness(ordered_stiffness, len(inner_numbers))
     contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_numbers)
     loads = _SubspaceLoads(
         arc_loads=subspace.motions(system.reaction_dofs.ravel(), reaction_numbers).T
@@ -646,7 +650,8 @@ class _SubspaceLoads(NamedTuple):
         (k, q) and (q, k), of the half-plane at points of the arc by each unit force; their product
         is work
     tension_on_ends
-        (n_dofs,) forces by a unit of tension along x, in the order of elimination
+        (n,) forces on the motions that are not held, in the order of elimination, by a unit of
+        tension along x on the ends [length]
     """
 
     arc_loads: Array
@@ -747,8 +752,8 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
 
 
 class ArcLoads(NamedTuple):
-    """The half-plane's tractions on the arc by unit forces on the n contact nodes, see
-    `far_field.arc_forces`; for a body without an arc see `arc_loads`.
+    """Tractions that the half-plane around a half-disc exerts on its arc by unit forces on the n
+    contact nodes, see `far_field.arc_forces`; for a body without an arc see `arc_loads`.
 
     Attributes
     ----------
@@ -768,10 +773,10 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Far-field loads that balance unit forces on the contact nodes: on the arc of a half-disc the
     tractions of the half-plane around it.
 
-    On a body that rolls on its base and is held at its ends, each end takes its part of a force
-    along x. `reaction_dofs` are then those of the ends. For other bodies all arrays are empty.
-    `datum_length` is the distance from a force at which the half-plane's surface has no
-    displacement [length].
+    On a body that rolls on its base and is held at its ends, the ends take a force along x in
+    proportion to the nodal forces of a tension on them. `reaction_dofs` are then those of the ends,
+    and there are no points of an arc. For other bodies all arrays are empty. `datum_length` is the
+    distance from a force at which the half-plane's surface has no displacement [length].
     """
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
     arc_places = system.mesh.p[:, system.node_of_dof[system.reaction_dofs[0]]]

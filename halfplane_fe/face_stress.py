@@ -309,7 +309,7 @@ class NodalTractions:
     has_coupling: bool = False
     has_unlike_materials: bool = False
 
-    def slips(self, n_nodes: int) -> bool:
+    def has_slip_zones(self, n_nodes: int) -> bool:
         """Whether there is a stick zone between two slip zones of at least `n_nodes` nodes each."""
         return (
             len(self.x) > n_nodes
@@ -379,16 +379,11 @@ class SampledTractions:
         )
 
 
-def tractions(
-    nodal_tractions: NodalTractions, fit: EdgeFit = _USUAL_FIT, constant_ratio: bool = False
-) -> Tractions:
+def tractions(nodal_tractions: NodalTractions) -> Tractions:
     """Sine series of pressure and shear across the contact, from their values at the nodes that
-    touch.
-
-    `fit` is how p^2 is fitted inside the edges to find them. `constant_ratio`: whether q/p stays
-    constant from the outermost node to the edge, where the whole contact sticks or slips.
+    touch, by the usual fit of the edges.
     """
-    return sampled_tractions(nodal_tractions, fit, constant_ratio).series()
+    return sampled_tractions(nodal_tractions).series()
 
 
 def sampled_tractions(
@@ -398,8 +393,9 @@ def sampled_tractions(
     that touch. The mesh distorts those at the outermost nodes, which are left out.
 
     At n angles theta, x = m - h cos(theta). The edges of contact are where p^2, fitted inside the
-    outermost nodes, is zero; with too few nodes, those that the solution states. What the smooth
-    shear lacks of the load Q is added at the stick edges.
+    outermost nodes, is zero. Where either edge has no such fit, both are those that the solution
+    states, and no node is left out. What the smooth shear lacks of the load Q is returned apart, as
+    a shear traction at the stick edges.
 
     # notation: m middle, h half-width of the contact
 
@@ -416,19 +412,12 @@ def sampled_tractions(
     x = nodal_tractions.x
     pressure_form = _pressure_form(nodal_tractions)
     p_over_form = nodal_tractions.pressure / pressure_form(x)
-    fit_at_left = _fitted_edge(x, p_over_form, fit)
-    mirrored_x = -x[::-1]
-    mirrored_p = p_over_form[::-1]
-    # A pressure that is its own mirror image has one fit for both edges.
-    is_mirrored = np.array_equal(mirrored_x, x) and bool(
-        np.max(np.abs(mirrored_p - p_over_form)) <= _SAME_PRESSURE * np.max(p_over_form)
-    )
-    fit_at_right = fit_at_left if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit)
-    edges = nodal_tractions.contact_edges
-    nodes_left_out = 0
-    has_unfitted_edges = fit_at_left is None or fit_at_right is None
-    if fit_at_left is not None and fit_at_right is not None:
-        edges = (fit_at_left.edge, -fit_at_right.edge)
+    fitted_edges = _fitted_edges(x, p_over_form, fit)
+    if fitted_edges is None:
+        edges = nodal_tractions.contact_edges
+        nodes_left_out = 0
+    else:
+        edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
         nodes_left_out = fit.nodes_left_out
     middle = (edges[0] + edges[1]) / 2
     half_width = (edges[1] - edges[0]) / 2
@@ -437,6 +426,7 @@ def sampled_tractions(
     theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
     sine = np.sin(theta)
     places = middle - half_width * np.cos(theta)
+
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
     inner_x = x[inner_nodes]
     inner_p_over_form = p_over_form[inner_nodes]
@@ -446,23 +436,24 @@ def sampled_tractions(
     p_over_sine = np.interp(
         theta, node_angles, inner_p_over_form[is_in_contact] / np.sin(node_angles)
     )
-    smooth_pressure = p_over_sine * sine
-    if fit_at_left is not None and fit_at_right is not None:
+    pressure = p_over_sine * sine
+    if fitted_edges is not None:
         # Outside the outermost fitted node p is the root of the fitted p^2.
-        for side, fit_at_edge in ((1.0, fit_at_left), (-1.0, fit_at_right)):
-            is_outside = side * places < fit_at_edge.outermost_x
+        for side, fitted_edge in zip((1.0, -1.0), fitted_edges, strict=True):
+            is_outside = side * places < fitted_edge.outermost_x
             squared_p = np.polyval(
-                fit_at_edge.squared_pressure, side * places[is_outside] - fit_at_edge.outermost_x
+                fitted_edge.squared_pressure, side * places[is_outside] - fitted_edge.outermost_x
             )
-            smooth_pressure[is_outside] = np.sqrt(np.maximum(squared_p, 0.0))
-    smooth_pressure = smooth_pressure * pressure_form(places)
-    shear = _smooth_shear(places, smooth_pressure, nodal_tractions, nodes_left_out, constant_ratio)
+            pressure[is_outside] = np.sqrt(np.maximum(squared_p, 0.0))
+    pressure = pressure * pressure_form(places)
+
+    shear = _smooth_shear(places, pressure, nodal_tractions, nodes_left_out, constant_ratio)
     lengths = sine * half_width * math.pi / n_angles  # of the face, for each angle
     missing_load = nodal_tractions.tangential_load - float(lengths @ shear)
-    missing_shear = (
-        _unit_missing_shear(places, smooth_pressure, lengths, nodal_tractions) * missing_load
+    missing_shear = _unit_missing_shear(places, pressure, lengths, nodal_tractions) * missing_load
+    return SampledTractions(
+        edges, theta, pressure, shear, missing_shear, has_unfitted_edges=fitted_edges is None
     )
-    return SampledTractions(edges, theta, smooth_pressure, shear, missing_shear, has_unfitted_edges)
 
 
 def tension_of_nodes(nodal_tractions: NodalTractions) -> float:
@@ -575,7 +566,9 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, series: Tractions) -> 
             else _ERROR_BY_COUPLING
         )
         uncertainty += factor_of_coupling * spacing_ratio * float(np.max(np.abs(tension)))
-    if nodal_tractions.slips(1) and not nodal_tractions.slips(_NODES_OF_NARROW_ZONE + 1):
+    if nodal_tractions.has_slip_zones(1) and not nodal_tractions.has_slip_zones(
+        _NODES_OF_NARROW_ZONE + 1
+    ):
         uncertainty += _change_by_stick_edges(nodal_tractions, _STICK_EDGE_MOVED * spacing, tension)
     return uncertainty + _FACTOR_OF_MISSING_SHEAR * series.tension_by_missing_shear
 
@@ -586,14 +579,14 @@ def _change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) -
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
     pressure at the first node inside the distorted outermost ones. A share of this counts. Zero
-    where nodes show the slip zone, where P grows in full stick, and in full slip.
+    where nodes slip on both sides, where P grows in full stick, and in full slip.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the zone of
     # the distorted nodes
     """
     if (
         nodal_tractions.load_grows_in_stick
-        or nodal_tractions.slips(1)
+        or nodal_tractions.has_slip_zones(1)
         or not math.isfinite(nodal_tractions.stick_edges[0])
     ):
         return np.zeros(2)
@@ -612,7 +605,8 @@ def _change_by_stick_edges(
     nodal_tractions: NodalTractions, distance: float, tension: Array
 ) -> Array:
     """Change of the tension s_xx at both edges of contact, (2,) [stress], if both stick edges lay a
-    `distance` [length] further inside or further outside: the larger one.
+    `distance` [length] further inside or further outside: the larger one. They stay in the contact;
+    where they would meet, they are not moved.
 
     `tension` (2,) is that with the stick edges as `nodal_tractions` has them [stress].
     """
@@ -658,8 +652,8 @@ def _pressure_form(nodal_tractions: NodalTractions) -> Callable[[Array], Array]:
 
         p = E* k/(2 pi) [phi R + (x - b) ln |...|] + R (smooth part),   R = sqrt((x - l) (r - x))
 
-    The function is p/R with the smooth part taken as constant, its mean over the nodes. Where it is
-    negative at a node, the function is 1.
+    The function is p/R with the smooth part taken as constant, its mean over the nodes. Where this
+    is not positive at every node, the function is 1.
 
     # notation: h profile, l, r edges of contact, m its middle, a its half-width,
     # cos(phi) = (b - m)/a
@@ -732,19 +726,37 @@ class _FittedEdge(NamedTuple):
     squared_pressure: Array
 
 
+def _fitted_edges(x: Array, p: Array, fit: EdgeFit) -> tuple[_FittedEdge, _FittedEdge] | None:
+    """Left and right edge of contact by extrapolation of the pressure p (n,) from nodes at x (n,),
+    ascending. The right one is mirrored in x = 0: it is the left edge of p(-x). None where the fit
+    of either fails.
+    """
+    mirrored_x = -x[::-1]
+    mirrored_p = p[::-1]
+    left_edge = _fitted_edge(x, p, fit)
+    # A pressure that is its own mirror image has one fit for both edges.
+    is_mirrored = np.array_equal(mirrored_x, x) and bool(
+        np.max(np.abs(mirrored_p - p)) <= _SAME_PRESSURE * np.max(p)
+    )
+    right_edge = left_edge if is_mirrored else _fitted_edge(mirrored_x, mirrored_p, fit)
+    if left_edge is None or right_edge is None:
+        return None
+    return left_edge, right_edge
+
+
 def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     """Left edge of contact by extrapolation of the pressure: p^2 near a smooth edge is linear in
-    the distance, so a polynomial fitted to p^2 is zero there. None where no smooth edge is seen.
+    the distance, so a polynomial fitted to p^2 is zero there. None where no polynomial fits.
 
     The outermost nodes, which the mesh distorts, are left out. While the residual is large (a
     corner of the profile may be near), or the polynomial has no zero outside the nodes, half as
-    many nodes are fitted, down to six. With fewer nodes there is no edge.
+    many nodes are fitted. With fewer than six there is no fit.
 
     Parameters
     ----------
     x, p
-        (n,) places of the touching nodes, ascending, and the pressure there, over its form near
-        jumps of curvature; of a right edge both are mirrored
+        (n,) places of the touching nodes, ascending [length], and the pressure there over
+        `_pressure_form`; of a right edge both are mirrored
     fit
         how many nodes are left out, how many fitted, the degree, and the largest residual
     """
@@ -795,10 +807,11 @@ def _smooth_shear(
     nodes_left_out: int,
     constant_ratio: bool,
 ) -> Array:
-    """Smooth shear traction q across the contact, (n,), from its values at the nodes: +-f p in the
-    slip zones, interpolated over the angle across the stick zone.
+    """Smooth shear traction q across the contact, (n,) [stress], from its values at the nodes. In
+    the slip zones it is +-f p; across the stick zone it is interpolated over the angle.
 
-    Where no node shows a slip zone, q/p is interpolated instead and continued to the edges.
+    Unless nodes slip on both sides of a stick zone, q/p is interpolated instead, continued to the
+    edges, and kept within +-f: so in full stick and in full slip.
 
     Parameters
     ----------
@@ -814,7 +827,7 @@ def _smooth_shear(
     x = nodal_tractions.x
     q = nodal_tractions.shear
     friction = nodal_tractions.friction
-    if not nodal_tractions.slips(1):
+    if not nodal_tractions.has_slip_zones(1):
         # In full stick and in full slip q/p is finite at the edges: linear between nodes, and from
         # the outermost node to the edge.
         nodal_ratio = q / nodal_tractions.pressure
@@ -859,8 +872,9 @@ def _unit_missing_shear(
     """Shear traction (n,) of unit resultant next to the stick edges, where a smooth fit of q lacks
     a part of the load Q [1 / length].
 
-    It has two smooth humps within three nodes of the stick edges, since a jump of q would make the
-    tension infinite. Where nothing slips, it has the shape of the pressure.
+    It has two smooth humps in the stick zone, within three node distances of its edges, since a
+    jump of q would make the tension infinite. Unless nodes slip on both sides of a stick zone, it
+    has the shape of the pressure: so in full stick and in full slip.
 
     Parameters
     ----------
@@ -871,7 +885,7 @@ def _unit_missing_shear(
     nodal_tractions
         x of the nodes and stick edges
     """
-    if nodal_tractions.slips(1):
+    if nodal_tractions.has_slip_zones(1):
         left_stick, right_stick = nodal_tractions.stick_edges
         width = 3 * float(np.median(np.diff(nodal_tractions.x)))
         distance = np.minimum(np.abs(places - left_stick), np.abs(right_stick - places))

@@ -177,8 +177,8 @@ class _Base:
         (2 n + 5,) row of `responses` for the unit case of each row and load, -1 where that is
         not solved yet
     responses
-        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each row, then approach,
-        shift and tilt
+        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each row, then approach, U
+        and tilt
     n_cases
         unit cases that are solved
     sets_served
@@ -209,7 +209,8 @@ class _Base:
 
 
 class _Update(NamedTuple):
-    """Responses of a set of node states in c load cases, computed from those of a base.
+    """Responses of a set of node states in c load cases, computed from those of another set, the
+    base.
 
     Attributes
     ----------
@@ -312,6 +313,11 @@ class _NestedCompliance:
         -------
         forces, rigid_motion, displacements
             F (n, m), r (m,), C F - r (n, m).
+
+        Raises
+        ------
+        InputError
+            If the actuator's movement does not grow with the load, since c is negative.
         """
         forces = known_values.copy()
         displacements = known_values.copy()
@@ -353,9 +359,25 @@ class _NestedCompliance:
 
 @dataclass(eq=False)
 class Systems:
-    """Compliance of interface and layer, and the linear response of sets of node states.
+    """Linear equations of a contact while its nodes keep their states (open, stick, slip), and
+    their solutions, cached for many sets of states.
 
-    `shears` is False where there can be no shear: nodes then carry none, whether they stick or not.
+    Attributes
+    ----------
+    interface, layer
+        the two bodies as one compliance; the penalty layer between them
+    friction
+        coefficient f
+    work
+        counts of factorisations, updates and solves, added to here
+    shears
+        False where there can be no shear: nodes then carry none, whether they stick or not
+    actuators
+        compliances of actuators whose movements stand in the place of loads
+    normal, tangential
+        (n, n) compliances of interface and layer together, gap by p and -slip by q
+    matrix
+        of the equations, see `_assembled_matrix`
 
     Raises
     ------
@@ -375,13 +397,9 @@ class Systems:
         uncoupled, also factorise the normal and the tangential compliance by Cholesky.
 
         These factors serve contacts whose nodes, by ascending x, first stick, then slide, then are
-        open (`_is_nested`). `_held_still` is whether U = 0: the shear is zero or, by symmetry, has
-        no resultant. `_holds_without_stick` is whether U is determined though no node sticks.
-
-        Raises
-        ------
-        ConvergenceError
-            If a compliance is not positive definite.
+        open (`_is_nested`). `_displacement_is_zero` is whether U = 0: the shear is zero or, by
+        symmetry, has no resultant. `_displacement_needs_no_stick` is whether U is determined though
+        no node sticks.
         """
         faces = self.interface
         self.normal = faces.normal + np.diag(self.layer.normal)
@@ -395,8 +413,10 @@ class Systems:
             raise ConvergenceError(
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
-        self._held_still = faces.has_odd_shear or not self.shears
-        self._holds_without_stick = self._held_still or self.actuators.tangential is not None
+        self._displacement_is_zero = faces.has_odd_shear or not self.shears
+        self._displacement_needs_no_stick = (
+            self._displacement_is_zero or self.actuators.tangential is not None
+        )
         self.matrix = self._assembled_matrix()
         # Sets of node states with cached responses; the one used last comes last.
         self._bases: list[_Base] = []
@@ -417,7 +437,7 @@ class Systems:
         Rows: gap of the nodes, slip of the nodes, P, Q. Columns: p and q of the nodes, normal
         approach, tangential displacement U, both bulk stresses, tilt. With an actuator the row of
         its load gives its movement instead: c times the load plus the rigid motion, c being the
-        compliance between actuator and contact. With `_held_still` the row of Q gives U.
+        compliance between actuator and contact. With `_displacement_is_zero` the row of Q gives U.
         """
         faces = self.interface
         n = len(faces.x)
@@ -439,14 +459,14 @@ class Systems:
             matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
         matrix[2 * n, pressure] = n_y
         matrix[2 * n, shear] = n_x
-        if self._held_still:
+        if self._displacement_is_zero:
             matrix[2 * n + 1, 2 * n + 1] = 1.0
         else:
             matrix[2 * n + 1, pressure] = -n_x
             matrix[2 * n + 1, shear] = n_y
         for direction, compliance in enumerate(self.actuators):  # normal, tangential
             is_tangential = direction == 1
-            if compliance is not None and not (is_tangential and self._held_still):
+            if compliance is not None and not (is_tangential and self._displacement_is_zero):
                 row = matrix[2 * n + direction]
                 row *= compliance
                 row[2 * n + direction] = 1.0
@@ -486,14 +506,16 @@ class Systems:
         ------
         SingularSet
             If so few nodes hold that the bodies are free to move.
+        InputError
+            If an actuator moves the contact against its load, so that no load follows from it.
 
         Examples
         --------
         >>> springs = np.eye(2)  # two nodes, each on a spring of its own: one sticks, one slips
-        >>> none = np.zeros(2)
+        >>> zeros = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
-        >>> flat = Interface(places, np.ones(2), normals, none, springs, springs, None)
-        >>> by_loads = Systems(flat, Layer(none, none), 0.5).value_derivatives(
+        >>> flat = Interface(places, np.ones(2), normals, zeros, springs, springs, None)
+        >>> by_loads = Systems(flat, Layer(zeros, zeros), 0.5).value_derivatives(
         ...     np.array([1, 2], dtype=np.int8), 2
         ... )
         >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
@@ -627,7 +649,7 @@ class Systems:
         Each of n nodes has an equation in the normal direction, number i, and one in the tangential
         direction, number n + i; loads have the numbers from 2 n on. A unit case of the base is a
         right side of 0 but for a 1 in one equation or load. A response is a row of what the base
-        does not prescribe: 2 n forces or displacements, then approach, shift and tilt.
+        does not prescribe: 2 n forces or displacements, then approach, U and tilt.
 
         The base's response to a 1 in each of `rows` is added with an amplitude, so that the new
         set's equations in these rows are met. With their left sides in the responses,
@@ -760,7 +782,7 @@ class Systems:
         self.work["linear solves"] += 1
         if self._is_nested(states):
             return self._values_of_nested(states, n_loads, np.arange(2 * n), changes)
-        if not (self._holds_without_stick or STICK in states):
+        if not (self._displacement_needs_no_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         base = self._factorised_sets.pop(key, None)
@@ -806,7 +828,7 @@ class Systems:
         """
         # Refused here: the matrix of these states is singular, but in an update from a base the
         # zero pivot would be a small number of round-off.
-        if not (self._holds_without_stick or STICK in states):
+        if not (self._displacement_needs_no_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         equation_bits = _equation_bits(np.concatenate([states, states]))
@@ -877,7 +899,7 @@ class Systems:
         source_of_force = np.where(is_held, number_of_response, number_of_prescribed)
         source_of_displacement = np.where(is_held, number_of_prescribed, number_of_response)
         sources_in_order = [
-            np.arange(2 * n, 2 * n + 3),  # approach, shift, tilt
+            np.arange(2 * n, 2 * n + 3),  # approach, U, tilt
             source_of_displacement[n:],  # slip
             source_of_force,  # pressure and shear
             source_of_displacement[:n],  # gap
@@ -939,7 +961,7 @@ class Systems:
         `required_cases` are their numbers: i the normal equation of node i, n + i the tangential
         one, 2 n and above loads. Responses of neighbouring nodes are computed along with them,
         since edges of contact and stick travel from node to node. Beyond `_MOST_BYTES` the bases
-        unused for longest are dropped.
+        unused for longest are dropped, but for four.
         """
         missing_cases = required_cases[base.case_number[required_cases] < 0]
         if not len(missing_cases):

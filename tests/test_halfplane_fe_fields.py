@@ -4,6 +4,7 @@ their uncertainty.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from dataclasses import replace
 from typing import Any
@@ -36,6 +37,7 @@ from scene_cases import scene_of
 from scenes import (
     Block,
     Bodies,
+    ContactSolution,
     Elastic,
     EllipseLoad,
     InputError,
@@ -418,6 +420,15 @@ def test_the_tension_of_a_few_nodes_is_covered_and_of_fewer_than_three_not_state
     tension, uncertain = edge_tension(answer, [1, 2])
     assert np.isnan(tension[0]).all()
     assert np.isnan(uncertain[0]).all()
+    stresses = stress(answer, 0.0, 0.0, answer.time[[0, 1, 2]])[:, 0]
+    assert not stresses[0].any()
+    assert np.isnan(stresses[1]).all()
+    # inside the bodies it is that of the elements, the same if asked for alone
+    alone, beside_another = (
+        fields(answer, answer.time[steps])[0].bodies[0].stress for steps in ([1], [1, 2])
+    )
+    assert alone.any()
+    assert beside_another == pytest.approx(alone, abs=1e-12 * np.abs(alone).max())
     true, _ = semi_analytic.edge_tension(answer.scene, answer.time[[2]])
     error = np.abs(tension[1] - true[0])
     assert np.all(error <= uncertain[1])
@@ -573,11 +584,24 @@ def test_places_outside_are_refused():
     answer = fe_run(load_scene("hertz-normal"), COARSE, FEW_STEPS)
     with pytest.raises(InputError, match="y = 1 is outside the lower body"):
         stress(answer, 0.0, 1.0, 1.0)
+    with pytest.raises(InputError, match="body is lower or upper, not 'middle'"):
+        stress(answer, 0.0, 0.0, 1.0, body="middle")
+    with pytest.raises(InputError, match="stress: the answer has no meshes"):
+        stress(semi_analytic.solve(answer.scene, x=[0.0]), 0.0, 0.0, 1.0)
     blocks = answer.scene.vary(
         bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0))
     )
+    between_blocks = fe_run(blocks, COARSE, FEW_STEPS)
     with pytest.raises(InputError, match="further from the contact"):
-        stress(fe_run(blocks, COARSE, FEW_STEPS), 0.0, -5.0, 1.0)
+        stress(between_blocks, 0.0, -5.0, 1.0)
+    arrays = {
+        field.name: getattr(between_blocks, field.name)
+        for field in dataclasses.fields(ContactSolution)
+    }
+    read_back = ContactSolution(**arrays)  # as from disk, without meshes
+    assert why_tension_is_unknown(read_back) == (
+        "the answer has no meshes, which the stress of its bodies needs"
+    )
 
 
 def test_a_narrow_pad_has_no_edge_tension_and_what_it_faces_has():
