@@ -149,7 +149,7 @@ def _stick_zones(
     forward, reverse = strokes
     share_of_stroke = np.clip((tangential_load - forward.begin[1]) / forward.change[1], 0, 1)
     middle, half_width = np.where(
-        is_forward, forward.stick(share_of_stroke), reverse.stick(1 - share_of_stroke)
+        is_forward, forward.stick_zone(share_of_stroke), reverse.stick_zone(1 - share_of_stroke)
     )
     return middle, half_width
 
@@ -168,8 +168,8 @@ def _density_of(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]
     largest: what half as many quadrature nodes change.
     """
     forward, reverse = strokes
-    density = forward.density(x, STROKE_NODES) + reverse.density(x, STROKE_NODES)
-    by_half_the_nodes = forward.density(x, STROKE_NODES // 2) + reverse.density(
+    density = forward.work_density(x, STROKE_NODES) + reverse.work_density(x, STROKE_NODES)
+    by_half_the_nodes = forward.work_density(x, STROKE_NODES // 2) + reverse.work_density(
         x, STROKE_NODES // 2
     )
     largest_density = float(np.max(density))

@@ -412,8 +412,8 @@ def _narrowed_brackets(
     """Brackets of three places about each of n maxima of W(x), narrowed until W may rise by the
     fraction `rise_tolerance` of itself at most: the places and W there, (3, n) each.
 
-    In each round three new places are tried, about the vertex of the parabola through the bracket.
-    Where the last round did not halve the bracket they divide it evenly.
+    In each of at most 40 rounds three new places are tried, about the vertex of the parabola
+    through the bracket. Where the last round did not halve the bracket they divide it evenly.
 
     Parameters
     ----------
@@ -559,7 +559,7 @@ class DissipationBatch:
     forward, reverse
         the two parts
     permanent_stick_load
-        P_T [force per thickness]
+        P_T, the normal load whose contact is the permanent stick zone [force per thickness]
     reason
         `Reason` of each member: 0 none, 1 gross sliding, 2 separation, 3 a value that is
         masked, NaN or not admitted (P0 > 0, the rest of the loads >= 0, parameters by the rules
@@ -652,7 +652,7 @@ def dissipation(
         what finite bodies add to half-planes, curvatures and compliances that follow the loads, for
         all members. Some 0.3 ms a member; `permanent_stick_load` then is the load of half-planes
         whose contact is the permanent stick zone. A member whose contact would split or leave the
-        profile gets NaN
+        profile gets NaN and reason 5
 
     Returns
     -------
@@ -740,7 +740,7 @@ def _works_of_members(members: Members) -> Array:
         exponent = members.parameters[0] if kind == "power_law" else 2
         works /= exponent
     elif kind == "flat_rounded":
-        _, height_unit, *_ = _UNITS[kind](*members.parameters)
+        _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*members.parameters)
         works[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
         for group in members.shape_groups():
@@ -932,7 +932,7 @@ def _kernel_table(first_octave: int, last_octave: int) -> LamTable:
     """The kernel of W on a flat and rounded face for loads from 2^first_octave to 2^(last_octave +
     1), over E* b^2/R.
     """
-    return LamTable(_contact("flat_rounded", ()), first_octave, last_octave)
+    return LamTable(_contact_in_own_units("flat_rounded", ()), first_octave, last_octave)
 
 
 # ------------------------------------------------------------------------ members and their reasons
@@ -979,7 +979,7 @@ class Members:
     kind
         of their profiles
     parameters
-        (m,) each, in the order of `_KEYS`; none for a table or a function
+        (m,) each, in the order of `_PARAMETERS_OF_KIND`; none for a table or a function
     contact
         of a profile that is given as such; None where its parameters may vary
     modulus
@@ -1015,7 +1015,9 @@ class Members:
         ):
             load_unit = self.modulus * height_unit
             ellipses = self.ellipses.take(numbers).over(load_unit)
-            yield ShapeGroup(numbers, _contact(self.kind, ratios), ellipses, load_unit, length_unit)
+            yield ShapeGroup(
+                numbers, _contact_in_own_units(self.kind, ratios), ellipses, load_unit, length_unit
+            )
 
 
 def _of_both(material: Materials | Elastic) -> Materials:
@@ -1127,7 +1129,7 @@ class _Batch:
         members
             these members with their load ellipses
         """
-        is_invalid = self._invalid(loads, parameters)
+        is_invalid = self._is_invalid(loads, parameters)
         if np.any(is_invalid):
             # Any numbers that can be computed with.
             loads = LoadArrays(*(np.where(is_invalid, 1.0, column) for column in loads))
@@ -1146,14 +1148,14 @@ class _Batch:
             )
         is_mirrored = np.tan(loads.phase / 2) < 0
         mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
-        reason_codes = _reasons(
+        reason_codes = _reasons_of_loads(
             ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
         )
         is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
         reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
         reason_codes[is_invalid] = Reason.INVALID
         admissible_numbers = np.flatnonzero(reason_codes == Reason.NONE)
-        if 0 < len(admissible_numbers) < len(reason_codes):
+        if len(admissible_numbers) < len(reason_codes):
             ellipses = ellipses.take(admissible_numbers)
             is_mirrored = is_mirrored[admissible_numbers]
             friction = friction[admissible_numbers]
@@ -1170,13 +1172,13 @@ class _Batch:
         )
         return reason_codes, admissible_numbers, members
 
-    def _invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
-        """Members (m,) whose numbers are none that can be used."""
-        is_invalid = _invalid(loads)
+    def _is_invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
+        """Whether a member has loads or parameters of its profile that are not admitted, (m,)."""
+        is_invalid = _has_invalid_loads(loads)
         if self.contact is None:
             is_invalid |= _is_invalid_shape(self.kind, parameters)
-        if self.kind in _UNITS:
-            is_invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean_normal)
+        if self.kind in _UNITS_AND_RATIOS:
+            is_invalid |= _is_beyond_units(self.kind, parameters, self.modulus, loads.mean_normal)
         return is_invalid
 
 
@@ -1193,9 +1195,9 @@ def _block_of(
     return np.broadcast_to(array, batch_shape).flat[first_member:end_member]
 
 
-def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
-    """Members (m,) with values that are NaN or too large to be squared, or negative where they must
-    not be.
+def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
+    """Whether a member has loads or an f that are NaN or too large to be squared, negative where
+    they must not be, or a P0 that is too small to be squared: (m,).
     """
     admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in loads])
     is_negative = (
@@ -1204,26 +1206,27 @@ def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
     return np.asarray(~admitted | (loads.mean_normal < 1 / LARGEST) | is_negative)
 
 
-def _beyond_units(
-    kind: str, parameters: list[Array], modulus: float, mean: Array
+def _is_beyond_units(
+    kind: str, parameters: list[Array], modulus: float, mean_normal_load: Array
 ) -> NDArray[np.bool_]:
-    """Members (m,) whose P0 in units of E* and the profile's own height is no number that can be
-    squared.
+    """Whether P0 of a member, over E* = `modulus` and the profile's own unit of height, is too
+    small or too large to be squared, or NaN: (m,).
     """
     with np.errstate(all="ignore"):
-        _, height, *_ = _UNITS[kind](*parameters)
-        load = mean / modulus / height
+        _, height, *_ = _UNITS_AND_RATIOS[kind](*parameters)
+        load = mean_normal_load / modulus / height
     return ~((load >= 1 / LARGEST) & (load <= LARGEST))
 
 
-def _reasons(
+def _reasons_of_loads(
     ellipses: Ellipses, mean_tangential_load: Array, tangential_amplitude: Array, friction: Array
 ) -> NDArray[np.int8]:
     """Why each of m load ellipses is inadmissible: separation (P1 > P0), gross sliding (|Q| > f P
     at some instant), or none; codes of `Reason`, (m,).
 
-    |Q| = f P is admitted, to round-off. The largest Q - f P is Q0 - f P0 + f u, the largest -Q - f
-    P is -Q0 - f P0 + f v; u and v are the amplitudes of (Q - f P)/f and (Q + f P)/f.
+    |Q| = f P is admitted, to round-off. Separation goes before gross sliding. The largest Q - f P
+    is Q0 - f P0 + f u, the largest -Q - f P is -Q0 - f P0 + f v; u and v are the amplitudes of (Q -
+    f P)/f and (Q + f P)/f.
 
     Parameters
     ----------
@@ -1255,7 +1258,7 @@ def _reasons(
 
 
 # ------------------------------------------------------------------- profiles whose parameters vary
-_KEYS = {
+_PARAMETERS_OF_KIND = {
     "hertz": ("radius",),
     "flat_rounded": ("radius", "flat_half_length"),
     "power_law": ("exponent", "length", "rise"),
@@ -1271,7 +1274,7 @@ def _units_of_polynomial(length: Array, *rises: Array) -> tuple[Array, ...]:
 
 
 # Units of length and of height of profiles with these parameters, and the shape that they leave.
-_UNITS: dict[str, Callable[..., tuple[Array, ...]]] = {
+_UNITS_AND_RATIOS: dict[str, Callable[..., tuple[Array, ...]]] = {
     "hertz": lambda radius: (np.sqrt(radius), np.ones_like(radius)),
     "flat_rounded": lambda radius, b: (b, b * b / radius),
     "power_law": lambda exponent, length, rise: (length, rise, exponent),
@@ -1280,7 +1283,7 @@ _UNITS: dict[str, Callable[..., tuple[Array, ...]]] = {
     "polynomial": _units_of_polynomial,
 }
 # The profiles of these shapes.
-_PROFILES: dict[str, Callable[..., Profile]] = {
+_PROFILE_OF_RATIOS: dict[str, Callable[..., Profile]] = {
     "hertz": lambda: Hertz(radius=1.0),
     "flat_rounded": lambda: FlatRounded(radius=1.0, flat_half_length=1.0),
     "power_law": lambda exponent: PowerLaw(exponent=exponent, length=1.0, rise=1.0),
@@ -1291,8 +1294,8 @@ _PROFILES: dict[str, Callable[..., Profile]] = {
 
 
 def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str, ArrayLike]]:
-    """The kind of a profile and its parameters by name, numbers or arrays; a table or a function
-    has none.
+    """The kind of a profile and its parameters by name, numbers or arrays, none for a table or a
+    function.
 
     The profile may be a mapping of keys to arrays, one value for each member of a batch. The
     `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on.
@@ -1303,24 +1306,24 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         For a kind whose parameters cannot vary, for a key too many or too few.
     """
     if not isinstance(profile, Mapping):
-        names = [name for name in _KEYS.get(profile.kind, ()) if name != "rises"]
+        names = [name for name in _PARAMETERS_OF_KIND.get(profile.kind, ()) if name != "rises"]
         parameters = {name: getattr(profile, name) for name in names}
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
-        return profile.kind, parameters | _numbered(rises)
+        return profile.kind, parameters | _rises_by_name(rises)
     # A profile that was fitted to rows has a key `fitted` in its dump, which is no parameter.
     kind = profile.get("kind")
     parameters = {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
-    if kind not in _KEYS:
+    if kind not in _PARAMETERS_OF_KIND:
         raise InputError(
-            f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r};"
-            " give the profile itself"
+            f"profile: a mapping for a batch has one of the kinds {', '.join(_PARAMETERS_OF_KIND)},"
+            f" not {kind!r}; give the profile itself"
         )
-    if set(parameters) != set(_KEYS[kind]):
+    if set(parameters) != set(_PARAMETERS_OF_KIND[kind]):
         raise InputError(
-            f"profile: {kind} comes with all its keys, {', '.join(_KEYS[kind])}, not"
+            f"profile: {kind} comes with all its keys, {', '.join(_PARAMETERS_OF_KIND[kind])}, not"
             f" {', '.join(parameters) or 'none'}"
         )
-    parameters = {name: parameters[name] for name in _KEYS[kind]}
+    parameters = {name: parameters[name] for name in _PARAMETERS_OF_KIND[kind]}
     if kind != "polynomial":
         return kind, parameters
     rises = parameters.pop("rises")
@@ -1328,11 +1331,11 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         raise InputError(
             "profile: rises is a list of numbers or arrays, one for each of the powers 2, 4, 6, ..."
         )
-    return kind, parameters | _numbered(rises)
+    return kind, parameters | _rises_by_name(rises)
 
 
-def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
-    """The rises of a polynomial by a name each."""
+def _rises_by_name(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
+    """The rises of a polynomial by name: "rise 1", "rise 2" and so on."""
     return {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
 
 
@@ -1343,11 +1346,11 @@ def _members_by_shape(
     height, so that one contact serves them.
 
     Yields the numbers of the members (k,), the ratios of parameters that they have in common, and
-    their units of length and height, (k,) each. `parameters` are (n,) each, by the `kind` of
-    profile.
+    their units of length and height, (k,) each. `parameters` are (n,) each, in the order of
+    `_PARAMETERS_OF_KIND` for this `kind` of profile.
     """
     with np.errstate(all="ignore"):
-        length_unit, height_unit, *ratios = _UNITS[kind](*parameters)
+        length_unit, height_unit, *ratios = _UNITS_AND_RATIOS[kind](*parameters)
     if all(np.all(values == values[0]) for values in ratios):
         all_numbers = np.arange(len(length_unit))
         yield all_numbers, tuple(float(values[0]) for values in ratios), length_unit, height_unit
@@ -1364,12 +1367,12 @@ def _members_by_shape(
 
 
 @lru_cache(maxsize=512)
-def _contact(kind: str, ratios: tuple[float, ...]) -> SymmetricContact:
+def _contact_in_own_units(kind: str, ratios: tuple[float, ...]) -> SymmetricContact:
     """The normal contact of a profile in units of its own, with E* = 1, from the `ratios` of its
     parameters.
     """
     return contact_of(
-        _PROFILES[kind](*ratios),
+        _PROFILE_OF_RATIOS[kind](*ratios),
         Materials(upper=_BODY_OF_UNIT_MODULUS, lower=_BODY_OF_UNIT_MODULUS),
     )
 
@@ -1395,7 +1398,7 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
             kind, [values[numbers_in_range] for values in parameters]
         ):
             try:
-                _contact(kind, ratios)
+                _contact_in_own_units(kind, ratios)
             except InputError:
                 is_invalid[numbers_in_range[numbers_of_shape]] = True
     return is_invalid

@@ -70,8 +70,8 @@ def hysteresis(
     Raises
     ------
     InputError
-        For half-planes without a datum length or effects. Where the solution was not asked for the
-        fields, holds no whole cycle, or where Q does not move.
+        For half-planes without a datum length or effects, or with both. For a solution with bulk
+        stress, without the fields, or without a whole cycle, and where Q does not move.
 
     Examples
     --------

@@ -60,8 +60,8 @@ class Event:
     normal_load, tangential_load
         P and Q [force per thickness]
     front_load
-        P_c [force per thickness], the load at the edge of slip (P itself in full stick); where
-        slip ends, the last
+        P_c [force per thickness], the normal load whose contact is the stick zone (P itself in
+        full stick); where slip ends, the last
     """
 
     letter: str
@@ -117,7 +117,9 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
-    """Two events of one instant, with both names and the lower load at the edge of slip."""
+    """Two events of one instant as one, with the lower load at the edge of slip and both names, but
+    for a name by which a state goes on.
+    """
     names = [
         name
         for name in (first_event.name, second_event.name)
@@ -245,8 +247,8 @@ def _load_extremes(span: Span) -> Iterator[Event]:
 
 
 def _event_at(span: Span, time: float, name: str) -> Event:
-    """An event with its loads, at a `time` of the segment of the load path in which a span lies;
-    times outside the span are moved to its nearer end.
+    """An event with its `name` and loads, at a `time` of the segment of the load path in which a
+    span lies; times outside the span are moved to its nearer end.
 
     A span is a time in full stick or with slip in one direction. `front_load` is P_c, the load that
     the flat punches up to the stick edge carry; the slip zones carry P - P_c.

@@ -58,38 +58,38 @@ Kernel = Literal["shear", "slip", "shift"]
 
 # Panels at first, halvings of one at most, and the share of the largest integral at which a series
 # is resolved.
-_PANELS = 12
+_FIRST_PANELS = 12
 _HALVINGS = 9
-_RESOLVED = 1e-14
+_RESOLVED_SHARE = 1e-14
 # Lengths of a range that the logarithm of no load must be away from it.
-_AWAY = 4.0
+_LENGTHS_FROM_LOGARITHM = 4.0
 # Ranges of a panel's load that P_x must be away from it: there the series leaves 5^-25 at most.
-_FAR = 2.0
+_RANGES_TO_FAR = 2.0
 # Longest range of the variable, and how many of Gauss' nodes it takes. Against twice as many nodes
 # tractions keep 2e-14 of the largest, slips and shifts 7e-14 (2e-13 for |x|^20).
-_SPANS = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
+_NODES_BY_LENGTH = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math.inf, 80))
 # Nodes that are held at a time.
-_NODES = 2_000_000
+_NODES_AT_ONCE = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
 # length 1.
 _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
 # Ranges of time near P_x whose error is looked at, and how many times the change by their halves
 # it is: of a range that ends next to P_x, on a table, halves lose half as much themselves.
-_SAMPLE = 40
-_OF_HALVES = 2.5
+_SAMPLED_RANGES = 40
+_ERROR_OVER_CHANGE = 2.5
 
 
 class TurningPoint(NamedTuple):
     """A turning point of P at an end of the arc or beyond it: its time and load; `sign` +1 for a
     least P, -1 for a largest.
 
-    `farthest` is the other end of the arc.
+    `other_end_time` is the time of the other end of the arc.
     """
 
     time: float
     load: float
     sign: float
-    farthest: float
+    other_end_time: float
 
 
 class _FarSeries(NamedTuple):
@@ -150,7 +150,7 @@ class Arc:
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
         self._kernel = kernel
-        self._leg = piece.anchor.segment
+        self._segment = piece.anchor.segment
         self._x = np.zeros(1) if kernel == "shift" else x
         # P_x of the points. The displacement takes all loads, whether x = 0 is in contact or not.
         self._edge_loads = np.zeros(1) if kernel == "shift" else contact.load(x)
@@ -165,15 +165,15 @@ class Arc:
         corner_times = (
             time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
         )
-        self._turn_at_begin = _turning_point(self._leg, first_time, last_time)
-        self._turn_at_end = _turning_point(self._leg, last_time, first_time)
+        self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
+        self._turn_at_end = _turning_point(self._segment, last_time, first_time)
         # A smooth part lies between two corners. Its panels have equal lengths: one that began just
         # behind a corner would not be smooth.
         ends_of_smooth_parts = np.unique(
             np.clip([first_time, *corner_times, last_time], first_time, last_time)
         )
         panels_in_part = np.maximum(
-            np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _PANELS), 1
+            np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
         ).astype(int)
         begins_of_panels = [
             np.linspace(a, b, n, endpoint=False)
@@ -192,7 +192,7 @@ class Arc:
 
     def up_to(self, time: Array) -> Array:
         """Integrals of the kernel times dQ from the begin of the arc to each time (n,), at the
-        points of the arc (k,): shape (n, k).
+        points of the arc (k,): shape (n, k). Times beyond an end of the arc count as that end.
 
         An arc is a curved segment of the load path that was travelled in full stick while P grew.
         The kernel is the shear, slip or displacement that a unit of load on a flat punch makes.
@@ -200,17 +200,17 @@ class Arc:
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
         >>> from semi_analytic.memory import load_in_stick, instant
-        >>> leg = ellipse_segment(
+        >>> segment = ellipse_segment(
         ...     -math.pi, 0.0, (3.0, 1.0), (1.0, 0.25), 0.0
         ... )  # P from 2 to 4, dQ = dP/4
-        >>> below = Piece(None, 2.0, instant(leg, -math.pi), 0.0)
+        >>> below = Piece(None, 2.0, instant(segment, -math.pi), 0.0)
         >>> contact = HertzContact(
         ...     modulus=math.pi, radius=1.0, datum_length=1.0
         ... )  # p(0, P) = sqrt(P)
         >>> arc = Arc(
         ...     contact,
         ...     "shear",
-        ...     load_in_stick(below, leg, -math.pi, instant(leg, 0.0)),
+        ...     load_in_stick(below, segment, -math.pi, instant(segment, 0.0)),
         ...     np.zeros(1),
         ... )
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
@@ -299,7 +299,7 @@ class Arc:
         """
         sampled_ranges = np.empty(0, dtype=int)
         if len(point):
-            sampled_ranges = np.unique(np.linspace(0, len(point) - 1, _SAMPLE).astype(int))
+            sampled_ranges = np.unique(np.linspace(0, len(point) - 1, _SAMPLED_RANGES).astype(int))
         middles = (begins[sampled_ranges] + ends[sampled_ranges]) / 2
         # In one call: all ranges, then lower and upper halves of the sample.
         integrals = self._near_integrals(
@@ -311,7 +311,7 @@ class Arc:
             integrals, [len(point), len(point) + len(sampled_ranges)]
         )
         changes = integrals_of_ranges[sampled_ranges] - lower_halves - upper_halves
-        largest_error = _OF_HALVES * float(np.max(np.abs(changes), initial=0.0))
+        largest_error = _ERROR_OVER_CHANGE * float(np.max(np.abs(changes), initial=0.0))
         most_ranges_of_point = np.max(np.bincount(point), initial=0)
         return integrals_of_ranges, largest_error * math.sqrt(most_ranges_of_point)
 
@@ -334,7 +334,9 @@ class Arc:
             coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
             coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
-            is_resolved = np.max(series_errors, axis=1, initial=0.0) <= _RESOLVED * largest_integral
+            is_resolved = (
+                np.max(series_errors, axis=1, initial=0.0) <= _RESOLVED_SHARE * largest_integral
+            )
             is_resolved |= halvings == _HALVINGS
             is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
             resolved_panels.append(
@@ -365,7 +367,7 @@ class Arc:
             (self._turn_at_begin, ~is_behind_middle),
             (self._turn_at_end, is_behind_middle),
         ):
-            near_integral = _NearIntegral(self._contact, self._kernel, self._leg, turning_point)
+            near_integral = _NearIntegral(self._contact, self._kernel, self._segment, turning_point)
             x_of_ranges = self._x[point[is_on_side]]
             edge_loads_of_ranges = self._edge_loads[point[is_on_side]]
             integrals[is_on_side] = near_integral.over(
@@ -379,16 +381,17 @@ class Arc:
 
         P_x is the load at which the edge of contact is at a point. It is far from a panel where it
         lies outside the panel's loads by twice their range, on the side where the kernel K is not
-        0. Where the kernel is 0 all over a panel the point is neither far nor near.
+        0. Where the kernel is 0 all over a panel the point is neither far nor near. Beside P = 0,
+        where the slip kernel is singular, no point is far for it.
         """
         contact = self._contact
         x = self._x
         edge_loads = self._edge_loads
         time = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
-        load = np.maximum(self._leg.loads(time)[0], 0.0)
-        least_load = np.maximum(self._leg.loads(begins)[0], 0.0)[:, None]
-        largest_load = np.maximum(self._leg.loads(ends)[0], 0.0)[:, None]
-        margin = _FAR * (largest_load - least_load)
+        load = np.maximum(self._segment.loads(time)[0], 0.0)
+        least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
+        largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
+        margin = _RANGES_TO_FAR * (largest_load - least_load)
         # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
         # where P > P_x.
         if self._kernel == "slip":
@@ -401,10 +404,10 @@ class Arc:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         far_panel, far_point = np.nonzero(is_far)
-        force_rate = self._leg.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
+        force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.advance(load)
         coefficients = np.empty((len(far_panel), DEGREE + 1))
-        pairs_at_once = _NODES // (DEGREE + 1)
+        pairs_at_once = _NODES_AT_ONCE // (DEGREE + 1)
         for k in range(0, len(far_panel), pairs_at_once):
             chunk = slice(k, k + pairs_at_once)
             panel_chunk = far_panel[chunk]
@@ -458,13 +461,15 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
     )
 
 
-def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
-    """|dQ/dz| with the sign of dQ/dt, at z = sqrt(|P - P_t|) of any shape, from dP = 2 z dz; P_t is
-    the load at the turning point of P.
+def _force_rate_over_z(segment: LoadSegment, turning_point: TurningPoint, z: Array) -> Array:
+    """|dQ/dz| with the sign of dQ/dt, at z = sqrt(|P - P_t|) of any shape, from dP = 2 z dz; 0
+    where P rests. P_t is the load at the turning point of P.
     """
-    time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
-    load_rate = np.abs(leg.rate_of(NORMAL_LOAD, time))
-    force_rate = leg.rate_of(TANGENTIAL_LOAD, time)
+    time = segment.time_of(
+        NORMAL_LOAD, turning_point.sign * z * z, turning_point.time, turning_point.other_end_time
+    )
+    load_rate = np.abs(segment.rate_of(NORMAL_LOAD, time))
+    force_rate = segment.rate_of(TANGENTIAL_LOAD, time)
     return np.asarray(force_rate * 2 * z / np.where(load_rate > 0, load_rate, np.inf))
 
 
@@ -498,21 +503,21 @@ class _NearIntegral:
     the point or nearly, or P is close to 0.
 
     P_x is the load at which the edge of contact is at the point; it is among the loads of the range
-    or close to them. `turn` is the turning point of P next to the range, at or before its begin or
-    at or behind its end.
+    or close to them. `turning_point` is the turning point of P next to the range, at or before its
+    begin or at or behind its end.
     """
 
     contact: Contact
     kernel: Kernel
-    leg: LoadSegment
-    turn: TurningPoint
+    segment: LoadSegment
+    turning_point: TurningPoint
 
     @property
     def acts_beyond_e(self) -> bool:
         """Whether the kernel is not 0 for z^2 > e^2; else for z^2 < e^2. z^2 is the distance of P
         from its turning point, e^2 that of P_x.
         """
-        return (self.kernel != "slip") == (self.turn.sign > 0)
+        return (self.kernel != "slip") == (self.turning_point.sign > 0)
 
     def over(self, begin_time: Array, end_time: Array, x: Array, edge_load: Array) -> Array:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
@@ -533,12 +538,12 @@ class _NearIntegral:
         """
         if not len(begin_time):
             return np.zeros(0)
-        turn = self.turn
+        turning_point = self.turning_point
         z_at_begin = self._root_of_rise(begin_time)
         z_at_end = self._root_of_rise(end_time)
         least_z = np.minimum(z_at_begin, z_at_end)
         largest_z = np.maximum(z_at_begin, z_at_end)
-        squared_e = turn.sign * (edge_load - turn.load)
+        squared_e = turning_point.sign * (edge_load - turning_point.load)
         # An e of 0 would stretch the variable for ever.
         least_square = 1e-36 * largest_z**2
         squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
@@ -560,8 +565,8 @@ class _NearIntegral:
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
-        for k in range(0, len(nodes.s), _NODES):
-            chunk = slice(k, k + _NODES)
+        for k in range(0, len(nodes.s), _NODES_AT_ONCE):
+            chunk = slice(k, k + _NODES_AT_ONCE)
             range_number = nodes.range_number[chunk]
             integrand = self._integrand(nodes.s[chunk], x[range_number], squared_e[range_number])
             integrals += np.bincount(range_number, nodes.weight[chunk] * integrand, len(integrals))
@@ -569,8 +574,8 @@ class _NearIntegral:
 
     def _root_of_rise(self, time: Array) -> Array:
         """z = sqrt(|P - P_t|) at times (m,), P_t the load at the turning point of P."""
-        rise = self.leg.change_of(NORMAL_LOAD, time, self.turn.time)
-        return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
+        rise = self.segment.change_of(NORMAL_LOAD, time, self.turning_point.time)
+        return np.sqrt(np.maximum(self.turning_point.sign * rise, 0.0))
 
     def _is_rough(self, begin_s: Array, s_length: Array, squared_e: Array) -> NDArray[np.bool_]:
         """Whether the integral over a range of the integration variable s needs the rule for
@@ -586,12 +591,14 @@ class _NearIntegral:
             return np.ones(len(begin_s), dtype=bool)
         if self.kernel != "slip" or self.acts_beyond_e:
             return np.zeros(len(begin_s), dtype=bool)
-        load_at_turn = max(self.turn.load, 0.0)
+        load_at_turn = max(self.turning_point.load, 0.0)
         least_square = 1e-200 * load_at_turn + 1e-300
         distance_of_logarithm = np.arcsinh(
             np.sqrt(load_at_turn / np.maximum(squared_e, least_square))
         )
-        return np.asarray(np.hypot(begin_s, distance_of_logarithm) < _AWAY * s_length)
+        return np.asarray(
+            np.hypot(begin_s, distance_of_logarithm) < _LENGTHS_FROM_LOGARITHM * s_length
+        )
 
     def _integrand(self, s: Array, x: Array, squared_e: Array) -> Array:
         """dQ/ds K(x, P) at nodes s (n,), each with its own point x and its own e^2, the distance,
@@ -599,11 +606,11 @@ class _NearIntegral:
         contact is at x.
         """
         z, root = _z_and_root(s, squared_e, self.acts_beyond_e)
-        load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
+        load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
         advance = self.contact.advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
         kernel = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
-        return np.asarray(root * _force_over_root(self.leg, self.turn, z) * kernel)
+        return np.asarray(root * _force_rate_over_z(self.segment, self.turning_point, z) * kernel)
 
 
 class _RangeNodes(NamedTuple):
@@ -625,11 +632,11 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     each rule would take longer than its arithmetic.
     """
     s_length = end_s - begin_s
-    rule_of_range = np.searchsorted([longest for longest, _ in _SPANS], s_length)
+    rule_of_range = np.searchsorted([longest for longest, _ in _NODES_BY_LENGTH], s_length)
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
     ranges_by_rule = [rough_ranges]
     nodes_by_rule = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
-    for rule_number, (_, n_nodes) in enumerate(_SPANS):
+    for rule_number, (_, n_nodes) in enumerate(_NODES_BY_LENGTH):
         ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
         if not len(ranges_of_rule):
             continue
@@ -702,7 +709,7 @@ def _z_and_root(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array,
 
 # Share of a load up to which a straight part of a memory curve is short: differences of slips keep
 # 1e-15 of the slip from 0 on, over the power 3/2 of the share.
-_SHORT = 0.01
+_SHARE_OF_SHORT_PART = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -830,8 +837,9 @@ class Integrals:
         loads (n,), at each point: (n, k); 0 for parts without slope or length.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
-        carry, K the kernel. The slip of a short part is integrated over that part alone: a
-        difference of two long integrals would leave little more than round-off.
+        carry, K the kernel. A part takes the difference of two integrals from 0 on. The slip of a
+        short part, below 1 % of its load, is integrated over that part alone: of a difference
+        little more than round-off would be left.
         """
         straight_integrals = np.zeros((len(upper_load), len(self.x)))
         part_numbers = np.flatnonzero((slope != 0) & (upper_load != lower_load))
@@ -842,7 +850,7 @@ class Integrals:
             corners = self.contact.break_loads
             corners_below = np.searchsorted(corners, lower_load[part_numbers] - load_length)
             corners_above = np.searchsorted(corners, upper_load[part_numbers])
-            is_short = (load_length < _SHORT * upper_load[part_numbers]) & (
+            is_short = (load_length < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
                 corners_below == corners_above
             )
         long_parts = part_numbers[~is_short]
@@ -950,7 +958,9 @@ class Integrals:
 
     @property
     def arc_error(self) -> float:
-        """Largest estimated error of the integrals along arcs so far."""
+        """Largest estimated error of the integrals so far along arcs, curved pieces of a memory
+        curve; 0 without arcs.
+        """
         return max((arc.error for _, arc in self._arcs.values()), default=0.0)
 
     def moment(self, order: int, load: Array) -> Array:

@@ -40,14 +40,16 @@ Indices = NDArray[np.int64]
 
 # Half-widths of punches at first, and how often and how finely those around an end of the zone are
 # divided: q has a root there. 96 leave 10 % of what q is beyond the limit, four divisions 0.5 %.
-_PUNCHES = 96
+_FIRST_PUNCHES = 96
 _DIVISIONS = 4
-_PARTS = 4
+_PARTS_OF_INTERVAL = 4
 # Punches on either side of an end of the zone that are divided.
 _AROUND_END = 2
 # Friction state of a point: it slips in the direction `sense`, sticks, or slips the other way, as
 # the edge does.
-_SLIPS, _RESTS, _SLIPS_BACK = 1, 0, -1
+_SLIPS = 1
+_RESTS = 0
+_SLIPS_BACK = -1
 # Trials of the slip zone (active set) at most: some ten are needed.
 _MOST_TRIALS = 200
 # Trials in which all wrong points change at once. They may come back to a zone that was tried:
@@ -214,7 +216,8 @@ def inner_slip(
 
     Where a stroke of slip ends while the curvature of the faces still changes, points at the edge
     of contact stick first; points further in slip on. The slip is a superposition of flat punches,
-    of about 100 half-widths at first. They are refined around the ends of the slip zone.
+    of about 100 half-widths at first. They are refined around the ends of the slip zone four times,
+    or until the search for the zone fails.
 
     Parameters
     ----------
@@ -235,20 +238,22 @@ def inner_slip(
     Raises
     ------
     NotFoundError
-        Where no slip zone is found.
+        Where no slip zone is found with the first half-widths.
     """
     slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
     contact = _MemoryContact(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
-    graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
+    graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
     # The interval between a half-width and a slip end next to it would have no length.
-    is_apart = np.all(np.abs(graded_widths[:, None] - slip_ends) > half_width / _PUNCHES**2, axis=1)
+    is_apart = np.all(
+        np.abs(graded_widths[:, None] - slip_ends) > half_width / _FIRST_PUNCHES**2, axis=1
+    )
     is_apart[[0, -1]] = True
     half_widths = np.union1d(graded_widths[is_apart], slip_ends)
     solution = _slip_on_punches(contact, half_widths, None)
     if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_DIVISIONS):
-        half_widths = _refined(half_widths, solution.slips, slip_ends)
+        half_widths = _refined_half_widths(half_widths, solution.slips, slip_ends)
         finer_solution = _slip_on_punches(contact, half_widths, solution)
         if finer_solution is None:
             # The check of the Coulomb limit sees by how much the coarser one still exceeds it.
@@ -257,7 +262,7 @@ def inner_slip(
     return solution
 
 
-def _refined(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
+def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
     """The half-widths, ascending, with more of them around the ends of the slip zone and around
     `slip_ends`, where slip of the memory curve begins or ends.
     """
@@ -265,7 +270,7 @@ def _refined(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> 
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
     intervals_around = (numbers_of_ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
     intervals = np.unique(np.clip(intervals_around, 0, len(slips) - 1))
-    shares = np.arange(1, _PARTS) / _PARTS
+    shares = np.arange(1, _PARTS_OF_INTERVAL) / _PARTS_OF_INTERVAL
     new_widths = half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares
     return np.union1d(half_widths, new_widths)
 

@@ -167,7 +167,9 @@ def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
 
 @lru_cache(maxsize=32)
 def _extremes_of_cycle(scene: Scene, start: float, end: float, names: tuple[str, ...]) -> Extremes:
-    """The largest values between two times of the scene's own load path."""
+    """Largest values of half-plane theory between the times `start` and `end` of the scene's own
+    load path; those of `SEARCHED` that are in `names` are searched for.
+    """
     contact = _contact(scene)
     assert contact is not None
     answer_at_ends = solve(scene, x=0.0, time=[start, end], fields=())
@@ -175,7 +177,9 @@ def _extremes_of_cycle(scene: Scene, start: float, end: float, names: tuple[str,
 
 
 def _contact(scene: Scene) -> Contact | None:
-    """The normal contact where the friction history is one memory curve; None where it is not."""
+    """The normal contact of a scene whose friction history is one memory curve, the tangential
+    force, or the bulk strain, locked in up to each load; None where it is not.
+    """
     if not scene.unsymmetric:
         return contact_of(scene.profile, scene.material)
     family = one_curve(scene)
@@ -246,15 +250,15 @@ class _Search:
 
         NaN stands for what is not in `names`, or needs a whole cycle where there is none.
         """
-        pressure, pressure_place, half_width = self.pressure()
+        pressure, pressure_place, half_width = self.largest_pressure_and_half_width()
         slip = slip_place = work_density = work_density_place = math.nan
         tension = uncertainty = math.nan
         if self.has_cycle and "slip" in names:
-            slip, slip_place = self.slip()
+            slip, slip_place = self.largest_slip_range()
         if self.has_cycle and "dissipation_density" in names:
-            work_density, work_density_place = self.dissipation_density()
+            work_density, work_density_place = self.largest_work_density()
         if self.has_cycle and "edge_tension" in names:
-            tension, uncertainty = self.edge_tension()
+            tension, uncertainty = self.largest_edge_tension()
         return Extremes(
             pressure=pressure,
             pressure_place=pressure_place,
@@ -282,14 +286,14 @@ class _Search:
         return np.unique(times)
 
     def _answer_at(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
-        """Half-plane theory at places x (n,) and instants (m,); on straight steps at the answer's
-        own instants, since they define the path.
+        """Answer of half-plane theory at places x (n,) and instants `time` (m,); on straight steps
+        at the instants of the search's own answer, since they define the path.
         """
         if self.on_straight_steps:
             return solve(self.scene, x=x, time=self.answer.time, fields=fields, straight_steps=True)
         return solve(self.scene, x=x, time=time, fields=fields)
 
-    def pressure(self) -> tuple[float, float, float]:
+    def largest_pressure_and_half_width(self) -> tuple[float, float, float]:
         """Largest pressure [stress], its place and the half-width [length] at the largest load."""
         time = np.array([self.largest_load_time])
 
@@ -299,7 +303,7 @@ class _Search:
         largest_pressure, place = _largest_value(pressures, self.kinks)
         return largest_pressure, place, float(np.diff(self.widest_edges)[0]) / 2
 
-    def slip(self) -> tuple[float, float]:
+    def largest_slip_range(self) -> tuple[float, float]:
         """Largest range of slip (largest minus smallest over the cycle) of a point while it is in
         contact, and the place of that point [length each]; 0 without friction.
 
@@ -357,7 +361,7 @@ class _Search:
                 )
         return np.concatenate(times) if times else np.empty(0)
 
-    def dissipation_density(self) -> tuple[float, float]:
+    def largest_work_density(self) -> tuple[float, float]:
         """Largest friction work per area over the cycle W(x) [energy / area], and its place."""
         ends_of_cycle = self.instants[[0, -1]]
 
@@ -386,7 +390,7 @@ class _Search:
         kinks_nearby = self.kinks[first : nearest + _KINKS_ON_EACH_SIDE + 1]
         return _largest_value(values, kinks_nearby, settled_share=_SETTLED_ON_STEPS)
 
-    def edge_tension(self) -> tuple[float, float]:
+    def largest_edge_tension(self) -> tuple[float, float]:
         """Largest tension over the cycle: stress along a face at an edge of contact, tensile
         positive, 0 where all are compressive; and its uncertainty [stress each].
 
@@ -455,7 +459,8 @@ def _largest_value(
 
     `values` takes places (m,) and returns (m,). `first_count` places are tried at first, then ever
     closer ones around the largest local maxima. A round that raises the largest value by less than
-    `settled_share` of itself ends the search, if the round before raised it by less than 1e-10.
+    `settled_share` of itself ends the search, if the round before raised it by less than 1e-10. So
+    do 16 rounds, and a value that is not finite, which is returned. One kink alone is the place.
 
     >>> top, place = _largest_value(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -493,8 +498,8 @@ def _largest_value(
 
 
 def _spread_between(kinks: Array, count: int) -> Array:
-    """The kinks and about `count` places between them, equally spaced from each kink to the next,
-    one at least.
+    """The kinks (n,), ascending, and about `count` places between them, equally spaced from each
+    kink to the next, one at least; a single kink alone.
 
     >>> _spread_between(np.array([0.0, 1.0, 3.0]), 4).tolist()
     [0.0, 0.5, 1.0, 2.0, 3.0]
@@ -540,7 +545,9 @@ class _LocalMaximum(NamedTuple):
         return np.unique(np.append(between, self.vertex()))
 
     def closer(self, places: Array, values: Array) -> _LocalMaximum:
-        """The largest of the values at some places between the neighbours, and its neighbours."""
+        """The local maximum among `values` at `places` between the neighbours, (n,) each, with its
+        neighbours among these and the former ones.
+        """
         all_places = np.concatenate([self.places[:1], places, self.places[-1:]])
         all_values = np.concatenate([self.values[:1], values, self.values[-1:]])
         best_place = int(np.argmax(values)) + 1
@@ -549,8 +556,8 @@ class _LocalMaximum(NamedTuple):
 
 
 def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
-    """The highest local maxima of values at places, (n,) each, ascending, three at most: those of
-    nearly the largest value.
+    """The highest local maxima of values at places, (n,) each, places ascending: three at most, of
+    at least 97 % of the largest value.
     """
     beyond_end = np.array([-np.inf])
     is_above_last = values >= np.concatenate([beyond_end, values[:-1]])

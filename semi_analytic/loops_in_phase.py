@@ -103,7 +103,7 @@ class Stroke:
         """Middle and half-width of the contact at fractions u of the stroke [length]."""
         return self.middle_and_half_width(*self.load_and_tilt(u))
 
-    def stick(self, u: Array) -> tuple[Array, Array]:
+    def stick_zone(self, u: Array) -> tuple[Array, Array]:
         """Middle and half-width of the stick zone at fractions u of the stroke [length]."""
         return self.middle_and_half_width(*self.equivalent_load_and_tilt_of_stick(u))
 
@@ -119,7 +119,7 @@ class Stroke:
         """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
         zone and fractions u of the stroke, arrays that broadcast [length].
         """
-        m, c = self.stick(u)
+        m, c = self.stick_zone(u)
         load_rate, tilt_rate = self.rates
         distance = np.maximum(np.abs(x - m), c)
         root_of_squares = np.sqrt((distance - c) * (distance + c))
@@ -133,7 +133,7 @@ class Stroke:
         ends, and all points outside it slip in the direction d: only then its closed form holds.
         """
         load_rate, tilt_rate = self.rates
-        stick_middle, stick_half_width = self.stick(_FRACTIONS)
+        stick_middle, stick_half_width = self.stick_zone(_FRACTIONS)
         contact_middle, contact_half_width = self.contact(_FRACTIONS)
         if load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
@@ -163,7 +163,7 @@ class Stroke:
         """
         nodes, weights = _end_root_quadrature(count)
         path_fraction = nodes[:, None]  # rows are instants, columns points
-        stick_middle, stick_half_width = self.stick(path_fraction)
+        stick_middle, stick_half_width = self.stick_zone(path_fraction)
         contact_middle, half_width = self.contact(path_fraction)
         total_work = 0.0
         for sign_of_side in (-1, 1):
@@ -197,7 +197,7 @@ class Stroke:
         change_since_begin = of_contact - 2 * of_stick_zone + at_begin
         return self.direction * self.friction * change_since_begin
 
-    def density(self, x: Array, count: int = STROKE_NODES) -> Array:
+    def work_density(self, x: Array, count: int = STROKE_NODES) -> Array:
         """Friction work per area of this stroke at points x (k,): the integral of f p |ds| from its
         begin, u = 0, to its end, u = 1, (k,) [energy per area].
 
@@ -207,7 +207,7 @@ class Stroke:
 
         def depth_in_slip_zone(x: Array, path_fraction: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
-            stick_middle, stick_half_width = self.stick(path_fraction)
+            stick_middle, stick_half_width = self.stick_zone(path_fraction)
             contact_middle, half_width = self.contact(path_fraction)
             return np.minimum(
                 np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
@@ -255,7 +255,8 @@ class Stroke:
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     """The forward and the reverse stroke of a cycle in which P, Q, bulk strain and tilt are in
-    phase, and both sides of the stick zone slip in one direction; None for any other cycle.
+    phase, and both sides of the stick zone slip in one direction; None for any other cycle, for
+    none, without friction, and where Q rests or P reaches 0.
 
     In phase means that these four lie on one line between two turning points, each half of the
     cycle going along it once.

@@ -78,7 +78,7 @@ class NoFriction(IntEnum):
     UNSETTLED = 5
 
 
-_SENTENCES = {
+_SENTENCE_OF_REASON = {
     NoFriction.TOO_LITTLE: (
         "W = {target:.6g} is less than these loads dissipate at any f up to {top:.4g}: the least is"
         " {least:.6g}"
@@ -118,7 +118,8 @@ class FrictionBatch:
     least_friction
         f_min, below which the contact slides grossly
     least, most
-        dissipation at the f that give the least and the most [energy per unit thickness]
+        dissipation at the f that give the least and the most [energy per unit thickness]; these
+        and f_min are NaN for loads that no f admits
     sentences
         one for each member without a root, at most ten
     notes
@@ -179,7 +180,8 @@ def friction_from(
     Raises
     ------
     InputError
-        For a scene beside other arguments, for arguments that are missing, and as `dissipation`.
+        For a scene beside other arguments, one with bulk stress, tilt or an unsymmetric profile,
+        for arguments that are missing, and as `dissipation`.
 
     Examples
     --------
@@ -190,7 +192,7 @@ def friction_from(
     [1.0, 1.0411]
     """
     if scene is None:
-        pair = {"profile": profile, "material": material}
+        profile_and_material = {"profile": profile, "material": material}
         load_values = (
             mean_normal_load,
             normal_amplitude,
@@ -199,12 +201,14 @@ def friction_from(
             phase_in_radians(phase_degrees, phase_radians),
         )
         loads = dict(zip(_LOADS, load_values, strict=True))
-        missing_names = [name for name, value in (pair | loads).items() if value is None]
+        missing_names = [
+            name for name, value in (profile_and_material | loads).items() if value is None
+        ]
         if missing_names:
             raise InputError(
                 f"friction_from: {', '.join(missing_names)} is missing; or give a scene"
             )
-        return _of_ellipses(dissipation, pair, loads)
+        return _friction_of_ellipses(dissipation, profile_and_material, loads)
     parts_of_scene = (
         profile,
         material,
@@ -214,7 +218,8 @@ def friction_from(
         phase_degrees,
         phase_radians,
     )
-    if any(value is not None for value in parts_of_scene):
+    has_mean_tangential_load = np.any(np.asarray(mean_tangential_load) != 0)
+    if has_mean_tangential_load or any(value is not None for value in parts_of_scene):
         raise InputError("friction_from: a scene comes without profile, material and loads")
     scene = validated(scene, Scene)
     if scene.unsymmetric:
@@ -224,9 +229,9 @@ def friction_from(
         )
     if isinstance(scene.load, EllipseLoad):
         loads = {name: getattr(scene.load, name) for name in _LOADS}
-        pair = {"profile": scene.profile, "material": scene.material}
-        return _of_ellipses(dissipation, pair, loads)
-    return _of_path(dissipation, scene)
+        profile_and_material = {"profile": scene.profile, "material": scene.material}
+        return _friction_of_ellipses(dissipation, profile_and_material, loads)
+    return _friction_of_path(dissipation, scene)
 
 
 def sliding_limit(
@@ -268,7 +273,7 @@ def sliding_limit(
         return np.asarray(np.where(a > 0, (b + root_of_discriminant) / a, np.inf))
 
 
-def _of_ellipses(
+def _friction_of_ellipses(
     target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
     """Every coefficient of friction at which elliptic loads dissipate `target`, the measured W of a
@@ -325,18 +330,21 @@ def _of_ellipses(
         least_friction = sliding_limit(*flat_loads.values())
         amplitude_ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
         load_amplitude_ratio = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
-    return _inverse(target, work, least_friction, load_amplitude_ratio, shape, frictionless.notes)
+    return _friction_batch(
+        target, work, least_friction, load_amplitude_ratio, shape, frictionless.notes
+    )
 
 
-def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
+def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     """Every coefficient of friction at which a steady cycle of the scene dissipates `target`, for
     loads other than an ellipse [energy per thickness].
 
     W is found by `solve` at each coefficient tried. They begin at f_min, the largest |Q|/P of the
-    path.
+    path. Where no f within 1e-4 above it is admissible, no f is.
     """
 
     def work_at(friction: float) -> float:
+        """W of the steady cycle at one f; InadmissibleLoadError where the contact slides."""
         scene_at_friction = scene.vary(friction=friction)
         return solve(scene_at_friction, x=0.0, fields="dissipation", cycles="steady").dissipation
 
@@ -371,7 +379,7 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])
 
-    return _inverse(
+    return _friction_batch(
         target, work, np.array([least_friction]), np.array([load_amplitude_ratio]), (), ()
     )
 
@@ -399,7 +407,7 @@ Work = Callable[[Array, NDArray[np.intp]], Array]
 """Friction work W (k,) by coefficients of friction (k,) and the indices (k,) of members at them."""
 
 
-def _inverse(
+def _friction_batch(
     target: ArrayLike,
     work: Work,
     least_friction_of_member: Array,
@@ -452,7 +460,7 @@ def _inverse(
     reason = np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
     roots[reason != NoFriction.NONE] = np.nan
     sentences = tuple(
-        _SENTENCES[NoFriction(reason[k])].format(
+        _SENTENCE_OF_REASON[NoFriction(reason[k])].format(
             target=flat_targets[k],
             least=least_work[k],
             most=most_work[k],
@@ -571,7 +579,8 @@ def _roots_of(
     """Every coefficient f at which the friction work W of a member is its target: (n, k), ascending
     and NaN behind the last. Also the number of roots, and whether a search failed, (n,) each.
 
-    Each pair of neighbouring samples with the target between their W encloses one root.
+    Each profile_and_material of neighbouring samples with the target between their W encloses one
+    root.
 
     Parameters
     ----------

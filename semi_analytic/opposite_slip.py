@@ -92,7 +92,7 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
     """
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
-        depths = _depths(loads)
+        depths = _depths_by_newton(loads)
         residual = np.abs(np.stack(loads_of(*depths)) - loads)
     if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
@@ -100,7 +100,7 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
     return left, right
 
 
-def _depths(loads: Array) -> Array:
+def _depths_by_newton(loads: Array) -> Array:
     """Depths (2, n) of the slip zones at the left and the right end of the contact -1 < x < 1 under
     `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method.
 
@@ -204,7 +204,7 @@ class OppositeSlip(TiltedProfile):
 
     @cached_property
     def _contact(self) -> tuple[float, float, float]:
-        """P, and centre and half-length of contact."""
+        """P [force per thickness], and middle and half-width of the contact [length]."""
         m, c = self.intervals.exact_contact(self.intervals.largest_load)
         return self.intervals.largest_load, float(m), float(c)
 
@@ -234,6 +234,9 @@ class OppositeSlip(TiltedProfile):
         return replace(self, kernel_quantity="conjugate_displacement")
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
+        """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length]; beyond
+        the largest unloading those at that, and at eta = P those of the contact.
+        """
         largest_load, middle, half_width = self._contact
         unloading = np.clip(
             largest_load - np.asarray(load, dtype=float), 0.0, self._largest_unloading
@@ -245,7 +248,9 @@ class OppositeSlip(TiltedProfile):
         return stick_middle, half_width * (right_edge - left_edge) / 2
 
     def is_nested(self, load: float) -> bool:
-        """Whether stick zones recede at both ends, whatever the load is."""
+        """Whether the stick zones recede at both ends while |Q| grows to its largest; `load` is the
+        constant P.
+        """
         ends = self.interval(load - self._largest_unloading * np.linspace(0, 1, 200))
         slack = 1e-12 * self._contact[2]
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))

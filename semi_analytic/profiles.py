@@ -68,8 +68,8 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
     Raises
     ------
     InputError
-        For a kind of profile that this engine does not know, and for one under which the contact
-        would split into several.
+        For a kind of profile that this engine does not know, for a table with unequal sides, and
+        for a profile under which the contact would split into several.
     """
     if isinstance(profile, Tabulated) and not profile.symmetric:
         raise InputError(
@@ -87,8 +87,8 @@ def convex_profile(profile: Profile) -> ConvexProfile:
     Raises
     ------
     InputError
-        For a profile that bends down somewhere: under a tilt its contact may split. For a sharp
-        wedge.
+        For a profile that bends down somewhere: under a tilt its contact may split. For a power
+        law with an exponent below 1.01, whose tip is all but a sharp wedge.
     """
     return _kind_of(profile).convex(profile)
 
@@ -225,7 +225,8 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     """The profile h = sum of c_k (x/length)^(2 k), k from 1, as a convex curve that can be tilted.
     InputError where it bends down somewhere.
 
-    The curve has h, h', h'' and a quadrature rule that is exact for its degree.
+    It is a parabola where c_1 stands alone. Else the curve has h, h', h'' and a quadrature rule
+    that is exact for its degree.
     """
     length = profile.length
     coefficients_of_squares = np.array(profile.rises)  # c_k
@@ -543,9 +544,9 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
 
 
 # Below this tau the closed form of F cancels.
-_SHALLOW = 0.3
-_K = np.arange(1.0, 17.0)
-_F_SERIES = -((-1.0) ** _K) * 2 / (4 * _K**2 - 1)
+_SHALLOW_TAU = 0.3
+_SERIES_NUMBERS = np.arange(1.0, 17.0)
+_F_SERIES = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBERS**2 - 1)
 
 
 def load_function(tau: ArrayLike) -> Array:
@@ -559,10 +560,10 @@ def load_function(tau: ArrayLike) -> Array:
     """
     t = np.asarray(tau, dtype=float)
     closed_form = (1 + t * t) * np.arctan(t) - t
-    is_shallow = t < _SHALLOW
+    is_shallow = t < _SHALLOW_TAU
     if not np.any(is_shallow):
         return closed_form
-    shallow_tau = np.minimum(t, _SHALLOW)
+    shallow_tau = np.minimum(t, _SHALLOW_TAU)
     squared_tau = shallow_tau * shallow_tau
     series_value = np.full(np.shape(t), _F_SERIES[-1])
     for coefficient in _F_SERIES[-2::-1].tolist():

@@ -1016,7 +1016,7 @@ def test_loops_in_phase_without_bulk_are_those_of_the_memory_curve():
     ways = strokes_in_phase(scene)
     known = solve(scene, x=np.linspace(0, 2.2, 45), cycles="steady")
     assert sum(way.work() for way in ways) == pytest.approx(known.dissipation, rel=1e-12)
-    density = sum(way.density(known.x) for way in ways)
+    density = sum(way.work_density(known.x) for way in ways)
     np.testing.assert_allclose(density, known.dissipation_density, rtol=0, atol=1e-12)
 
 

@@ -151,7 +151,7 @@ ALL_BUT_ELLIPSE = HarmonicLoad(
 # largest that may be stated.
 ROUGHER = {
     "no rule beside P = 0": (  # Gauss' rule alone there costs 2e-9 of the slip
-        ("_AWAY", 0.0),
+        ("_LENGTHS_FROM_LOGARITHM", 0.0),
         (
             make_scene(ellipse(1.0, 1 - 1e-4, 0.0, 0.9 * np.sqrt(2e-4), 90.0)),
             {"x": X0_TO_2, "time": TURNS},
@@ -159,7 +159,7 @@ ROUGHER = {
         ("slip", 1e-10, 1e-5),
     ),
     "four nodes a step": (  # next to P_x, where the root is
-        ("_SPANS", ((math.inf, 4),)),
+        ("_NODES_BY_LENGTH", ((math.inf, 4),)),
         (
             make_scene(ALL_BUT_ELLIPSE).vary(profile=PowerLaw(exponent=3.5, length=1.0, rise=0.6)),
             {"x": np.linspace(0, 1, 9)},
@@ -197,7 +197,11 @@ def test_a_step_of_an_arc_that_ends_at_an_instant_states_its_error(monkeypatch):
     scene = make_scene(loads, 0.1286).vary(profile=Tabulated(points=rows))
     question = {"x": [0.03, 0.98], "time": [35.957, 37.214], "fields": ("slip",)}
     answer = solve(scene, **question)
-    monkeypatch.setattr(fields, "_SPANS", tuple((span, 2 * n) for span, n in fields._SPANS))
+    monkeypatch.setattr(
+        fields,
+        "_NODES_BY_LENGTH",
+        tuple((length, 2 * n) for length, n in fields._NODES_BY_LENGTH),
+    )
     finer = solve(scene, **question)
     error = np.max(np.abs(answer.slip - finer.slip)) / np.max(np.abs(finer.slip))
     assert 1e-11 < error <= answer.record.errors["slip"] < 1e-8

@@ -651,6 +651,7 @@ REFUSED = [
     (lambda: dissipation(profile=UNEQUAL, **LOOP), "unequal"),
     (lambda: friction_from(0.1, profile=ROUND, **LOADS_ALONE), "normal_amplitude is missing"),
     (lambda: friction_from(0.1, scene=UPRIGHT, profile=ROUND), "without profile"),
+    (lambda: friction_from(0.1, scene=UPRIGHT, mean_tangential_load=1.0), "without profile"),
     (
         lambda: friction_from(
             [0.1, 0.2, 0.3], profile=ROUND, normal_amplitude=[0.5, 0.5], **LOADS_ALONE
