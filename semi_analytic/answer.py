@@ -118,7 +118,7 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     return names | {"dissipation"} if "loop_work" in names else names
 
 
-def vector(values: ArrayLike | None, name: str) -> Array | None:
+def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
     """A caller's numbers as an array (n,), a single number as (1,); None where none are given.
 
     InputError, with the `name` of the argument, for an empty list and for more than one dimension;
@@ -148,7 +148,7 @@ def mirrored_points(edge: float) -> Array:
 
 def between(edges: Array, x: Array) -> NDArray[np.bool_]:
     """Whether points (k,) are between the left and the right edge of a zone, (n, 2), at each
-    instant: (n, k). A zone without edges, NaN, has its middle x = 0 alone.
+    instant: (n, k). A zone without edges, NaN, has x = 0 alone.
     """
     left = np.nan_to_num(edges[:, [0]])
     right = np.nan_to_num(edges[:, [1]])

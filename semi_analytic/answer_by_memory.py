@@ -153,7 +153,7 @@ class Request:
         return not self.fields.isdisjoint(names)
 
 
-def by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
+def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
     """Half-plane answer where the frictional state is one memory curve: loads, fields, friction
     work of the cycles, their errors and notes.
 
@@ -1112,7 +1112,7 @@ def _state_of(
 
     A point in contact sticks between the stick edges. Outside of them it slips in the direction
     that `snapshot` has, and sticks where that is 0. Edges of contact and of stick, (n, 2), are in
-    `loads_and_edges`; stick edges are NaN where nothing sticks.
+    `loads_and_edges`. Where no edges of stick are left, NaN, the stick zone is x = 0 alone.
     """
     contact = request.contact
     distances = request.distance

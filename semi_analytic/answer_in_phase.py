@@ -27,7 +27,7 @@ from semi_analytic.memory import PROMISED_ERROR
 _INSTANTS = 400  # of the cycle, besides turning points
 
 
-def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
+def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
     """Half-plane answer for the steady cycle of loads in phase: pressure, edges, state and friction
     work under P, Q, bulk strain and tilt that go there and back on one line.
 
@@ -41,7 +41,7 @@ def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
     path_loads, tilted_contact = path_loads_and_contact(scene)
     time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
     period = path.cycle[-1].end - path.cycle_start
-    is_forward = _rises(time, tangential_load, period)
+    is_forward = _is_rising(time, tangential_load, period)
     contact_middle, contact_half_width = tilted_contact.contact_under(normal_load, tilt)
     stick_middle, stick_half_width = _stick_zones(strokes, tangential_load, is_forward)
     contact_edges = np.stack(
@@ -72,11 +72,11 @@ def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
     if question.wants("normal_approach"):
         approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
     if question.wants("dissipation"):
-        friction_work, errors["dissipation"] = _work_of(strokes)
+        friction_work, errors["dissipation"] = _work_and_error(strokes)
     if question.wants("loop_work"):
         loop_work = work_by_loads(strokes)
     if question.wants("dissipation_density"):
-        density, errors["dissipation_density"] = _density_of(strokes, x)
+        density, errors["dissipation_density"] = _density_and_error(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
     stress_of_lower, stress_of_upper = path_loads.stresses(time)
     return Findings(
@@ -129,7 +129,7 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
 
 
-def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
+def _is_rising(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
     """Whether Q rises at each instant (n,) of a cycle, from its least value to its largest."""
     time_of_least = time[np.argmin(force)]
     time_of_largest = time[np.argmax(force)]
@@ -154,7 +154,7 @@ def _stick_zones(
     return middle, half_width
 
 
-def _work_of(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
+def _work_and_error(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
     """Friction work W of the steady cycle [energy per thickness], and its relative error: what half
     as many quadrature nodes change.
     """
@@ -163,7 +163,7 @@ def _work_of(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
     return work, abs(work_by_half_the_nodes / work - 1)
 
 
-def _density_of(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]:
+def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]:
     """Friction work per area W(x) of the steady cycle at points (k,), and its error over the
     largest: what half as many quadrature nodes change.
     """

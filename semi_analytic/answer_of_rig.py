@@ -233,7 +233,7 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
 
 
 # --------------------------------------------------------------------------------- the whole answer
-def of_rig(question: Question) -> Findings:
+def findings_of_rig(question: Question) -> Findings:
     """Half-plane answer, corrected for finite bodies, to a scene whose rig prescribes
     displacements: loads P and Q, fields, friction work of the steady cycle, and their errors.
 

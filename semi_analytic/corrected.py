@@ -68,7 +68,7 @@ from semi_analytic.answer import (
     mirrored_points,
     neglected_coupling,
 )
-from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
+from semi_analytic.answer_by_memory import findings_by_memory, folded, path_of_question
 from semi_analytic.corrected_memory import (
     Curvatures,
     Followed,
@@ -1071,7 +1071,7 @@ class _Paths:
         return self.steady_from is not None and self.covered_cycles[-1] >= self.steady_from
 
 
-def with_effects(question: Question) -> Findings:
+def findings_with_effects(question: Question) -> Findings:
     """Answer of half-plane theory corrected for finite bodies: fields, displacements, friction work
     and their errors along the load path of a question.
 
@@ -1552,7 +1552,7 @@ def _work_of(
         time=end_times,
         cycles="all",
     )
-    exact_theory = by_memory(question_of_half_planes, None)
+    exact_theory = findings_by_memory(question_of_half_planes, None)
     if question.wants("dissipation"):
         # Theory stops at a steady cycle, which later ones equal.
         solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
@@ -1862,7 +1862,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         time=paths.rows.time[row_numbers],
         cycles="all",
     )
-    exact_theory = by_memory(question_of_half_planes, None)
+    exact_theory = findings_by_memory(question_of_half_planes, None)
     points = PointFields(half_planes, places)
     pressure = points.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))

@@ -1307,7 +1307,7 @@ def _abel_integral(
         angles_of_corners.append(np.arctan2(root_of_squares, b))
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
-    complement_of_angle = np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below)
+    complement_of_angle = np.where(nodes.place < 0.7, np.pi / 2 - nodes.place, nodes.from_end)
     cosine = np.sin(complement_of_angle)
     half_width_column = half_width[..., None, None]
     x = half_width_column * cosine

@@ -21,24 +21,24 @@ class LogisticRule(NamedTuple):
 
     Attributes
     ----------
-    up, down
-        distances of the nodes from 0 and from 1, (n,) each
+    from_begin, from_end
+        distances of the nodes from 0 and from 1, (n,) each, without cancellation
     weight
-        (n,)
+        of each node, (n,)
     """
 
-    up: Array
-    down: Array
+    from_begin: Array
+    from_end: Array
     weight: Array
 
 
 def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
     """The trapezoidal rule from s = `low` to s = `high`, for nodes 1/(1 + exp(-s)) on [0, 1]."""
     s = np.arange(low, high + step / 2, step)
-    up = 1 / (1 + np.exp(-s))
-    down = 1 / (1 + np.exp(s))
-    nearer = np.minimum(up, down)
-    return LogisticRule(up, down, step * nearer * (1 - nearer))
+    from_begin = 1 / (1 + np.exp(-s))
+    from_end = 1 / (1 + np.exp(s))
+    from_nearer_end = np.minimum(from_begin, from_end)
+    return LogisticRule(from_begin, from_end, step * from_nearer_end * (1 - from_nearer_end))
 
 
 ROOTS = logistic(-36.0, 36.0)
@@ -51,20 +51,20 @@ INVERSE_ROOTS = logistic(-75.0, 75.0)
 range, is 1e-16.
 """
 
-NODES = len(ROOTS.up)
+NODES = len(ROOTS.from_begin)
 """Nodes of `graded`."""
 
-_IN_LOWER_HALF = ROOTS.up < 0.5
-_FROM_NEARER_END = np.minimum(ROOTS.up, ROOTS.down)
+_IN_LOWER_HALF = ROOTS.from_begin < 0.5
+_FROM_NEARER_END = np.minimum(ROOTS.from_begin, ROOTS.from_end)
 
 
-def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Array]:
+def graded(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands singular at or
     next to the ends: the trapezoidal rule in s, for nodes begin + (end - begin)/(1 + exp(-s)).
 
     A singularity beyond an end lies on the line Im s = pi, however near the end it is. Roots and
     logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
-    With `every` = 2 every second node is taken, which halves the number of digits.
+    With a `stride` of 2 every second node is taken, which halves the number of digits.
 
     >>> nodes, weights = graded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -73,9 +73,9 @@ def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Arr
     begin_column = np.asarray(begin, dtype=float)[..., None]
     end_column = np.asarray(end, dtype=float)[..., None]
     length = end_column - begin_column
-    distance = length * _FROM_NEARER_END[::every]
-    nodes = np.where(_IN_LOWER_HALF[::every], begin_column + distance, end_column - distance)
-    return nodes, length * (every * ROOTS.weight[::every])
+    distance = length * _FROM_NEARER_END[::stride]
+    nodes = np.where(_IN_LOWER_HALF[::stride], begin_column + distance, end_column - distance)
+    return nodes, length * (stride * ROOTS.weight[::stride])
 
 
 @cache
@@ -116,17 +116,17 @@ class Nodes(NamedTuple):
 
     Attributes
     ----------
-    at
-        the nodes
-    above, below
+    place
+        of each node
+    from_begin, from_end
         their distances from the begin and from the end of the range, without cancellation
     weight
         of each node
     """
 
-    at: Array
-    above: Array
-    below: Array
+    place: Array
+    from_begin: Array
+    from_end: Array
     weight: Array
 
 
@@ -134,8 +134,8 @@ def panel_nodes(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = 
     """Quadrature nodes and weights on [begin, end], (..., panels, nodes), for integrands singular
     at both ends and at `breaks`; distances from both ends are free of cancellation.
 
-    The range is cut into panels at the breaks that lie inside. `breaks` ascend, each an array like
-    `end`.
+    The range is cut into panels at the `breaks`, which ascend, each an array like `end`. A break
+    outside of a range makes no panel in it, or one without length.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
@@ -151,9 +151,9 @@ def panel_nodes(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = 
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
     panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
     length = panel_end - panel_begin
-    distance_to_begin = length * ROOTS.up
-    distance_to_end = length * ROOTS.down
+    distance_to_begin = length * ROOTS.from_begin
+    distance_to_end = length * ROOTS.from_end
     from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_begin
     from_end = (end_places[..., None, None] - panel_end) + distance_to_end
-    nodes = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
-    return Nodes(nodes, from_begin, from_end, length * ROOTS.weight)
+    places = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
+    return Nodes(places, from_begin, from_end, length * ROOTS.weight)

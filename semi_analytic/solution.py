@@ -23,10 +23,10 @@ from semi_analytic.answer import (
     Findings,
     Question,
     checked_fields,
+    checked_numbers,
     solution_of,
-    vector,
 )
-from semi_analytic.answer_by_memory import by_memory
+from semi_analytic.answer_by_memory import findings_by_memory
 from semi_analytic.bulk_and_tilt import one_curve, path_loads_and_contact, steady_curve
 
 # The C library of Linux gives every array of more than 128 kB fresh memory, page by page, which
@@ -121,8 +121,8 @@ def solve(
     question = Question(
         scene=scene_of(scene),
         fields=checked_fields(fields, cycles),
-        x=vector(x, "x"),
-        time=vector(time, "time"),
+        x=checked_numbers(x, "x"),
+        time=checked_numbers(time, "time"),
         cycles=cycles,
         straight_steps=straight_steps,
         effects=effects,
@@ -131,8 +131,8 @@ def solve(
 
 
 def _findings(question: Question) -> Findings:
-    """Values, stated errors and notes of half-plane theory for a question, by the cheapest method
-    that holds for its scene.
+    """Values, stated errors and notes of half-plane theory for a question, by the first method that
+    holds for its scene.
 
     In this order: rigs, with a prescribed displacement; finite bodies; one memory curve; the steady
     cycle alone; a numerical solution on grids. A memory curve is the tangential force, or the bulk
@@ -140,18 +140,18 @@ def _findings(question: Question) -> Findings:
     """
     scene = question.scene
     if scene.load.is_driven:
-        from semi_analytic.answer_of_rig import of_rig  # noqa: PLC0415 - for rigs alone
+        from semi_analytic.answer_of_rig import findings_of_rig  # noqa: PLC0415 - rigs
 
-        return of_rig(question)
+        return findings_of_rig(question)
     if question.effects is not None:
-        from semi_analytic.corrected import with_effects  # noqa: PLC0415 - for finite bodies alone
+        from semi_analytic.corrected import findings_with_effects  # noqa: PLC0415 - finite bodies
 
-        return with_effects(question)
+        return findings_with_effects(question)
     if not scene.unsymmetric:
-        return by_memory(question, None)
+        return findings_by_memory(question, None)
     contact_and_path = one_curve(scene)
     if contact_and_path is not None:
-        return by_memory(question, contact_and_path)
+        return findings_by_memory(question, contact_and_path)
     if question.straight_steps:
         raise InputError(
             "straight_steps: without one memory curve half-plane theory takes the scene's own path;"
@@ -197,16 +197,16 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
     cycle_with_one_curve = steady_curve(scene)
     if cycle_with_one_curve is not None:
         method_name = "one memory curve"
-        findings = by_memory(question, cycle_with_one_curve)
+        findings = findings_by_memory(question, cycle_with_one_curve)
     else:
-        from semi_analytic.answer_in_phase import in_phase  # noqa: PLC0415 - loads in phase
+        from semi_analytic.answer_in_phase import findings_in_phase  # noqa: PLC0415
         from semi_analytic.loops_in_phase import strokes_in_phase  # noqa: PLC0415
 
         strokes = strokes_in_phase(scene)
         if strokes is None:
             return None
         method_name = "quadratures of loads in phase"
-        findings = in_phase(question, strokes)
+        findings = findings_in_phase(question, strokes)
     note = (
         f"the steady cycle by {method_name}; the initial loading has another memory and was not"
         " followed: the number of cycles until then and the moment of the shear are not known,"

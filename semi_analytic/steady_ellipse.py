@@ -464,8 +464,10 @@ def _graded_piece_rule() -> PieceRule:
     weight = graded(0.0, 1.0)[1]
     error_check = weight.copy()
     error_check[::2] -= 2 * weight[::2]
-    is_in_lower_half = ROOTS.up[:, None] < 0.5
-    distance_from_end = np.where(is_in_lower_half, ROOTS.up[:, None], -ROOTS.down[:, None])
+    is_in_lower_half = ROOTS.from_begin[:, None] < 0.5
+    distance_from_end = np.where(
+        is_in_lower_half, ROOTS.from_begin[:, None], -ROOTS.from_end[:, None]
+    )
     return PieceRule(distance_from_end, is_in_lower_half, weight, error_check[None])
 
 

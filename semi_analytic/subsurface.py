@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Scene, scene_of
 from scenes.array_types import Array, Indices
-from semi_analytic.answer import vector
+from semi_analytic.answer import checked_numbers
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.memory import CurvePart, Snapshot, pieces
@@ -166,9 +166,9 @@ def _places_and_times(
     """Checked places x and y, broadcast to one length (n,) [length], and times (m,) of the
     instants; InputError where one is missing or the lengths differ.
     """
-    x_places = vector(x, "x")
-    y_places = vector(y, "y")
-    times = vector(instants, "instants")
+    x_places = checked_numbers(x, "x")
+    y_places = checked_numbers(y, "y")
+    times = checked_numbers(instants, "instants")
     if x_places is None or y_places is None or times is None:
         raise InputError("stress: x, y and instants are needed")
     if len(x_places) != len(y_places) and min(len(x_places), len(y_places)) > 1:
@@ -217,7 +217,7 @@ def edge_tension(
     [[1.0, -1.0], [-1.0, 1.0]]
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
-    times = vector(instants, "instants")
+    times = checked_numbers(instants, "instants")
     if times is None:
         raise InputError("edge_tension: instants are needed")
     values = np.zeros((len(times), 2, 2))
@@ -614,9 +614,9 @@ def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
     """
     rule = INVERSE_ROOTS
     span_length = np.subtract(end, begin)
-    distance_from_begin = np.subtract(begin, place) + span_length * rule.up
-    distance_from_end = np.subtract(end, place) - span_length * rule.down
-    return np.where(rule.up < 0.5, distance_from_begin, distance_from_end)
+    distance_from_begin = np.subtract(begin, place) + span_length * rule.from_begin
+    distance_from_end = np.subtract(end, place) - span_length * rule.from_end
+    return np.where(rule.from_begin < 0.5, distance_from_begin, distance_from_end)
 
 
 def _add_panel_of_punches(
@@ -636,11 +636,11 @@ def _add_panel_of_punches(
     begin_width, end_width = ends
     panel_width = end_width - begin_width
     rule = INVERSE_ROOTS
-    in_lower_half = rule.up < 0.5
+    in_lower_half = rule.from_begin < 0.5
     half_widths = _nodes_from(0.0, begin_width, end_width)
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
-    points_at_once = _KERNELS_AT_ONCE // len(rule.up)
+    points_at_once = _KERNELS_AT_ONCE // len(rule.from_begin)
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _nodes_from(x[point_numbers, None], begin_width, end_width)
@@ -652,11 +652,11 @@ def _add_panel_of_punches(
         x_of_points = x[point_numbers, None]
         for sign, part_end in ((-1.0, begin_width), (1.0, end_width)):
             part_width = sign * (part_end - x_of_points)
-            distance_to_punch = sign * part_width * rule.up
+            distance_to_punch = sign * part_width * rule.from_begin
             half_widths = np.where(
                 in_lower_half,
                 x_of_points + distance_to_punch,
-                part_end - sign * part_width * rule.down,
+                part_end - sign * part_width * rule.from_end,
             )
             loads_of_part = _loads_of_punches(contact, slope, half_widths, part_width * rule.weight)
             _add_punches(potentials, point_numbers, loads_of_part, distance_to_punch, x, y)

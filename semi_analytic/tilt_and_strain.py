@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scenes import BodyEffects, Combination, Estimate, InputError, LoadSegment, Scene
 from scenes.body_effects import ZERO
 from semi_analytic.answer import Question
-from semi_analytic.answer_by_memory import by_memory
+from semi_analytic.answer_by_memory import findings_by_memory
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
@@ -152,7 +152,7 @@ def work_of_half_planes(scene: Scene) -> float:
     thickness].
     """
     request = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
-    return float(by_memory(request, None).values["dissipation"])
+    return float(findings_by_memory(request, None).values["dissipation"])
 
 
 def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:

@@ -732,7 +732,7 @@ class CurvedProfile(ConvexProfile):
         angle_spans = np.diff(angles_of_part_ends)[..., None]
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
         # its digits. The rule has its distances from begin and end, `up` and `down`, on [0, 1].
-        is_nearer_begin = self.rule.up < 0.5
+        is_nearer_begin = self.rule.from_begin < 0.5
 
         def at_nearer_end(at_part_ends: Array) -> Array:
             return np.where(
@@ -740,7 +740,7 @@ class CurvedProfile(ConvexProfile):
             )
 
         angle_from_end = np.where(
-            is_nearer_begin, angle_spans * self.rule.up, -angle_spans * self.rule.down
+            is_nearer_begin, angle_spans * self.rule.from_begin, -angle_spans * self.rule.from_end
         )
         half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
@@ -754,7 +754,7 @@ class CurvedProfile(ConvexProfile):
             # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
             # 0, where h'' is like |x|^(n - 2), the tail is a geometric series: the outermost
             # weight takes it too.
-            tail_exponent = (self.exponent - 1) * self.rule.weight[0] / self.rule.up[0]
+            tail_exponent = (self.exponent - 1) * self.rule.weight[0] / self.rule.from_begin[0]
             factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
             weights[..., 0] *= np.where(places_of_part_ends[..., :-1] == 0, factor_of_tail, 1.0)
             weights[..., -1] *= np.where(places_of_part_ends[..., 1:] == 0, factor_of_tail, 1.0)
@@ -775,7 +775,7 @@ class CurvedProfile(ConvexProfile):
 
     @property
     def _values_per_point(self) -> int:
-        return (len(self.knots) + 1) * len(self.rule.up)
+        return (len(self.knots) + 1) * len(self.rule.from_begin)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
@@ -1292,7 +1292,7 @@ class TiltedProfile:
             return graded(begin, end)
         nodes = panel_nodes(begin, end, self.break_loads)
         shape = (*np.shape(end), -1)
-        return nodes.at.reshape(shape), nodes.weight.reshape(shape)
+        return nodes.place.reshape(shape), nodes.weight.reshape(shape)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of the kernel of slip over loads from 0 to `load`, while x is out of contact
