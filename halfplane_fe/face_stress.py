@@ -40,7 +40,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes.array_types import Array, Complex
+from scenes.array_types import Array, Complex, Mask
 
 # Outermost nodes on each side of the contact whose tractions the mesh distorts.
 N_DISTORTED_NODES = 3
@@ -579,26 +579,30 @@ def _change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) -
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
     pressure at the first node inside the distorted outermost ones. A share of this counts. Zero
-    where nodes slip on both sides, where P grows in full stick, and in full slip.
+    where P grows in full stick, in full slip, and where nodes slip on both sides: unless the
+    outermost node of a side has shear of the other sign than its slip zone, which slip that has
+    just turned may have brought.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the zone of
     # the distorted nodes
     """
-    if (
-        nodal_tractions.load_grows_in_stick
-        or nodal_tractions.has_slip_zones(1)
-        or not math.isfinite(nodal_tractions.stick_edges[0])
-    ):
+    left_stick, right_stick = nodal_tractions.stick_edges
+    if nodal_tractions.load_grows_in_stick or not math.isfinite(left_stick):
         return np.zeros(2)
     x = nodal_tractions.x
     pressure = nodal_tractions.pressure
+    may_slip_unseen = np.array([True, True])
+    if nodal_tractions.has_slip_zones(1):
+        shear = nodal_tractions.shear
+        shear_of_zones = np.array([shear[x < left_stick].sum(), shear[x > right_stick].sum()])
+        may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
     inner_node = min(N_DISTORTED_NODES, len(x) // 2)
     distances_inside = np.array(
         [x[inner_node] - series.edges[0], series.edges[1] - x[-1 - inner_node]]
     )
     inner_pressures = np.array([pressure[inner_node], pressure[-1 - inner_node]])
     factor = _SHARE_OF_UNSEEN_SLIP * 8 / math.pi * nodal_tractions.friction
-    return np.asarray(factor * inner_pressures * (distances_inside > 0))
+    return np.asarray(factor * inner_pressures * (may_slip_unseen & (distances_inside > 0)))
 
 
 def _change_by_stick_edges(
@@ -808,7 +812,8 @@ def _smooth_shear(
     constant_ratio: bool,
 ) -> Array:
     """Smooth shear traction q across the contact, (n,) [stress], from its values at the nodes. In
-    the slip zones it is +-f p; across the stick zone it is interpolated over the angle.
+    the slip zones it is +-f p where nodes slip; across the stick zone it is interpolated over the
+    angle.
 
     Unless nodes slip on both sides of a stick zone, q/p is interpolated instead, continued to the
     edges, and kept within +-f: so in full stick and in full slip.
@@ -841,8 +846,8 @@ def _smooth_shear(
                 ratio[is_outside] += slope * (places[is_outside] - x[end_node])
         return np.asarray(np.clip(ratio, -friction, friction) * pressure)
     left_stick, right_stick = nodal_tractions.stick_edges
-    ratio_at_left = np.sign(q[0]) * friction  # q/p in the slip zones
-    ratio_at_right = np.sign(q[-1]) * friction
+    ratio_at_left = _ratio_in_slip_zone(places, nodal_tractions, x < left_stick, nodes_left_out)
+    ratio_at_right = _ratio_in_slip_zone(places, nodal_tractions, x > right_stick, nodes_left_out)
     shear = np.where(places < left_stick, ratio_at_left, ratio_at_right) * pressure
     is_in_stick = (places > left_stick) & (places < right_stick)
     is_stick_node = (x > left_stick) & (x < right_stick)
@@ -854,16 +859,46 @@ def _smooth_shear(
         cosine = (left_stick + right_stick - 2 * x) / (right_stick - left_stick)
         return np.arccos(np.clip(cosine, -1, 1))
 
-    shear_at_left, shear_at_right = np.interp([left_stick, right_stick], places, pressure) * [
-        ratio_at_left,
-        ratio_at_right,
-    ]
+    shear_at_left = np.interp(left_stick, places, ratio_at_left * pressure)
+    shear_at_right = np.interp(right_stick, places, ratio_at_right * pressure)
     shear[is_in_stick] = np.interp(
         angle(places[is_in_stick]),
         np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
         np.concatenate([[shear_at_left], q[is_stick_node], [shear_at_right]]),
     )
     return np.asarray(shear)
+
+
+def _ratio_in_slip_zone(
+    places: Array, nodal_tractions: NodalTractions, is_in_zone: Mask, nodes_left_out: int
+) -> Array:
+    """q/p at places (n,) of a slip zone: linear between its nodes, which have +-f where they slip,
+    and less where slip has ended from the edge of contact inwards.
+
+    Left out are the outermost nodes of the contact, which the mesh distorts, and the node next to
+    the stick zone, which may stick. Where no other is left, q/p is f with the sign of the shear of
+    all the zone: just before it opens, the outermost node alone may have the other sign.
+
+    Parameters
+    ----------
+    is_in_zone
+        (n_nodes,) which of the touching nodes lie in the zone, at one end of the contact
+    nodes_left_out
+        number of outermost nodes on either side
+    """
+    zone_nodes = np.flatnonzero(is_in_zone)
+    n_nodes = len(nodal_tractions.x)
+    is_at_left = zone_nodes[0] == 0
+    without_stick_node = zone_nodes[:-1] if is_at_left else zone_nodes[1:]
+    is_undistorted = (without_stick_node >= nodes_left_out) & (
+        without_stick_node < n_nodes - nodes_left_out
+    )
+    inner_nodes = without_stick_node[is_undistorted]
+    if not len(inner_nodes):
+        sign = np.sign(nodal_tractions.shear[zone_nodes].sum())
+        return np.full(len(places), sign * nodal_tractions.friction)
+    nodal_ratio = nodal_tractions.shear[inner_nodes] / nodal_tractions.pressure[inner_nodes]
+    return np.asarray(np.interp(places, nodal_tractions.x[inner_nodes], nodal_ratio))
 
 
 def _unit_missing_shear(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -45,6 +46,7 @@ from scenes import (
     SurfaceState,
     load_scene,
 )
+from scenes.array_types import Array
 from tolerances import check
 
 UNLIKE = Materials(
@@ -288,6 +290,55 @@ def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
     more = of_zones - [uncertainty(stick) for stick in (0.955, 0.905)]
     by_edge = _change_by_stick_edges(narrow, 0.15 * 0.01, tension)[1]
     np.testing.assert_allclose(more, [by_edge, 0.0], rtol=1e-9, atol=1e-12)
+
+
+def mindlin_tractions(shear_over_friction: Callable[[Array, Array], Array]) -> NodalTractions:
+    """Of 99 nodes: the shear of Mindlin's contact with the stick zone |x| < 0.6, which
+    `shear_over_friction` changes. It is given p and q over f at the nodes.
+    """
+    x = np.linspace(-1.0, 1.0, 101)[1:-1]
+    pressure = np.sqrt(1 - x**2)
+    mindlin = pressure - np.sqrt(np.maximum(0.36 - x**2, 0.0))
+    shear = 0.3 * shear_over_friction(pressure, mindlin)
+    load = float(np.trapezoid(np.r_[0.0, shear, 0.0], np.r_[-1.0, x, 1.0]))
+    return NodalTractions(
+        x, pressure, shear, (-0.6, 0.6), (-1.0, 1.0), 0.3, load, load_grows_in_stick=False
+    )
+
+
+def test_the_outermost_node_does_not_turn_its_slip_zone() -> None:
+    """Just before a node opens its shear may have the other sign: the tension was that of a slip
+    zone of this sign. Slip that has just turned may be what it shows, which is stated.
+    """
+
+    def with_turned_end(pressure: Array, shear: Array) -> Array:
+        return np.r_[-pressure[0] / 2, shear[1:]]
+
+    plain = tractions_with_uncertainty(mindlin_tractions(lambda _, shear: shear))
+    turned = tractions_with_uncertainty(mindlin_tractions(with_turned_end))
+    assert plain.series is not None
+    assert turned.series is not None
+    np.testing.assert_allclose(turned.series.edge_tension(), plain.series.edge_tension(), rtol=5e-3)
+    assert plain.change_by_unseen_slip.tolist() == [0.0, 0.0]
+    assert turned.change_by_unseen_slip[0] > 0
+    assert turned.change_by_unseen_slip[1] == 0
+
+
+def test_shear_follows_the_nodes_of_a_slip_zone_that_sticks_again() -> None:
+    """Where slip ends from the edge of contact inwards, q there is less than f p."""
+    slack = 0.2
+
+    def partly_stuck(pressure: Array, shear: Array) -> Array:
+        share = np.linspace(1 - slack, 1.0, 21)  # of f p, over the left slip zone
+        return np.r_[share * pressure[:21], shear[21:]]
+
+    nodal_tractions = mindlin_tractions(partly_stuck)
+    sampled = sampled_tractions(nodal_tractions)
+    x = -np.cos(sampled.theta)
+    is_in_zone = (x > -0.9) & (x < -0.65)
+    ratio = sampled.shear[is_in_zone] / sampled.pressure[is_in_zone] / 0.3
+    expected = np.interp(x[is_in_zone], nodal_tractions.x[:21], np.linspace(1 - slack, 1.0, 21))
+    np.testing.assert_allclose(ratio, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize(("unlike", "factor"), [(False, 0.36), (True, 1.05)])
