@@ -141,10 +141,10 @@ def _edges_of_run(
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if problem.interface.coupling is None:
-        imposed = np.array([state.imposed for state in run.states])
+        stresses_and_tilt = np.array([state.stresses_and_tilt for state in run.states])
         fraction_of_limit = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
         has_no_slip_zone = _grows_within_cone(
-            loads, imposed, fraction_of_limit * scene.friction.coefficient
+            loads, stresses_and_tilt, fraction_of_limit * scene.friction.coefficient
         )
     edges = _edges_of_all(
         problem,
@@ -209,9 +209,9 @@ def _tilt_arrays(
     moment_unit = scales.load * scales.half_width
     pressure = np.stack([state.pressure for state in states])
     shear = np.stack([state.shear for state in states])
-    moment = -problem.interface.work_of_imposed(pressure, shear)[..., 2]
+    moment = -problem.interface.work_of_unit_offsets(pressure, shear)[..., 2]
     shear_moment = shear @ problem.interface.x
-    bulk_lower, bulk_upper, tilt = np.array([state.imposed for state in states]).T
+    bulk_lower, bulk_upper, tilt = np.array([state.stresses_and_tilt for state in states]).T
     return {
         "bulk_stress_lower": freeze(bulk_lower * stress_unit),
         "bulk_stress_upper": freeze(bulk_upper * stress_unit),
@@ -230,16 +230,16 @@ def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
     return not scene.unsymmetric and problem.interface.coupling is None
 
 
-def _grows_within_cone(loads: Array, imposed: Array, friction: float) -> Mask:
+def _grows_within_cone(loads: Array, stresses_and_tilt: Array, friction: float) -> Mask:
     """Instants at which half-planes of like materials stick in full, whatever was before: since the
     instant before, P has grown, |dQ| <= f dP, and bulk stress and tilt have stayed. Returns (n,).
 
-    `loads` is (n, 2) of P and Q, `imposed` (n, 3) bulk stresses and tilt, `friction` is f.
-    Source: Barber, Davies, Hills (2011).
+    `loads` is (n, 2) of P and Q, `stresses_and_tilt` (n, 3) bulk stresses and tilt, `friction` is
+    f. Source: Barber, Davies, Hills (2011).
     """
     rise_of_p, rise_of_q = np.diff(loads, axis=0, prepend=loads[:1]).T
     limit = friction * rise_of_p
-    stays = ~np.diff(imposed, axis=0, prepend=imposed[:1]).any(axis=1)
+    stays = ~np.diff(stresses_and_tilt, axis=0, prepend=stresses_and_tilt[:1]).any(axis=1)
     return np.asarray((rise_of_p > 0) & (np.abs(rise_of_q) <= limit) & stays)
 
 

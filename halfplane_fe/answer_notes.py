@@ -251,7 +251,7 @@ def _skipped_at_bodies(
             len(problem.interface.x) // 2,
             "p is even in x, q even or odd: solved on one half",
         )
-    if not problem.tangential:
+    if not problem.has_shear:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
     if not problem.work[CORRECTED_FACES]:
         reason = (
@@ -268,7 +268,7 @@ def _skipped_along_path(
 ) -> dict[str, tuple[int, str]]:
     """What the load path did not need: name of the work -> (how often it was skipped, why)."""
     skipped: dict[str, tuple[int, str]] = {}
-    if problem.tangential and not problem.work["slip iterations"]:
+    if problem.has_shear and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
         skipped["revolutions"] = (

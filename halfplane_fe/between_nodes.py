@@ -374,7 +374,7 @@ def stick_by_load(
         (k, n) what each node has slipped since it last stuck or turned round
     """
     edges = EdgesByLoad.nowhere(len(travels))
-    if not problem.tangential:
+    if not problem.has_shear:
         return edges
     for row, (before, state, travel) in enumerate(
         zip(states[:-1], states[1:], travels, strict=True)
@@ -416,7 +416,7 @@ def _comes_to_limit(
 
 def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
     """Closed nodes on one side of x = 0, from the outermost one inwards."""
-    is_on_side = state.closed & (side * problem.interface.x >= 0)
+    is_on_side = state.is_closed & (side * problem.interface.x >= 0)
     return np.flatnonzero(is_on_side)[::-side]
 
 
@@ -610,11 +610,11 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     """
     no_excess = Excess(0.0, 0.0, 0)
     problem.work.pop(TAKEN_OFF, None)
-    if not problem.tangential:
+    if not problem.has_shear:
         return no_excess
     slip = np.stack([state.slip for state in states])
     slip_range = np.ptp(slip, axis=0)
-    is_closed = np.stack([state.closed for state in states])
+    is_closed = np.stack([state.is_closed for state in states])
     largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
     sticks_all_along = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
     stick_zone = np.flatnonzero(sticks_all_along)
@@ -837,7 +837,7 @@ def _at_contact_edge(
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
     for start, end, node_slips in zip(states[:-1], states[1:], slip_increments, strict=True):
-        closed_nodes = np.flatnonzero(start.closed)
+        closed_nodes = np.flatnonzero(start.is_closed)
         node = int(closed_nodes[-1 if side > 0 else 0])
         opposite_node = int(closed_nodes[0 if side > 0 else -1])
         next_node = node + side

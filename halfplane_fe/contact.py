@@ -70,11 +70,13 @@ def nodal(values: Array) -> Array:
     return parts.transpose(values.ndim - 1, *axes_of_states, values.ndim)
 
 
-def _rigid(number: int) -> property:
+def _motion_property(number: int) -> property:
+    """Property of a state: approach (0), U (1) or tilt (2) of the upper body."""
     return property(lambda state: float(state.values[number]))
 
 
-def _of_nodes(number: int) -> property:
+def _nodal_property(number: int) -> property:
+    """Property of a state: slip (0), pressure (1), shear (2) or gap (3) of the nodes, (n,)."""
     return property(lambda state: state.values[3:].reshape(-1, len(state.state))[number])
 
 
@@ -90,10 +92,11 @@ class InterfaceState:
         P and Q, or the movements of `actuators` in their place, or the five of `path` where it has
         bulk stress or tilt
     values
-        (3 + 4 n,) approach, shift and tilt of the upper body, then slip, pressure, shear and
-        gap of the nodes. Gap and slip are those of the law (inner faces of the layer), pressure
-        and shear nodal forces, the tilt is given or found from the moment. A state that a long
-        run has dropped (`run.PathRun`) ends after the slip
+        (3 + 4 n,) approach, tangential displacement U (`shift`) and tilt of the upper body, then
+        slip, pressure, shear and gap of the nodes. Gap and slip are those of the law: of the
+        penalty method between the inner faces of its layer. Pressure and shear are nodal forces.
+        The tilt is given or found from the moment. To save memory a long run drops all after the
+        slip from some states (`run.PathRun`)
     state
         (n,) SurfaceState of each node
     resultants
@@ -106,8 +109,8 @@ class InterfaceState:
     state: States
     resultants: tuple[float, float] | None = None
 
-    approach, shift, tilt = (_rigid(number) for number in range(3))
-    slip, pressure, shear, gap = (_of_nodes(number) for number in range(4))
+    approach, shift, tilt = (_motion_property(number) for number in range(3))
+    slip, pressure, shear, gap = (_nodal_property(number) for number in range(4))
 
     @property
     def normal_load(self) -> float:
@@ -125,13 +128,15 @@ class InterfaceState:
         return len(self.values) > 3 + len(self.state)
 
     @property
-    def closed(self) -> Mask:
+    def is_closed(self) -> Mask:
         """Whether each node is in contact, (n,)."""
         return self.state != OPEN
 
     @property
-    def imposed(self) -> Array:
-        """Bulk stresses of the lower and upper body, and the tilt, (3,): e of `interface`."""
+    def stresses_and_tilt(self) -> Array:
+        """Bulk stresses of the lower and upper body, and the tilt, (3,); zeros on a path without
+        them.
+        """
         if len(self.loads) == 2:
             return np.zeros(3)
         return np.array([*self.loads[_BULK_STRESSES], self.tilt])
@@ -149,10 +154,10 @@ class InterfaceState:
 
 
 class BesideTheFaces(InputError):
-    """The line of action of the loads does not meet the side that may touch."""
+    """The line of action of the loads does not meet the part of the faces that may touch."""
 
 
-class _Changes(NamedTuple):
+class _ChangeByStates(NamedTuple):
     """Change of the contact's values by new node states, see `ContactProblem._change_by_states`.
 
     Attributes
@@ -170,22 +175,22 @@ class _Changes(NamedTuple):
     values: Array | float
 
 
-class _Solved(NamedTuple):
-    """How a solution of one increment ended.
+class _Outcome(NamedTuple):
+    """How a method of solution of one increment ended.
 
     Attributes
     ----------
     state
-        None where the states of the nodes did not converge
+        of the contact after the increment; None where the states of the nodes did not converge
     iterations
-        of the active set, or turns between pressure and shear
-    changing
-        nodes that still changed their state at the end
+        number of them, of the active set, or of turns between pressure and shear
+    n_changing
+        number of nodes that still changed their state at the end
     """
 
     state: InterfaceState | None
     iterations: int
-    changing: int
+    n_changing: int
 
 
 @dataclass(eq=False)
@@ -198,12 +203,12 @@ class ContactProblem:
     interface
         compliance of the two bodies, scaled
     height
-        (n,) initial gap, scaled
+        (n,) initial gap h of the faces, scaled
     friction
         coefficient f
     layer
-        of the penalty method
-    tangential
+        compliance between the faces of the penalty method; zero for the exact law
+    has_shear
         False where there can be no shear (no friction, or like bodies with no tangential load):
         that half is then skipped
     max_iterations
@@ -213,16 +218,15 @@ class ContactProblem:
         way to the answer, not the answer. In two dimensions a nodal force moves its node by
         O(1/E*) against its neighbours however fine the mesh, so 1 is natural. Of
         augmented_lagrangian they are the penalty
-    moment_given
-        whether the fifth load is the moment, so that the tilt follows from it, or the tilt
-        itself
+    has_given_moment
+        whether the fifth load is the moment, so that the tilt follows from it, instead of the tilt
     work
         counts of what was done
     method
         by which an equilibrium is found, see `settings.SolverSettings`
     actuators
         which loads are movements
-    jumps
+    n_jumps
         increments in which the interface went from one solution to another, see
         `stepping.follow`
     """
@@ -231,20 +235,20 @@ class ContactProblem:
     height: Array
     friction: float
     layer: Layer
-    tangential: bool = True
+    has_shear: bool = True
     max_iterations: int = 100
     augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
-    moment_given: bool = False
+    has_given_moment: bool = False
     work: Counter[str] = field(default_factory=Counter)
     method: Method = "active_set"
     actuators: Actuators = LOADS_ARE_GIVEN
-    jumps: int = field(default=0, init=False)
+    n_jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._rates: dict[bytes, Array] = {}
-        self._latest_changes: _Changes | None = None
+        self._latest_change: _ChangeByStates | None = None
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
-        coupled = self.tangential and self.interface.coupling is not None
+        coupled = self.has_shear and self.interface.coupling is not None
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
         self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
         all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
@@ -258,7 +262,7 @@ class ContactProblem:
         half have a problem, and so systems, of their own.
         """
         return Systems(
-            self.interface, self.layer, self.friction, self.work, self.tangential, self.actuators
+            self.interface, self.layer, self.friction, self.work, self.has_shear, self.actuators
         )
 
     @cached_property
@@ -278,7 +282,7 @@ class ContactProblem:
             self.interface,
             self.friction,
             self.layer,
-            self.tangential,
+            self.has_shear,
             penalty,
             self.work,
             self._shear_scale,
@@ -286,43 +290,50 @@ class ContactProblem:
         )
 
     def at_rest(
-        self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0
+        self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), x_of_load: float = 0.0
     ) -> InterfaceState:
         """State of the contact before it carries any load: the faces just touch where the gap is
-        least.
+        least. Nodes that touch stick.
 
         Bulk stresses and tilt act already, and a tangential actuator is at its first place. Where
-        the moment is given, not the tilt, the faces touch on both sides of x = `line`.
+        the moment is given, not the tilt, the faces touch on both sides of `x_of_load`.
 
         Parameters
         ----------
         time
             of the state
         loads
-            P and Q (0 here, or first positions of actuators in their place); with bulk stress or
-            tilt also the bulk stresses of lower and upper body, and tilt or moment. Scaled
-        line
+            P and Q, or the positions of actuators in their place. Of these only the position of a
+            tangential actuator counts: P and Q become 0, the normal actuator's position that at
+            which the faces touch. With bulk stress or tilt also the bulk stresses of lower and
+            upper body, and tilt or moment. Scaled
+        x_of_load
             x at which the resultant of the normal load first acts, scaled
+
+        Raises
+        ------
+        BesideTheFaces
+            Where the moment is given and no node lies on one side of `x_of_load`.
         """
-        imposed_values = np.zeros(3)
+        stresses_and_tilt = np.zeros(3)
         if len(loads) > 2:
-            imposed_values[:2] = loads[_BULK_STRESSES]
-            imposed_values[2] = (
-                self._resting_tilt(line) if self.moment_given else loads[_TILT_OR_MOMENT]
+            stresses_and_tilt[:2] = loads[_BULK_STRESSES]
+            stresses_and_tilt[2] = (
+                self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
             )
-        gap_by_imposed, slip_by_imposed = self.offsets(imposed_values)
-        undeformed_gap = self.height + gap_by_imposed
+        gap_offset, slip_offset = self.offsets(stresses_and_tilt)
+        undeformed_gap = self.height + gap_offset
         approach = float((undeformed_gap / self.interface.normals[1]).min())
         shift = loads[1] if self.actuators.tangential is not None else 0.0
-        gap_by_approach, slip_by_approach = self.interface.moved(approach, shift)
+        gap_by_approach, slip_by_approach = self.interface.gap_and_slip_by_motion(approach, shift)
         gap = undeformed_gap + gap_by_approach
-        slip = slip_by_imposed + slip_by_approach
+        slip = slip_offset + slip_by_approach
         no_force = np.zeros_like(self.height)
-        rigid_motion = [approach, shift, imposed_values[2]]
+        rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
-        pressed_approach = approach if self.actuators.normal is not None else 0.0
-        loads_at_rest = (pressed_approach, shift, *loads[2:])
+        load_or_position = approach if self.actuators.normal is not None else 0.0
+        loads_at_rest = (load_or_position, shift, *loads[2:])
         return self._state(time, loads_at_rest, freeze(values), states)
 
     def _state(
@@ -332,7 +343,7 @@ class ContactProblem:
         resultants = None
         if self.actuators.are_there:
             _, pressure, shear, _ = nodal(values)
-            normal_load, tangential_load = self.interface.carried(pressure, shear)
+            normal_load, tangential_load = self.interface.resultants(pressure, shear)
             resultants = (float(normal_load), float(tangential_load))
         return InterfaceState(time, loads, values, freeze(states, np.int8), resultants)
 
@@ -346,8 +357,9 @@ class ContactProblem:
         """Equilibrium of the contact under new loads, one increment after a known state: every node
         is open, sticks, or slips by Coulomb's law.
 
-        Methods are tried in turn: active set (semismooth Newton) from the expected states of the
-        nodes, then from those of `start`, then pressure and shear alternately.
+        By default methods are tried in turn: active set (semismooth Newton) from the expected
+        states of the nodes, then from those of `start`, then pressure and shear alternately. Where
+        `method` is the penalty or the augmented Lagrangian, the return mapping alone is tried.
 
         Parameters
         ----------
@@ -372,10 +384,10 @@ class ContactProblem:
         Examples
         --------
         >>> springs = np.eye(2)  # two nodes, each on a spring of its own
-        >>> none = np.zeros(2)
+        >>> zeros = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
-        >>> flat = Interface(places, np.ones(2), normals, none, springs, springs, None)
-        >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(none, none))
+        >>> flat = Interface(places, np.ones(2), normals, zeros, springs, springs, None)
+        >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(zeros, zeros))
         >>> pressed, _ = problem.equilibrium(problem.at_rest(), 1.0, (3.0, 0.0))
         >>> pressed.pressure.tolist()
         [2.0, 1.0]
@@ -384,7 +396,7 @@ class ContactProblem:
         ([0.7, 0.5], [1, 2])
         """
         if self.method != "active_set":
-            return self._mapped_equilibrium(start, time, loads)
+            return self._equilibrium_by_return_mapping(start, time, loads)
         state = None
         iterations = 0
         if expected is not None and not np.array_equal(expected, start.state):
@@ -392,7 +404,7 @@ class ContactProblem:
         if state is None:
             state, more_iterations, n_changing = self._active_set(start, time, loads, start.state)
             iterations += more_iterations
-        if state is None and (self.tangential or self.moment_given):
+        if state is None and (self.has_shear or self.has_given_moment):
             state, turns, n_changing = self._alternating(start, time, loads)
             iterations += turns
         self.work["contact iterations"] += iterations
@@ -412,7 +424,7 @@ class ContactProblem:
         values = ", ".join(f"{name} {load:.6g}" for name, load in zip(names, loads, strict=False))
         return f"{values} (over the largest normal load, or that over E*)"
 
-    def _mapped_equilibrium(
+    def _equilibrium_by_return_mapping(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
         """Equilibrium of the contact one increment after the state `start`, and its Newton steps,
@@ -429,7 +441,7 @@ class ContactProblem:
         from halfplane_fe.return_mapping import Start  # noqa: PLC0415 - not by default
 
         moment = None
-        if self.moment_given and len(loads) > 2:
+        if self.has_given_moment and len(loads) > 2:
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start.loads)
         solution = self._return_mapping.equilibrium(
@@ -451,8 +463,8 @@ class ContactProblem:
         open, stick, slip forward or reverse. It is the linear step of the active-set method.
 
         Gap of closed nodes, force of open ones, slip increment of sticking ones, and |q| - f p of
-        slipping ones are zero to the last digit. Whether the result obeys the law of contact is not
-        checked here. `time` and `loads` are those at the end of the increment, scaled.
+        slipping ones are exactly zero. Whether the result obeys the law of contact is not checked
+        here. `time` and `loads` are those at the end of the increment, scaled.
 
         Raises
         ------
@@ -462,7 +474,7 @@ class ContactProblem:
         values = self.values_following(start, loads, states)
         # The solution of the linear system leaves round-off in these: set them exactly.
         slip, pressure, shear, gap = nodal(values)
-        sticks = (states == STICK) & self.tangential
+        sticks = (states == STICK) & self.has_shear
         is_open = states == OPEN
         np.copyto(slip, start.slip, where=sticks)
         np.copyto(pressure, 0.0, where=is_open)
@@ -496,7 +508,7 @@ class ContactProblem:
         rates = self.rates(states, len(loads))
         values: Array = start.values + change_by_states + np.subtract(loads, start.loads) @ rates
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
-        if self.moment_given and len(loads) > 2:
+        if self.has_given_moment and len(loads) > 2:
             missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
             values += missing_moment * rates[_TILT_OR_MOMENT]
         return values
@@ -505,7 +517,13 @@ class ContactProblem:
         """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads while the n nodes
         keep their `states` (open, stick or slip). They are cached.
 
-        The values are approach, shift and tilt, then slip, p, q and gap of the nodes.
+        The values are approach, shift and tilt, then slip, p, q and gap of the nodes. All is
+        scaled.
+
+        Raises
+        ------
+        SingularSet
+            If so few nodes stick or touch that the bodies are free to move.
         """
         rates = self._rates.get(states.tobytes())
         if rates is None:
@@ -528,9 +546,14 @@ class ContactProblem:
             (n,) open, stick or slip of the nodes
         rates_by_load
             (n_loads, 3 + 4 n) derivatives by P, Q, bulk stresses and tilt
+
+        Raises
+        ------
+        SingularSet
+            If a tilt does not change the moment, so that none follows from it.
         """
         self.work["rates"] += 1
-        if self.moment_given and len(rates_by_load) > 2:
+        if self.has_given_moment and len(rates_by_load) > 2:
             *moments_by_load, moment_by_tilt = self._moments(rates_by_load)
             if not moment_by_tilt < -_LEAST_STIFFNESS:
                 raise SingularSet("one node alone holds no moment")
@@ -552,17 +575,18 @@ class ContactProblem:
 
         The values (3 + 4 n,) are approach, shift and tilt, then slip, p, q and gap of the nodes.
         A node that opens loses its pressure; one that closes loses its gap; one that slips gets
-        q = +-f p. The change is 0 where every node meets its new equations already. All is scaled.
+        q = +-f p. The number 0 is returned where every node meets its new equations already. All is
+        scaled.
         """
         # Increments from one start are tried with several loads: the latest change is cached.
-        latest_changes = self._latest_changes
+        latest_change = self._latest_change
         states_key = states.tobytes()
         if (
-            latest_changes is not None
-            and latest_changes.start is start
-            and latest_changes.states == states_key
+            latest_change is not None
+            and latest_change.start is start
+            and latest_change.states == states_key
         ):
-            return latest_changes.values
+            return latest_change.values
         _, pressure, shear, gap = nodal(start.values)
         shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
         residual = np.concatenate(
@@ -580,12 +604,12 @@ class ContactProblem:
             value_changes = solution_vectors[-1]
             if states_key not in self._rates:
                 self._store_rates(states, solution_vectors[:-1].copy())
-        self._latest_changes = _Changes(start, states_key, value_changes)
+        self._latest_change = _ChangeByStates(start, states_key, value_changes)
         return value_changes
 
     def _active_set(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
-    ) -> _Solved:
+    ) -> _Outcome:
         """One increment by the active-set method (semismooth Newton): solve for the values with
         given node states, let the laws choose new states, until these agree.
 
@@ -612,17 +636,19 @@ class ContactProblem:
                     slip_sign(next_states), slip_sign(start.state)
                 )
                 if not n_changing:
-                    return _Solved(state, max(iteration, 1), 0)
+                    return _Outcome(state, max(iteration, 1), 0)
                 if next_states.tobytes() in states_chosen:
-                    return _Solved(None, iteration, n_changing)
+                    return _Outcome(None, iteration, n_changing)
                 if iteration:
                     states_chosen.add(next_states.tobytes())
                 states = next_states
         except SingularSet:
-            return _Solved(None, max(len(states_chosen), 1), n_changing)
-        return _Solved(None, self.max_iterations, n_changing)
+            return _Outcome(None, max(len(states_chosen), 1), n_changing)
+        return _Outcome(None, self.max_iterations, n_changing)
 
-    def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
+    def _alternating(
+        self, start: InterfaceState, time: float, loads: tuple[float, ...]
+    ) -> _Outcome:
         """One increment from `start` to `time` and `loads`, by turns: pressure at known shear, then
         shear at known pressure. It serves where the active-set method goes round in circles.
 
@@ -639,31 +665,29 @@ class ContactProblem:
             coupling = np.zeros_like(self.interface.normal)
         shear = start.shear
         shift = start.shift
-        is_closed = start.closed
-        stresses_and_tilt = replace(start, loads=loads).imposed
+        is_closed = start.is_closed
+        stresses_and_tilt = replace(start, loads=loads).stresses_and_tilt
         resultants = start.resultants or loads[:2]  # P and Q
-        if len(loads) > 2 and not self.moment_given:
+        if len(loads) > 2 and not self.has_given_moment:
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
             gap_without_pressure = self.height - coupling.T @ shear + normals_x * shift
-            if self.moment_given:
+            if self.has_given_moment:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
-            gap_by_imposed, slip_by_imposed = self.offsets(stresses_and_tilt)
+            gap_offset, slip_offset = self.offsets(stresses_and_tilt)
             pressure, approach, is_closed = pressure_at_known_shear(
                 systems,
-                gap_without_pressure + gap_by_imposed,
+                gap_without_pressure + gap_offset,
                 resultants[0] - float(normals_x @ shear),
                 is_closed,
                 ROUNDING,
             )
             states = np.where(is_closed, STICK, OPEN).astype(np.int8)
-            if self.tangential:
-                known_slip = (
-                    start.slip - slip_by_imposed - coupling @ pressure - normals_x * approach
-                )
+            if self.has_shear:
+                known_slip = start.slip - slip_offset - coupling @ pressure - normals_x * approach
                 tangential_load = (
                     None
                     if self.interface.has_odd_shear
@@ -679,8 +703,8 @@ class ContactProblem:
             resultants = state.resultants or resultants
             n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not n_changing:
-                return _Solved(state, turn_number, 0)
-        return _Solved(None, self.max_iterations, n_changing)
+                return _Outcome(state, turn_number, 0)
+        return _Outcome(None, self.max_iterations, n_changing)
 
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
         """States (n,) that the laws of contact and friction give the nodes by trial forces: open,
@@ -688,7 +712,8 @@ class ContactProblem:
 
         With gap g and increment s of the slip since `start`, the trial pressure is p - r_n g, the
         trial shear q + r_t s. A node is closed if the former is positive, and slips if the latter
-        is beyond f times it. Within rounding of either limit a node keeps the state it has.
+        is beyond f times it. Within rounding of either limit a node keeps the state it has. A node
+        that slid in the one sense and is to slide in the other sticks first.
 
         # notation: r_n, r_t weights of gap and slip, f coefficient of friction
 
@@ -708,7 +733,7 @@ class ContactProblem:
         trial_pressure = pressure - r_normal * gap
         friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
         closed_states = np.full_like(states, STICK)
-        if self.tangential:
+        if self.has_shear:
             closed_states = states_if_closed(shear + r_tangential * slip_increment, friction_limit)
         states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
         changing = (states_by_law != states).nonzero()[0]
@@ -718,15 +743,15 @@ class ContactProblem:
         # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
         states_before = states[changing]
         was_closed = states_before != OPEN
-        has_no_force = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
-        is_touching = has_no_force & (np.abs(gap[changing]) <= ROUNDING)
+        has_no_pressure = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
+        just_touches = has_no_pressure & (np.abs(gap[changing]) <= ROUNDING)
         force_beyond_limit = np.abs(shear[changing]) - friction_limit[changing]
         has_not_moved = np.abs(slip_increment[changing]) <= ROUNDING * self._shear_scale
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
-        is_closed = np.where(is_touching, was_closed, states_by_law[changing] != OPEN)
-        states_if_touching = np.where(keeps_state, states_before, closed_states[changing])
-        states_after = np.where(is_closed, states_if_touching, OPEN)
+        is_closed = np.where(just_touches, was_closed, states_by_law[changing] != OPEN)
+        states_of_closed = np.where(keeps_state, states_before, closed_states[changing])
+        states_after = np.where(is_closed, states_of_closed, OPEN)
         # A sliding node that turns round sticks first: straight from forward to reverse slip, the
         # iteration cycles between sets of states.
         has_turned = (
@@ -771,15 +796,15 @@ class ContactProblem:
 
         def excess_moment(tilt: float) -> float:
             """Moment of pressure and shear at a tilt, minus the given one."""
-            gap_by_imposed, _ = self.offsets(np.array([*stresses_and_tilt[:2], tilt]))
+            gap_offset, _ = self.offsets(np.array([*stresses_and_tilt[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
                 self._systems,
-                gap_without_pressure + gap_by_imposed,
+                gap_without_pressure + gap_offset,
                 load_of_pressure,
                 is_closed,
                 ROUNDING,
             )
-            return -float(self.interface.work_of_imposed(pressure, shear)[2]) - moment
+            return -float(self.interface.work_of_unit_offsets(pressure, shear)[2]) - moment
 
         latest_tilt = float(stresses_and_tilt[2])
         slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
@@ -831,14 +856,20 @@ class ContactProblem:
         gaps_of_chords = gap_along_y[nodes_before] + chord_slopes * (x_of_load - x[nodes_before])
         return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
-    def offsets(self, imposed: Array) -> tuple[Array, Array]:
-        """Gap and slip, each (..., n), that bulk stresses and tilt (..., 3) add at the n nodes."""
-        if self.interface.imposed is None or not imposed.any():
+    def offsets(self, stresses_and_tilt: Array) -> tuple[Array, Array]:
+        """Gap and slip that bulk stresses and tilt (..., 3) add at the n nodes, each (..., n);
+        where all of these are 0, or cannot act, each is (n,) zeros.
+        """
+        if self.interface.unit_offsets is None or not stresses_and_tilt.any():
             return np.zeros_like(self.height), np.zeros_like(self.height)
-        gap, slip = np.moveaxis(np.tensordot(imposed, self.interface.imposed, (-1, -1)), -2, 0)
+        gap, slip = np.moveaxis(
+            np.tensordot(stresses_and_tilt, self.interface.unit_offsets, (-1, -1)), -2, 0
+        )
         return gap, slip
 
     def _moments(self, values: Array) -> Array:
-        """Moment (...) of the nodal forces in values (..., 3 + 4 n) of interface states, scaled."""
+        """Moment (...) of the nodal forces about x = 0, in values (..., 3 + 4 n) of interface
+        states; scaled.
+        """
         _, pressure, shear, _ = nodal(values)
-        return np.asarray(-self.interface.work_of_imposed(pressure, shear)[..., 2])
+        return np.asarray(-self.interface.work_of_unit_offsets(pressure, shear)[..., 2])

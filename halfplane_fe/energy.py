@@ -147,8 +147,10 @@ def elastic_energies(
     """
     values = np.stack([state.values for state in states])
     slip, pressure, shear, gap = nodal(values)
-    gap_by_motion, slip_by_motion = problem.interface.moved(values[:, 0, None], values[:, 1, None])
-    stresses_and_tilt = np.array([state.imposed for state in states])
+    gap_by_motion, slip_by_motion = problem.interface.gap_and_slip_by_motion(
+        values[:, 0, None], values[:, 1, None]
+    )
+    stresses_and_tilt = np.array([state.stresses_and_tilt for state in states])
     gap_by_stress_and_tilt, slip_by_stress_and_tilt = problem.offsets(stresses_and_tilt)
     gap_by_forces = gap - problem.height - gap_by_motion - gap_by_stress_and_tilt
     minus_slip_by_forces = slip_by_motion + slip_by_stress_and_tilt - slip
@@ -216,11 +218,11 @@ def increment_energies(
     approach_change = value_changes[:, 0]
     shift_change = value_changes[:, 1]  # of U
     slip_change, p_change, _, gap_change = nodal(value_changes)
-    stress_and_tilt_change = np.diff([state.imposed for state in states], axis=0)
+    stress_and_tilt_change = np.diff([state.stresses_and_tilt for state in states], axis=0)
 
     def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
         """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments."""
-        work_per_unit = interface.work_of_imposed(p_of_nodes, q_of_nodes)
+        work_per_unit = interface.work_of_unit_offsets(p_of_nodes, q_of_nodes)
         return np.asarray(
             load_pairs[:, 0] * approach_change
             + load_pairs[:, 1] * shift_change
@@ -246,7 +248,7 @@ def increment_energies(
     # the increment, and the work of Q with it: by as much as its dissipation differs from q ds.
     trapezoidal_work = np.where(sense != 0, mean_q * slip_change, 0.0)
     loop_work = mean_loads[:, 1] * shift_change + (dissipation - trapezoidal_work).sum(axis=1)
-    shear_work_per_unit = interface.work_of_imposed(0 * mean_p, mean_q)
+    shear_work_per_unit = interface.work_of_unit_offsets(0 * mean_p, mean_q)
     loop_work += (shear_work_per_unit * stress_and_tilt_change)[:, :2].sum(axis=1)
 
     curve_work = np.zeros_like(slip_change)
@@ -521,13 +523,13 @@ def _normal_work_rate(
     _, p_by_i, q_by_i, _ = nodal(rates_by_i)
     approach_by_j = rates_by_j[:, 0]
     tilt_by_j = rates_by_j[:, 2]
-    minus_moment_by_i = problem.interface.work_of_imposed(p_by_i, q_by_i)[..., 2]
+    minus_moment_by_i = problem.interface.work_of_unit_offsets(p_by_i, q_by_i)[..., 2]
     normal_load_by_i: Array | float = float(i == 0)
     if problem.actuators.are_there:  # P or Q is no load, but follows from movements
-        normal_load_by_i, _ = problem.interface.carried(p_by_i.T, q_by_i.T)
+        normal_load_by_i, _ = problem.interface.resultants(p_by_i.T, q_by_i.T)
     work_rate = normal_load_by_i * approach_by_j + minus_moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
-        pressure_work_per_stress = problem.interface.work_of_imposed(p_by_i, 0 * q_by_i)
+        pressure_work_per_stress = problem.interface.work_of_unit_offsets(p_by_i, 0 * q_by_i)
         work_rate = work_rate + pressure_work_per_stress[..., j - 2]
     return np.asarray(work_rate)
 
@@ -558,7 +560,7 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):
         violation_by_name[name] = violation_by_name[name] / largest_force
 
-    normal_resultant, tangential_resultant = problem.interface.carried(pressure.T, shear.T)
+    normal_resultant, tangential_resultant = problem.interface.resultants(pressure.T, shear.T)
     reached = [normal_resultant, tangential_resultant]
     # An actuator's movement in the place of a load is the rigid motion of the upper body (approach,
     # or U) and what the rig gives way.
@@ -567,8 +569,8 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
             rigid_motion = values[1:, number]
             reached[number] = rigid_motion + rig_compliance * reached[number]
     imbalance = np.abs(np.array(reached) - loads[:, :2].T).max(axis=0)
-    if problem.moment_given:
-        moment = -problem.interface.work_of_imposed(pressure, shear)[:, 2]
+    if problem.has_given_moment:
+        moment = -problem.interface.work_of_unit_offsets(pressure, shear)[:, 2]
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
     normal_load = loads[:, 0] if problem.actuators.normal is None else normal_resultant
     return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}

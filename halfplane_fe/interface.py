@@ -64,13 +64,15 @@ class Interface:
         (n, n) K, slip by p, or None where it is exactly zero
     nearest
         x and initial distance where the faces are nearest to each other [length]
-    imposed
-        (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper
-        one [length per stress], and by a unit of tilt [length]; zero by stress in pads and
-        cylinders
+    unit_offsets
+        (2, n, 3) G and S: gap and slip, without contact forces, by a unit of bulk stress in the
+        lower body, in the upper one [length per stress], and by a unit of tilt [length]; zero by
+        stress in pads and cylinders. None where neither bulk stress nor tilt may act
     has_odd_shear
         whether these are the nodes at x >= 0 of a contact whose shear is odd in x (`mirror`): U
         and Q are zero by symmetry
+
+    # notation: p, q nodal contact forces: pressing, and along x on the lower body
     """
 
     x: Array
@@ -82,10 +84,10 @@ class Interface:
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
     has_odd_shear: bool = False
-    imposed: Array | None = None
+    unit_offsets: Array | None = None
 
     @property
-    def flat(self) -> bool:
+    def is_flat(self) -> bool:
         """Whether the normal is (0, 1) everywhere."""
         return not self.normals[0].any()
 
@@ -96,11 +98,9 @@ class Interface:
         coupling = self.coupling
         if coupling is not None:
             coupling = freeze(coupling / compliance)
-        imposed_displacement = self.imposed
-        if imposed_displacement is not None:
-            imposed_displacement = freeze(
-                imposed_displacement / [length * compliance, length * compliance, length]
-            )
+        unit_offsets = self.unit_offsets
+        if unit_offsets is not None:
+            unit_offsets = freeze(unit_offsets / [length * compliance, length * compliance, length])
         return replace(
             self,
             x=freeze(self.x / length),
@@ -110,31 +110,35 @@ class Interface:
             tangential=freeze(self.tangential / compliance),
             coupling=coupling,
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
-            imposed=imposed_displacement,
+            unit_offsets=unit_offsets,
         )
 
-    def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
+    def gap_and_slip_by_motion(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
         """Gap and slip of the n nodes, (..., n) each, by a rigid motion of the upper body: normal
         approach and tangential displacement, (..., 1) each at one or many instants [length].
         """
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
-    def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
-        """Resultants P and Q (...) of nodal forces p and q (n, ...), along y and x."""
+    def resultants(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
+        """Resultants P and Q (...) of nodal forces p and q (n, ...), along y and x. Q is 0 on one
+        half of a contact whose shear is odd in x.
+        """
         n_x, n_y = self.normals
         normal_force = n_y @ pressure + n_x @ shear
         tangential_force = n_y @ shear - n_x @ pressure
         return normal_force, 0 * tangential_force if self.has_odd_shear else tangential_force
 
-    def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """Work of nodal forces p and q (..., n) per unit of each imposed load, F = S q - G p,
-        (..., 3): by the bulk stress in the lower and in the upper body, and by tilt, where it is
-        minus the moment M. For the bulk stress of a lower half-plane it is -(1/E') sum x q.
+    def work_of_unit_offsets(self, pressure: Array, shear: Array) -> Array:
+        """Work of nodal forces p and q (..., n) on the unit offsets, F = S q - G p, (..., 3): per
+        unit of bulk stress in the lower and in the upper body, and of tilt, where it is minus the
+        moment M. Zeros (3,) where there are no offsets.
+
+        For the bulk stress of a lower half-plane it is -(1/E') sum x q.
         """
-        if self.imposed is None:
+        if self.unit_offsets is None:
             return np.zeros(3)
-        return np.asarray(shear @ self.imposed[1] - pressure @ self.imposed[0])
+        return np.asarray(shear @ self.unit_offsets[1] - pressure @ self.unit_offsets[0])
 
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
@@ -142,8 +146,8 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     compliance of each.
 
     Where flat faces have nodes opposite each other, compliances add node by node; elsewhere the
-    faces are joined by mortar on their middle line. The upper body is condensed in its own frame,
-    as if it were a lower one; here it is reflected in y = 0.
+    faces are joined by dual mortar operators on their middle line. The upper body is condensed in
+    its own frame, as if it were a lower one; here it is reflected in y = 0.
     """
     if _have_opposite_nodes(lower, upper):
         return _compliance_node_by_node(lower, upper)
@@ -161,7 +165,9 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
     # -q along x and -p outward.
     lower_compliance = lower.compliance
     upper_compliance = upper.compliance
-    stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
+    stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
+        lower, upper
+    )
     # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
     slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)
     gap_and_slip = slip_and_gap[::-1]
@@ -174,7 +180,7 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
         normal=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
         tangential=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
         coupling=freeze(coupling) if coupling.any() else None,
-        imposed=freeze(gap_and_slip),
+        unit_offsets=freeze(gap_and_slip),
     )
 
 
@@ -184,17 +190,21 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
 
     With C the compliance of one body and B its mortar operator, the compliance is the sum of
     B C B^T over both bodies. B turns nodal displacements into weighted means along the normal and
-    the tangent. Its blocks are gap by p (N), slip by q (T), and slip by p (K).
+    the tangent. The blocks of the sum are gap by p (N), minus slip by q (T), and slip by p (K).
     """
-    mortar_sides = _mortar(lower, upper)
+    mortar_sides = _mortar_operators(lower, upper)
     # Sparse: these operators hold little but zeros.
     operator_of_lower = csr_array(_flattened(mortar_sides.lower))
     operator_of_upper = csr_array(_flattened(mortar_sides.upper))
     compliance_of_both = (
-        operator_of_lower @ _square(lower.compliance) @ operator_of_lower.T
-        + operator_of_upper @ _square(_turned(upper.compliance)) @ operator_of_upper.T
+        operator_of_lower @ _square_matrix(lower.compliance) @ operator_of_lower.T
+        + operator_of_upper
+        @ _square_matrix(_in_common_frame(upper.compliance))
+        @ operator_of_upper.T
     )
-    stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
+    stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
+        lower, upper
+    )
     gap_and_slip_by_load = [
         np.einsum("dnim,im->dn", operator, displacement)
         for operator, displacement in (
@@ -214,16 +224,16 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
         tangential=freeze(compliance_of_both[n_nodes:, n_nodes:]),
         coupling=freeze(coupling) if coupling.any() else None,
         nearest=mortar_sides.nearest,
-        imposed=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
+        unit_offsets=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
     )
 
 
-def _imposed_displacements(
+def _displacements_by_stress_and_tilt(
     lower: CondensedBody, upper: CondensedBody
 ) -> tuple[Array, Array, Array]:
-    """Displacement (2, n) along x and y of the contact nodes in the common frame: of the lower and
-    of the upper body by a unit of its bulk stress [length/stress], and of the upper one by a unit
-    of tilt [length].
+    """Displacements along x and y of the contact nodes in the common frame: (2, n) of the lower and
+    (2, m) of the upper body by a unit of its bulk stress [length/stress], and (2, m) of the upper
+    one by a unit of tilt [length].
     """
     stretch_of_lower = np.broadcast_to(lower.displacement_by_stress, (2, len(lower.x)))
     stretch_of_upper = (
@@ -250,9 +260,10 @@ _N_SAMPLES = 48
 _FEWEST_NODES = 21
 
 
-def without_local_difference(interface: Interface, scene: Scene) -> Interface | None:
+def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     """Contact compliance with the mesh errors of N - T and K between nearby nodes taken out; None
-    where a base or the end of a face is too near to tell its effect from these errors.
+    where a base or the end of a face is too near to tell its effect from these errors, and where
+    the contact has fewer than 21 nodes.
 
     On a smooth isotropic body a unit force displaces its surroundings by -(2/pi E') ln|x - x'|
     along itself, whether it presses or shears. So N - T is smooth, and K smooth on either side of
@@ -261,7 +272,7 @@ def without_local_difference(interface: Interface, scene: Scene) -> Interface | 
     (by T), by a part of an element. Wherever edges move, W then has an error of first order.
 
     Here N - T is replaced by a smooth fit near the diagonal: N stays, and T changes. So is K, on
-    each side of the diagonal. That the singular parts of N and T are equal is thereby imposed.
+    each side of the diagonal. The singular parts of N and T thereby become equal.
 
     # notation: N normal, T tangential compliance, K coupling, E' = E/(1 - nu^2)
     """
@@ -436,7 +447,7 @@ def body_forces(
     if _have_opposite_nodes(lower, upper):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
     # Transposed, the mortar operators take forces along the normal and the tangent to nodal forces.
-    operators = _mortar(lower, upper)
+    operators = _mortar_operators(lower, upper)
     contact_forces = np.concatenate([-pressure, shear])
     case_shape = pressure.shape[1:]
     force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(2, -1, *case_shape)
@@ -455,7 +466,7 @@ def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
     )
 
 
-def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
+def _mortar_operators(lower: CondensedBody, upper: CondensedBody) -> Mortar:
     """Mortar operators of the two faces in the common frame, see `mortar.mortar`."""
     from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
 
@@ -467,12 +478,12 @@ def _flattened(operator: Array) -> Array:
     return operator.reshape(2 * operator.shape[1], -1)
 
 
-def _square(compliance: Array) -> Array:
+def _square_matrix(compliance: Array) -> Array:
     """A compliance (2, n, 2, n) as a matrix (2 n, 2 n)."""
     return compliance.reshape(2 * compliance.shape[1], -1)
 
 
-def _turned(compliance: Array) -> Array:
+def _in_common_frame(compliance: Array) -> Array:
     """Compliance (2, n, 2, n) of the upper body, turned from its own frame into the common one."""
     return compliance * _REFLECTION[:, None, None, None] * _REFLECTION[:, None]
 
@@ -490,8 +501,8 @@ def meshed_pair(
     """Meshes of the lower and the upper body of a scene, by gmsh. Where they have one shape and one
     element size, both are one mesh.
 
-    In a scene with bulk stress the free sides of a block that has ends are marked in the mesh as
-    pulled by it (`supports["sides"]` is "pulled").
+    In a scene with bulk stress the free sides of a block are its ends, which the stress pulls:
+    `supports["sides"]` of its mesh is then "pulled".
 
     Parameters
     ----------
@@ -505,14 +516,14 @@ def meshed_pair(
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
-    lower = _with_ends(lower, shapes.lower, scene)
+    lower = _with_pulled_ends(lower, shapes.lower, scene)
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
         return lower, lower
     upper = build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
-    return lower, _with_ends(upper, shapes.upper, scene)
+    return lower, _with_pulled_ends(upper, shapes.upper, scene)
 
 
-def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
+def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
     """Mesh of a body whose free sides are marked as ends pulled by the bulk stress, where the body
     is a block with such ends and the scene has a bulk stress; else the mesh as it is.
     """
@@ -528,8 +539,8 @@ def condensed_pair(
     Bodies that this process condensed before come from a cache.
 
     `bodies` are their meshes. `datum_length` is the distance from a force at which a half-plane's
-    surface has no displacement [length]. `work` counts condensations and
-    factorisations; they are added to it.
+    surface has no displacement [length]. Condensations and factorisations are added to the counts
+    in `work`.
     """
     lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
     if scene.material.alike and bodies[1] is bodies[0]:

@@ -348,7 +348,7 @@ class BodyKernels:
         return strain, np.abs(strain - coarse_strain)
 
 
-_FLAT_FACE = Face(np.zeros_like, flat=True)
+_FLAT_FACE = Face(np.zeros_like, is_flat=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -379,7 +379,7 @@ class KernelPair:
             tangential=freeze(half_planes.tangential + added_tangential),
             coupling=freeze(coupling) if coupling.any() else None,
         )
-        if self.faces[0].flat and self.faces[1].flat:
+        if self.faces[0].is_flat and self.faces[1].is_flat:
             return interface_along_axes
         return _on_middle_line(interface_along_axes, *self.faces)
 
@@ -425,7 +425,7 @@ class KernelPair:
 
 def _slope_of(face: Face, x: Array) -> Array:
     """Slope (n,) of the depth of a face along x; 0 of a flat one."""
-    if face.flat or face.arc is None:
+    if face.is_flat or face.arc is None:
         return np.zeros_like(x)
     flat_half_length, radius = face.arc
     return slope_of_arc(x, radius, flat_half_length)

@@ -40,7 +40,7 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
     """
     if len(faces.x) % 2 == 0:
         return False
-    if faces.coupling is None and not faces.flat:
+    if faces.coupling is None and not faces.is_flat:
         return False
     if faces.coupling is not None and sheared:
         return False
@@ -82,7 +82,7 @@ def half(faces: Interface) -> Interface:
         weights=freeze(np.bincount(_images(faces).place, faces.weights)),
         normals=freeze(faces.normals[:, right_half]),
         gap=freeze(faces.gap[right_half]),
-        imposed=None,
+        unit_offsets=None,
         normal=freeze(_folded(faces.normal, 1.0, 1.0)),
         tangential=freeze(tangential_compliance),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,

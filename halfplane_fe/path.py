@@ -94,10 +94,10 @@ def _loads(leg: LoadSegment) -> tuple[_Load, ...]:
     tangential_load = _Load(leg, TANGENTIAL_LOAD)
     if leg.bulk is None and leg.turning is None:
         return normal_load, tangential_load
-    return (normal_load, tangential_load, *_imposed(leg))
+    return (normal_load, tangential_load, *_stresses_and_tilt(leg))
 
 
-def _imposed(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
+def _stresses_and_tilt(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
     """Bulk stress of the lower and of the upper body, and tilt or moment."""
     bulk_lower = _Load(leg.bulk, NORMAL_LOAD)
     bulk_upper = _Load(leg.bulk, TANGENTIAL_LOAD)
@@ -116,7 +116,7 @@ def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     p, q = leg.loads(time)
     if leg.bulk is None and leg.turning is None:
         return float(p), float(q)
-    return (float(p), float(q), *(load.at(time) for load in _imposed(leg)))
+    return (float(p), float(q), *(load.at(time) for load in _stresses_and_tilt(leg)))
 
 
 def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
@@ -224,9 +224,9 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     all_times |= turning_points_of(leg, -friction, 1.0)
     all_times |= turning_points_of(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
-        for imposed_load in _imposed(leg):  # bulk stresses, and tilt or moment
-            if imposed_load.segment is not None:
-                all_times |= turning_points_of(imposed_load.segment, *imposed_load.combination)
+        for stress_or_tilt in _stresses_and_tilt(leg):  # bulk stresses, and tilt or moment
+            if stress_or_tilt.segment is not None:
+                all_times |= turning_points_of(stress_or_tilt.segment, *stress_or_tilt.combination)
     rounding = 1e-9 * (leg.end - leg.start)
     separate_times: list[float] = []
     for time in sorted(all_times):

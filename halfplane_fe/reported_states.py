@@ -53,7 +53,7 @@ def reported_states(
     """
     if problem.interface.coupling is not None:
         return law_states(states)
-    return visible_states(states, cycle_starts, problem.friction, problem.interface.imposed)
+    return visible_states(states, cycle_starts, problem.friction, problem.interface.unit_offsets)
 
 
 def law_states(states: Sequence[InterfaceState]) -> States:
@@ -101,7 +101,7 @@ def visible_states(
     states: Sequence[InterfaceState],
     cycle_starts: Sequence[int],
     friction: float,
-    imposed: Array | None = None,
+    unit_offsets: Array | None = None,
 ) -> States:
     """Node states as they are reported between like bodies, open, stick or slip, (m + 1, n): those
     of the law of friction, but a node that only creeps sticks.
@@ -120,7 +120,7 @@ def visible_states(
         initial loading
     friction
         coefficient f
-    imposed
+    unit_offsets
         (2, n, 3) gap and slip of the nodes by a unit of the bulk stresses of lower and upper body
         and of the tilt; None without any
     """
@@ -137,12 +137,14 @@ def visible_states(
         travel_before = travels[-1]
         rise_of_p = load_increments[block, 0, None]
         rise_of_q = load_increments[block, 1, None]
-        if imposed is not None:
+        if unit_offsets is not None:
             # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one
             # root, m the middle of the stick zone, A = 2 in scaled variables.
-            stresses_and_tilt = [state.imposed for state in states[block.start : block.stop + 1]]
+            stresses_and_tilt = [
+                state.stresses_and_tilt for state in states[block.start : block.stop + 1]
+            ]
             gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
-                np.diff(stresses_and_tilt, axis=0), imposed, states_in_block == STICK
+                np.diff(stresses_and_tilt, axis=0), unit_offsets, states_in_block == STICK
             )
             rise_of_p = rise_of_p - np.pi / 2 * gap_from_middle
             rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle

@@ -98,7 +98,7 @@ class ReturnMapping:
 
     Attributes
     ----------
-    interface, friction, layer, tangential, work, actuators
+    interface, friction, layer, has_shear, work, actuators
         see `contact.ContactProblem`
     penalty
         (n,) normal and tangential e of the augmented Lagrangian; None for the penalty method,
@@ -110,7 +110,7 @@ class ReturnMapping:
     interface: Interface
     friction: float
     layer: Layer
-    tangential: bool
+    has_shear: bool
     penalty: tuple[Array, Array] | None
     work: Counter[str]
     shear_scale: float = 1.0
@@ -178,7 +178,7 @@ class ReturnMapping:
                 total_compliance,
                 self.friction,
                 self.work,
-                self.tangential,
+                self.has_shear,
                 self.actuators,
             )
             self._systems[penalty_number] = systems
@@ -290,7 +290,7 @@ class _Iteration:
         may_slide_freely = (
             self.contact.interface.has_odd_shear or self.contact.actuators.tangential is not None
         )
-        if self.contact.tangential and nothing_sticks and not may_slide_freely:
+        if self.contact.has_shear and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (
                 np.abs(mapped_tractions.trial_shear)
                 - self.contact.friction * mapped_tractions.pressure
@@ -311,7 +311,7 @@ class _Iteration:
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal
         trial_shear = self._shear
-        if self.contact.tangential:
+        if self.contact.has_shear:
             slip_increment = self._slip - self._slip_at_start
             trial_shear = self._shear + slip_increment / compliance.tangential
         pressure, shear, states = project(trial_pressure, trial_shear, self.contact.friction)
@@ -330,7 +330,7 @@ class _Iteration:
         """
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         largest_change = float(np.abs(pressure_changes).max())
-        if self.contact.tangential:
+        if self.contact.has_shear:
             largest_shear_change = float(np.abs(shear_changes).max())
             largest_change = max(largest_change, largest_shear_change / self.contact.shear_scale)
         return largest_change / tolerance if tolerance > 0 else np.inf
@@ -362,7 +362,7 @@ class _Iteration:
         )
         tangential_residuals = np.zeros_like(normal_residuals)
         signed_friction = slip_sign(states) * self.contact.friction
-        if self.contact.tangential:
+        if self.contact.has_shear:
             slip_in_stick = self._slip_at_start + compliance.tangential * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
@@ -389,7 +389,7 @@ class _Iteration:
         # small compliances.
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
-        if self.contact.tangential:
+        if self.contact.has_shear:
             is_stuck = states == STICK
             self._slip[is_stuck] = slip_in_stick[is_stuck]
             self._shear[:] = np.where(
@@ -410,7 +410,7 @@ class _Iteration:
     def _moment(self, values: Array) -> float:
         """Moment of the nodal forces in `values` (3 + 4 n,), in the sense of the load M; scaled."""
         _, pressure, shear, _ = values[3:].reshape(4, -1)
-        return -float(self.contact.interface.work_of_imposed(pressure, shear)[2])
+        return -float(self.contact.interface.work_of_unit_offsets(pressure, shear)[2])
 
     def _update_multipliers(self, multipliers: Array, mapped_tractions: Tractions) -> float:
         """Replace the multipliers (2, n) of pressure and shear, in place, by the mapped tractions;
@@ -452,7 +452,7 @@ class _Iteration:
             mapped_tractions.trial_pressure,
         )
         _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
-        if self.contact.tangential:
+        if self.contact.has_shear:
             shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
             shear_tolerance = tolerance * self.contact.shear_scale
             shear_beyond_limit = np.abs(self._shear) - friction * self._pressure

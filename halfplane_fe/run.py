@@ -330,7 +330,7 @@ class PathRun:
         if enclosed_areas is not None:
             units = load_units[: len(enclosed_areas)]
             enclosed_areas = enclosed_areas / np.multiply.outer(units, units)[:, :, None]
-        node_states = [increment.solved for increment in increments]
+        node_states = [increment.solved_states for increment in increments]
         energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
         nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
@@ -436,7 +436,7 @@ class Pace:
     dissipation
         expected friction work of a revolution, or of a path that does not repeat, scaled; 0 if
         unknown
-    of_kinks
+    bounded_by_kinks
         whether the step error is taken for the friction work that nodes add which start to slide
         within an increment, see `stepping.StepTolerance`
     """
@@ -447,7 +447,7 @@ class Pace:
     half_width: float = 1.0
     modulus: float = 1.0
     dissipation: float = 0.0
-    of_kinks: bool = False
+    bounded_by_kinks: bool = False
 
     def units(self, problem: ContactProblem) -> tuple[float, ...]:
         """What each load is divided by, (5,): P, Q, both bulk stresses, tilt or moment. Where the
@@ -456,7 +456,7 @@ class Pace:
         bulk_stress = self.load / self.half_width
         tilt = bulk_stress / self.modulus
         moment = self.load * self.half_width
-        tilt_or_moment = moment if problem.moment_given else tilt
+        tilt_or_moment = moment if problem.has_given_moment else tilt
         movement = self.load / self.modulus
         normal_unit = self.load if problem.actuators.normal is None else movement
         tangential_unit = self.load if problem.actuators.tangential is None else movement
@@ -540,7 +540,7 @@ def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceSt
     load_units = pace.units(problem)
     time_soon_after = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
     normal_load, *_, moment = scaled_loads(leg, time_soon_after, load_units)
-    line_of_action = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
+    line_of_action = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
     return problem.at_rest(path.start, scaled_loads(leg, path.start, load_units), line_of_action)
 
 
@@ -619,7 +619,7 @@ class _Follower:
         """
         reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
         return StepTolerance(
-            self.pace.step_tolerance * reference_work / duration, self.pace.of_kinks
+            self.pace.step_tolerance * reference_work / duration, self.pace.bounded_by_kinks
         )
 
     def _stretches(

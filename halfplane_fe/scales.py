@@ -29,7 +29,7 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
-    without_local_difference,
+    without_mesh_error,
 )
 from halfplane_fe.mirror import half, mirrored, unfolded
 from halfplane_fe.path import has_bulk_stress
@@ -342,7 +342,7 @@ def _scales_of_run(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
     )
     reach = max(
-        float(np.abs(problem.interface.x[state.closed]).max(initial=0.0)) for state in run.states
+        float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
     innermost_edge = 0.0
     if path_of(scene).period is not None:
@@ -529,7 +529,7 @@ class _CoarsePair:
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )
             faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work))
-            self._made = size_of_mesh, without_local_difference(faces, self.scene) or faces
+            self._made = size_of_mesh, without_mesh_error(faces, self.scene) or faces
         interface = self._made[1]
         if size_of_mesh == half_width:
             return interface
@@ -539,7 +539,7 @@ class _CoarsePair:
         self,
         size: float,
         unscaled: Interface,
-        tangential: bool,
+        has_shear: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
         """Scaled contact problem of the coarse bodies: lengths over `size`, forces over the largest
@@ -551,7 +551,7 @@ class _CoarsePair:
             half-width of the part of the face that may touch [length]
         unscaled
             contact compliance of the bodies, in the scene's units
-        tangential
+        has_shear
             whether friction is solved, else normal contact alone
         actuators
             which loads are prescribed as movements: none by default
@@ -564,8 +564,8 @@ class _CoarsePair:
             height,
             self.scene.friction.coefficient,
             no_layer,
-            tangential=tangential,
-            moment_given=path_of(self.scene).moment_given,
+            has_shear=has_shear,
+            has_given_moment=path_of(self.scene).moment_given,
             actuators=actuators,
         )
 
@@ -582,7 +582,7 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 def _touches_an_end(run: PathRun) -> bool:
     """Whether the contact reached an end of the side that may touch."""
-    return any(state.closed[0] or state.closed[-1] for state in run.states)
+    return any(state.is_closed[0] or state.is_closed[-1] for state in run.states)
 
 
 def _coarse_run(
@@ -689,16 +689,16 @@ def _contact_fraction(pair: _CoarsePair, size: float) -> float:
     touch (`size` [length]); 1 where all its nodes touch.
     """
     problem, pressed_state = _pressed(pair, size)
-    if pressed_state.closed.all():
+    if pressed_state.is_closed.all():
         return 1.0
-    return float(np.abs(problem.interface.x[pressed_state.closed]).max())
+    return float(np.abs(problem.interface.x[pressed_state.is_closed]).max())
 
 
 def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
     """The faces at the largest load, without shear."""
     faces = pair.faces(size)
     solved_faces = half(faces) if on_half(pair.scene, faces) else faces
-    problem = pair.problem(size, solved_faces, tangential=False)
+    problem = pair.problem(size, solved_faces, has_shear=False)
     return problem, problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))[0]
 
 
@@ -712,7 +712,7 @@ def _past_the_end(scene: Scene) -> InputError:
 def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
     """(k, 2) of the contact; NaN without one."""
     _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
-    is_closed = np.stack([state.closed for state in states])
+    is_closed = np.stack([state.is_closed for state in states])
     return contact_edges(
         problem.interface.x, pressure / problem.interface.weights, gap, is_closed, 1.0
     )
@@ -728,7 +728,7 @@ def _innermost_edge(
     and 0 where an edge crosses it. `sticks` (n_states, n) are the nodes that stick.
     """
     contact_zones = _contact_edges(problem, states)
-    is_closed = np.stack([state.closed for state in states])
+    is_closed = np.stack([state.is_closed for state in states])
     signs_of_sides = np.array([-1.0, 1.0])
     if not anywhere:
         contact_zones = np.diff(contact_zones) / 2 * signs_of_sides

@@ -34,7 +34,7 @@ from halfplane_fe.interface import (
     couple,
     initial_gap,
     meshed_pair,
-    without_local_difference,
+    without_mesh_error,
 )
 from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
@@ -279,7 +279,7 @@ def _solve(
     condensed = condensed_pair(meshed_scene, bodies, datum_length, work)
     stopwatch.lap("condensation")
     meshed_interface = couple(*condensed)
-    interfaces = _Faces(meshed_interface, without_local_difference(meshed_interface, meshed_scene))
+    interfaces = _Faces(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
     if by_kernels:
         kernels = kernel_pair(scene, float(np.abs(meshed_interface.x).max()), datum_length, work)
         interfaces = interfaces.with_kernels(kernels)
@@ -407,7 +407,7 @@ def _solve_path(
         half_width=task.scales.half_width,
         modulus=task.scales.modulus,
         dissipation=expected_dissipation,
-        of_kinks=task.steps_by_kinks,
+        bounded_by_kinks=task.steps_by_kinks,
     )
     candidates = (
         (faces.as_meshed,) if faces.corrected is None else (faces.corrected, faces.as_meshed)
@@ -493,10 +493,10 @@ def _contact_problem(
         scaled_gap,
         scene.friction.coefficient,
         layer,
-        tangential=needs_shear(scene),
+        has_shear=needs_shear(scene),
         max_iterations=settings.max_iterations,
         augmentation=augmentation,
-        moment_given=path_of(scene).moment_given,
+        has_given_moment=path_of(scene).moment_given,
         work=work,
         method=settings.method,
         actuators=actuators_of(scene, datum_length),
@@ -505,7 +505,7 @@ def _contact_problem(
 
 def _check_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
     """The contact must end before the last node that may touch."""
-    if any(state.closed[0] or state.closed[-1] for state in run.states):
+    if any(state.is_closed[0] or state.is_closed[-1] for state in run.states):
         raise ConvergenceError(
             f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the"
             f" coarse run took it for smaller, {scales.reach:.6g}",

@@ -34,23 +34,23 @@ a regular instant.
 
 LoadsAt = Callable[[float], tuple[float, ...]]
 
-# Gap and nodal force within which a node counts as met by an event, scaled.
-_LANDED = 1e-9
-# The same within which it is met for good,
-_MET = 1e-14
+# Gap and nodal force within which a node is at an event, scaled.
+_TOLERANCE_OF_EVENT = 1e-9
+# The same within which the end of the increment is not moved any more to meet the event,
+_ROUNDING_OF_EVENT = 1e-14
 # and share of the increment by which its end may move for that.
 _LARGEST_MOVE = 1e-3
 # Share of a regular increment below which a failure is passed on, and a step error accepted (and
 # counted), instead of halved.
-_SHORTEST = 2.0**-12
-_SHORTEST_FOR_ERROR = 2.0**-5
+_SHORTEST_SHARE = 2.0**-12
+_SHORTEST_SHARE_FOR_ERROR = 2.0**-5
 # Share of an increment's step error that its half has at least where the interface jumps (elsewhere
 # a quarter).
-_JUMP = 0.9
+_SHARE_OF_ERROR_AT_JUMP = 0.9
 # Jumps of a run that has an answer: nine at most in those of the first 200 random loops that are
 # between unlike bodies, but for loop 89.
 _MOST_JUMPS = 12
-_JUMPY = (
+_MESSAGE_ON_JUMPS = (
     "contact: the interface jumped from one solution to another in {count} increments, the last at"
     " time {time:.6g}, however short they are; mesh the softer body as finely as the other one"
     " (upper_ratio)"
@@ -60,8 +60,8 @@ _JUMPY = (
 _MOST_PREDICTIONS = 5
 # Instants of an increment at which the end of a stroke is looked for, and the share of it to which
 # that is found: slip rests there, so that its square counts.
-_LOOKED_AT = 9
-_TURN = 1e-5
+_N_INSTANTS_OF_STROKE = 9
+_TOLERANCE_OF_STROKE = 1e-5
 # Trials of a regular increment: all of its halves down to the shortest and as many refused.
 _MOST_TRIALS = 2**14
 # Events of a contact node in a regular increment.
@@ -76,14 +76,14 @@ class StepTolerance:
     ----------
     rate
         the largest error of an increment over its duration, scaled
-    of_kinks
-        whether the error of an increment is no more than what kinks between the first and the
-        last start of sliding add (`energy.work_by_kinks`): so it is of like bodies, whose pressure
-        does not depend on what slides. Else it is the bound of `energy.step_errors`
+    bounded_by_kinks
+        whether the error of an increment is at most the friction work by kinks of pressure and
+        slip where nodes start to slide (`energy.work_by_kinks`): so it is of like bodies, whose
+        pressure does not depend on what slides. Else it is the bound of `energy.step_errors`
     """
 
     rate: float
-    of_kinks: bool = False
+    bounded_by_kinks: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +94,9 @@ class Increment:
     ----------
     state
         at its end
-    solved
+    solved_states
         (n,) states of the nodes that were solved for. They differ from those of `state` at
-        events only: there a node that touches or lets go has changed sides at the very end
+        events only: there a node that touches or lets go changes its state at the very end
     step_error
         see `energy.step_errors`
     iterations
@@ -106,7 +106,7 @@ class Increment:
     """
 
     state: InterfaceState
-    solved: States
+    solved_states: States
     step_error: float
     iterations: int
     event: Event
@@ -125,17 +125,31 @@ def follow(
     units: tuple[float, ...],
     tolerance: StepTolerance,
 ) -> Iterator[Increment]:
-    """Increments from a state along one stretch of the path, a leg of it with the times at which
-    increments are to end; each load is divided by its unit.
+    """Solve a contact along one stretch of the load path and yield its increments, each from the
+    state that the one before left behind.
 
-    An increment ends where a node touches or lets go, so that no node is closed for a part of an
-    increment only. It ends where a load turns too, and on curved legs where slip ends on its way.
-    An increment that does not converge, or whose step error is above the tolerance, is halved. The
-    state that it started from is a value, so that the rejected attempt leaves no trace.
+    A stretch is a part of the path between turning points of the loads, with the instants at which
+    its regular increments end. Increments end earlier where a node touches or lets go, so that no
+    node is closed for a part of an increment only. They also end where a stroke of slip ends: under
+    prescribed movements, and on curved paths. An increment that does not converge, or whose step
+    error is above the tolerance, is halved.
 
     The shortest increments are accepted with a larger step error, and counted. Between unlike
     bodies halving may not lessen the error: the interface jumps from one solution to another, and
     the increment is accepted.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, scaled; what is done is added to the counts in its `work`
+    state
+        from which the first increment starts
+    stretch
+        part of the load path, in the units of the scene
+    units
+        what each load is divided by
+    tolerance
+        step error with which an increment is accepted
 
     Raises
     ------
@@ -149,25 +163,29 @@ def follow(
 
     # Along a straight leg slip that falls at its end falls from its start on: none is lost.
     is_curved = not straight(stretch.leg)
-    regular = stretch.ends[0] - stretch.start
+    regular_duration = stretch.ends[0] - stretch.start
+    shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:
-        control = _ErrorControl(problem, tolerance, _SHORTEST_FOR_ERROR * regular)
-        # the first is to be reached, those after it are what halving has put before it
+        error_control = _ErrorControl(
+            problem, tolerance, _SHORTEST_SHARE_FOR_ERROR * regular_duration
+        )
+        # Instants still to be reached, the next one last: `end`, and before it those by halving.
         targets = [end]
         for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
-            target = _up_to_turn(problem, state, loads_at, targets[-1])
-            attempt = _attempt(problem, state, loads_at, target, _SHORTEST * regular)
+            target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])
+            attempt = _attempted_increment(problem, state, loads_at, target, shortest_duration)
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
             end_of_slip = attempt.state.time
             if is_curved:
                 end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
-            if control.is_longer(end_of_slip - state.time) and end_of_slip < attempt.state.time:
+            is_long_enough = end_of_slip - state.time > error_control.shortest_duration
+            if is_long_enough and end_of_slip < attempt.state.time:
                 problem.work["increments ended where slip ends"] += 1
                 targets.append(end_of_slip)
                 continue
-            if not control.accepts(attempt, state):
+            if not error_control.accepts(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
             state = attempt.state
@@ -184,14 +202,15 @@ def follow(
             )
 
 
-def _up_to_turn(
+def _end_by_turn_of_slip(
     problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float
 ) -> float:
-    """The instant up to `end` at which a stroke of slip that begins at `start` ends, or `end`.
+    """Instant up to `end` at which the nodes that slide at `start` stop sliding that way, since a
+    prescribed movement turns round; `end` where they do not, and where loads are given.
 
-    Of given loads it is known beforehand (`path.turning_points`). Where movements are given it
-    follows from what slides: there the slip of the sliding nodes, each weighted by its friction,
-    grows no further as the movements go.
+    Of given loads the instant is known beforehand (`path.turning_points`). Where movements are
+    given it is when the slip of the sliding nodes, each weighted by its pressure, is largest, if
+    they go on sliding as at `start`. A turn in the first eighth of the way does not count.
     """
     if not problem.actuators.are_there:
         return end
@@ -202,35 +221,35 @@ def _up_to_turn(
         slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
     except SingularSet:
         return end
-    progress_by_loads = slip_by_loads @ (slip_directions * start.pressure)
-    end_of_stroke = _end_of_stroke(start, loads_at, end, progress_by_loads)
-    first_look = start.time + (end - start.time) / (_LOOKED_AT - 1)
-    return end_of_stroke if end_of_stroke > first_look else end
+    weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
+    end_of_stroke = _instant_of_most_slip(start, loads_at, end, weighted_slip_by_loads)
+    first_instant_tried = start.time + (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
+    return end_of_stroke if end_of_stroke > first_instant_tried else end
 
 
-def _end_of_stroke(
-    start: InterfaceState, loads_at: LoadsAt, end: float, progress_by_loads: Array
+def _instant_of_most_slip(
+    start: InterfaceState, loads_at: LoadsAt, end: float, weighted_slip_by_loads: Array
 ) -> float:
-    """The instant up to `end` at which the progress of slip since `start` is largest.
+    """Instant from `start` to `end` at which a weighted sum of nodal slips is largest, the sum
+    being linear in the loads: to 1e-5 of the time between, or `end` where it grows up to there.
 
-    Parameters
-    ----------
-    progress_by_loads
-        (n_loads,) its rates
+    `weighted_slip_by_loads` (n_loads,) are its derivatives by the loads, and `loads_at` gives the
+    scaled loads at an instant.
     """
 
-    def progress(time: float) -> float:
-        return float(np.subtract(loads_at(time), start.loads) @ progress_by_loads)
+    def weighted_slip(time: float) -> float:
+        """The sum at an instant, minus that at the start."""
+        return float(np.subtract(loads_at(time), start.loads) @ weighted_slip_by_loads)
 
-    times = np.linspace(start.time, end, _LOOKED_AT)
-    number_of_largest = int(np.argmax([progress(time) for time in times.tolist()]))
-    if number_of_largest == _LOOKED_AT - 1:
+    times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
+    number_of_largest = int(np.argmax([weighted_slip(time) for time in times.tolist()]))
+    if number_of_largest == _N_INSTANTS_OF_STROKE - 1:
         return end
     minimum = scipy.optimize.minimize_scalar(
-        lambda time: -progress(time),
+        lambda time: -weighted_slip(time),
         bounds=(times[max(number_of_largest - 1, 0)], times[number_of_largest + 1]),
         method="bounded",
-        options={"xatol": _TURN * (end - start.time)},
+        options={"xatol": _TOLERANCE_OF_STROKE * (end - start.time)},
     )
     return float(minimum.x)
 
@@ -242,13 +261,24 @@ def _end_of_lost_slip(
     loads_at: LoadsAt,
     tolerance: StepTolerance,
 ) -> float:
-    """The instant at which slip ends that an increment loses, by more friction work than the
-    tolerance; the end of the increment where it loses less.
+    """Instant within an increment at which slip ends that the increment does not count; the end of
+    the increment where the friction work of such slip is within the step tolerance.
 
     Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
-    increments end. Other bodies stop a little earlier or later, one node after the other. A node
-    that slides on its way and sticks later has slid less at the end of the increment than it had
-    when it stopped, or not at all.
+    increments end. In other bodies slip ends a little earlier or later, in one node after the
+    other. A node that slides in the first part of an increment and sticks in the rest of it is
+    solved as sticking throughout, or as sliding less far than it has.
+
+    Parameters
+    ----------
+    start
+        state before the increment; its sliding nodes are taken to go on sliding
+    increment
+        as it was solved, from `start` on
+    loads_at
+        function of an instant: the scaled loads
+    tolerance
+        its `rate` times the duration is the friction work that may be lost
     """
     end = increment.state.time
     directions = slip_sign(start.state)
@@ -258,76 +288,83 @@ def _end_of_lost_slip(
         slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
     except SingularSet:
         return end
-    last_look = end - (end - start.time) / (_LOOKED_AT - 1)
-    last_rise = np.subtract(loads_at(end), loads_at(last_look)) @ slip_by_loads
-    has_turned = directions * last_rise < 0
+    shortly_before_end = end - (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
+    slip_shortly_before_end = (
+        np.subtract(loads_at(end), loads_at(shortly_before_end)) @ slip_by_loads
+    )
+    has_turned = directions * slip_shortly_before_end < 0
     if not has_turned.any():
         return end
-    times = np.linspace(start.time, end, _LOOKED_AT)
+    times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
     changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start.loads)
     slip = directions * (changes_of_loads @ slip_by_loads)
-    slip_left = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
-    lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - slip_left, 0.0), 0.0)
+    counted_slip = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
+    lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
     lost_work = problem.friction * start.pressure * lost_slip
     if not lost_work.sum() > tolerance.rate * (end - start.time):
         return end
     weights = np.where(lost_work > 0, directions * start.pressure, 0.0)
-    return _end_of_stroke(start, loads_at, end, slip_by_loads @ weights)
+    return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ weights)
 
 
 @dataclass
 class _ErrorControl:
-    """Whether the errors of the increments up to one regular instant are accepted.
+    """Control of the step error of the increments up to one regular instant.
 
     Attributes
     ----------
-    shortest
+    problem
+        the contact problem, in whose `work` refused increments are counted
+    tolerance
+        of the step error
+    shortest_duration
         increments up to that duration are not halved
     refused_start, refused_error
-        of the increment that was refused last
-    jumps
-        whether the interface has jumped, so that halving does not help
+        instant at which the increment started that was refused last, and its error
+    has_jumped
+        whether the interface has jumped on the way to that instant, so that halving does not help
     """
 
     problem: ContactProblem
     tolerance: StepTolerance
-    shortest: float
+    shortest_duration: float
     refused_start: float = np.nan
     refused_error: float = np.inf
-    jumps: bool = False
-
-    def is_longer(self, duration: float) -> bool:
-        """Whether an increment may be cut to that."""
-        return duration > self.shortest
+    has_jumped: bool = False
 
     def accepts(self, increment: Increment, start: InterfaceState) -> bool:
-        """Whether the increment of a path, from the state `start`, is accepted; if not, it is to be
-        halved.
+        """Whether an increment from the state `start` is accepted; if not, it is to be halved.
 
-        Its error is that of the work, over the time that it takes. Rejected ones are remembered: a
-        half whose error is still that of the whole is a jump.
+        It is accepted where the error of its friction work is within the tolerance, in proportion
+        to its duration. It is accepted too where it is too short to be halved, or the interface has
+        jumped: then it is counted. The interface jumps, between unlike bodies, where half of a
+        refused increment has nearly the error of the whole.
 
         Raises
         ------
         ConvergenceError
-            Where the interface jumps too often.
+            Where the interface jumps too often on the path.
         """
         duration = increment.state.time - start.time
         allowed_error = self.tolerance.rate * duration
         work_error = increment.step_error
         if not work_error > allowed_error:
             return True
-        if self.tolerance.of_kinks:
+        if self.tolerance.bounded_by_kinks:
             work_error = min(
-                work_error, work_by_kinks(self.problem, start, increment.state, increment.solved)
+                work_error,
+                work_by_kinks(self.problem, start, increment.state, increment.solved_states),
             )
             if not work_error > allowed_error:
                 return True
         # Like bodies have one solution. All their kinks can be in one half.
-        elif self.refused_start == start.time and work_error > _JUMP * self.refused_error:
+        elif (
+            self.refused_start == start.time
+            and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
+        ):
             self._count_jump(start.time)
         work = self.problem.work
-        if duration > self.shortest and not self.jumps:
+        if duration > self.shortest_duration and not self.has_jumped:
             self.refused_start = start.time
             self.refused_error = work_error
             work["increments halved, step error"] += 1
@@ -336,47 +373,65 @@ class _ErrorControl:
         return True
 
     def _count_jump(self, time: float) -> None:
-        self.jumps = True
-        self.problem.jumps += 1
+        """Count a jump of the interface at an instant; ConvergenceError beyond the most jumps of a
+        path.
+        """
+        self.has_jumped = True
+        self.problem.n_jumps += 1
         self.problem.work["increments that jump"] += 1
-        if self.problem.jumps > _MOST_JUMPS:
-            raise ConvergenceError(_JUMPY.format(count=self.problem.jumps, time=time))
+        if self.problem.n_jumps > _MOST_JUMPS:
+            raise ConvergenceError(_MESSAGE_ON_JUMPS.format(count=self.problem.n_jumps, time=time))
 
 
-def _attempt(
-    problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float, shortest: float
+def _attempted_increment(
+    problem: ContactProblem,
+    start: InterfaceState,
+    loads_at: LoadsAt,
+    end: float,
+    shortest_duration: float,
 ) -> Increment | NotConverged:
-    """An increment from the state `start` to the first event on the way to the instant `end`, or
-    `NotConverged`, to be tried with less; `loads_at` gives the loads at an instant.
+    """Increment from the state `start` to the first event (a node touches or lets go) on the way to
+    the instant `end`, or to `end`; `NotConverged` with the instant tried, if it does not converge.
+
+    Parameters
+    ----------
+    loads_at
+        function of an instant: the scaled loads
+    shortest_duration
+        of an increment that is tried again with a shorter one
 
     Raises
     ------
     ConvergenceError
-        If an increment that is less than `shortest` does not converge.
+        If an increment shorter than `shortest_duration` does not converge.
     """
     trial = _Trial(problem, start, loads_at, end)
     try:
-        event, solved = trial.solved()
+        event, end_state = trial.event_and_state()
     except ConvergenceError:
-        if trial.target - start.time < shortest:
+        if trial.target - start.time < shortest_duration:
             raise
         problem.work["increments halved, not converged"] += 1
         return NotConverged(trial.target)
-    states = up_to_event(start, solved)
+    solved_states = states_up_to_event(start, end_state)
     step_error = 0.0
-    if not np.array_equal(states, start.state):
-        slip, pressure, _, _ = nodal(solved.values - start.values)
-        step_error = float(step_errors(problem.friction, pressure, slip, start.state, states))
-    state = landed(replace(solved, state=states), event)
-    return Increment(state, states, step_error, trial.iterations, event)
+    if not np.array_equal(solved_states, start.state):
+        slip_change, pressure_change, _, _ = nodal(end_state.values - start.values)
+        step_error = float(
+            step_errors(problem.friction, pressure_change, slip_change, start.state, solved_states)
+        )
+    state = state_after_event(replace(end_state, state=solved_states), event)
+    return Increment(state, solved_states, step_error, trial.iterations, event)
 
 
 @dataclass
 class _Trial:
-    """The way to the end of one increment.
+    """Search for the end of one increment: the event that ends it, and its instant.
 
     Attributes
     ----------
+    problem
+        the contact problem
     start_state
         state of the interface at the begin of the increment
     loads_at
@@ -384,9 +439,9 @@ class _Trial:
     latest_end
         instant at which the increment ends at the latest
     target
-        instant that was predicted last
+        instant of the event that was predicted last; NaN before the first prediction
     iterations
-        of the active set, so far
+        number of iterations of the active set so far
     """
 
     problem: ContactProblem
@@ -396,7 +451,7 @@ class _Trial:
     target: float = np.nan
     iterations: int = 0
 
-    def solved(self) -> tuple[Event, InterfaceState]:
+    def event_and_state(self) -> tuple[Event, InterfaceState]:
         """The event that the increment ends with, and the state of the interface at that instant.
 
         The event is "touch" where an open node touches, "release" where a closed one lets go. It is
@@ -415,38 +470,41 @@ class _Trial:
         expected_node_states = self.start_state.state
         if self.problem.interface.coupling is not None:
             expected_node_states = _with_touching_nodes_sliding(self.start_state)
-        event, self.target = self._predicted(expected_node_states)
+        event, self.target = self._predicted_event(expected_node_states)
         solved_state = self._equilibrium(self.target, expected_node_states)
         for _ in range(_MOST_PREDICTIONS - 1):
-            if not _misses(self.problem, self.start_state, solved_state, event):
+            if not _misses_event(self.problem, self.start_state, solved_state, event):
                 break
-            has_opened_or_closed = solved_state.closed != self.start_state.closed
-            expected_node_states = _on_its_side(
+            has_opened_or_closed = solved_state.is_closed != self.start_state.is_closed
+            expected_node_states = _states_before_event(
                 self.start_state, solved_state, has_opened_or_closed
             )
-            event, self.target = self._predicted(expected_node_states)
+            event, self.target = self._predicted_event(expected_node_states)
             if self.target == solved_state.time:
                 break
             solved_state = self._equilibrium(self.target, expected_node_states)
             self.problem.work["events predicted again"] += 1
         if event != "regular":
-            time = _exact_time(
+            time = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
             )
             if time != self.target:
-                solved_state = self._equilibrium(time, up_to_event(self.start_state, solved_state))
+                solved_state = self._equilibrium(
+                    time, states_up_to_event(self.start_state, solved_state)
+                )
         return event, solved_state
 
-    def _predicted(self, states: States) -> tuple[Event, float]:
+    def _predicted_event(self, states: States) -> tuple[Event, float]:
+        """Event and its instant, if the nodes have these `states` (n,) on the way."""
         return next_event(self.problem, self.start_state, self.loads_at, self.latest_end, states)
 
-    def _equilibrium(self, time: float, expected: States | None = None) -> InterfaceState:
-        """The state at an instant; `expected` are states that its nodes may have."""
-        solved, iterations = self.problem.equilibrium(
-            self.start_state, time, self.loads_at(time), expected
+    def _equilibrium(self, time: float, expected_states: States) -> InterfaceState:
+        """State of the interface at an instant; `expected_states` of the nodes are tried first."""
+        state, iterations = self.problem.equilibrium(
+            self.start_state, time, self.loads_at(time), expected_states
         )
         self.iterations += iterations
-        return solved
+        return state
 
 
 def next_event(
@@ -456,13 +514,21 @@ def next_event(
     end: float,
     states: States,
 ) -> tuple[Event, float]:
-    """What happens first up to `end` to the set of touching nodes, and when, by one linear
-    prediction.
+    """First event from `start` to the instant `end`, and its instant, by one linear prediction: an
+    open node touches, or a closed one is released; ("regular", end) where neither happens before.
+
+    The gap of an open node, and the force of a closed one, are linear in the loads while the nodes
+    keep their states. So the first of these that would change its sign tells the event; then its
+    instant is where P, or that gap or force, has the value of the event along the load path.
+    Nothing is predicted where so few nodes hold that the bodies are free to move.
 
     Parameters
     ----------
+    loads_at
+        function of an instant: the scaled loads
     states
-        (n,) that the nodes have on the way. Those that touch are the ones of `start`
+        (n,) open, stick or slip that the nodes have on the way; the same ones are open as in
+        `start`
     """
     gap = start.gap
     pressure = start.pressure
@@ -473,12 +539,11 @@ def next_event(
             _, pressure, _, gap = nodal(problem.values_following(start, start.loads, states))
         values_at_end = problem.values_following(start, loads_at_end, states)
     except SingularSet:
-        # one node is left: the upper body rolls over it, to where another touches, and nothing
-        # foresees it
+        # One node is left: the upper body rolls over it, to where another touches.
         return "regular", end
     _, pressure_at_end, _, gap_at_end = nodal(values_at_end)
-    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.closed)
-    share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.closed)
+    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.is_closed)
+    share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.is_closed)
     event: Event = "touch" if share_to_touch <= share_to_release else "release"
     share_of_increment = min(share_to_touch, share_to_release)
     event_node = touching_node if event == "touch" else leaving_node
@@ -493,20 +558,19 @@ def next_event(
         distance_at_start = normal_load - load_at_event
 
         def distance_to_event(time: float) -> float:
-            """What P is beyond that of the event."""
+            """P minus its value at the event."""
             return loads_at(time)[0] - load_at_event
 
     else:
-        # by Q and by tilt nodes meet at constant P too: the gap or the force of the first of them,
-        # as the loads go
+        # By Q and by tilt nodes meet at constant P too: the gap or force of the first is followed.
         distance_at_start = float((gap if event == "touch" else pressure)[event_node])
         _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads)))
         rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
-        # what does not change must not add its rounding
+        # A load that does not change must not add its rounding.
         rates_of_node = np.where(np.subtract(loads_at_end, start.loads) != 0, rates_of_node, 0.0)
 
         def distance_to_event(time: float) -> float:
-            """The gap, or the force, of the node of the event."""
+            """Gap or force of the node of the event."""
             return distance_at_start + float(
                 np.subtract(loads_at(time), start.loads) @ rates_of_node
             )
@@ -516,37 +580,39 @@ def next_event(
 
 
 def _with_touching_nodes_sliding(start: InterfaceState) -> States:
-    """(n,) states; nodes that stick without pressure, as they have just touched, slide as the
-    neighbour that bears pressure does; those of `start` where nothing would stick.
+    """States (n,) of `start`, but for nodes that have just touched, and so stick without pressure:
+    each slides as a sliding neighbour does. Where no node would stick then, all are as in `start`.
     """
-    just_touched = (start.state == STICK) & (start.pressure <= ROUNDING)
-    if not just_touched.any():
+    has_just_touched = (start.state == STICK) & (start.pressure <= ROUNDING)
+    if not has_just_touched.any():
         return start.state
     states = start.state.copy()
-    for node in np.flatnonzero(just_touched).tolist():
-        neighbours = start.state[max(node - 1, 0) : node + 2]
-        sliding = neighbours[neighbours > STICK]
-        if len(sliding):
-            states[node] = sliding[0]
+    for node in np.flatnonzero(has_just_touched).tolist():
+        states_beside = start.state[max(node - 1, 0) : node + 2]
+        sliding_states = states_beside[states_beside > STICK]
+        if len(sliding_states):
+            states[node] = sliding_states[0]
     return states if np.any(states == STICK) else start.state
 
 
-def _misses(
+def _misses_event(
     problem: ContactProblem, start: InterfaceState, solved: InterfaceState, event: Event
 ) -> bool:
-    """Whether an increment of unlike bodies to `solved` misses its event: another node meets one
-    before the increment ends, or no node meets the one that was predicted.
+    """Whether an increment from `start` to the state `solved` misses the predicted `event`: a node
+    touches or lets go before the increment ends, or no node is at the event then.
+
+    False of like bodies, where the prediction is exact.
     """
     if problem.interface.coupling is None:
         return False
-    is_at_event = _marginal(solved)
-    is_too_far = ((solved.closed != start.closed) & ~is_at_event).any()
-    meets_expected = is_at_event & (start.closed == (event == "release"))
+    is_at_event = _is_at_event(solved)
+    is_too_far = ((solved.is_closed != start.is_closed) & ~is_at_event).any()
+    meets_expected = is_at_event & (start.is_closed == (event == "release"))
     is_too_short = event != "regular" and not meets_expected.any()
     return bool(is_too_far or is_too_short)
 
 
-def _exact_time(
+def _time_of_event(
     problem: ContactProblem,
     start: InterfaceState,
     loads_at: LoadsAt,
@@ -554,20 +620,34 @@ def _exact_time(
     event: Event,
     end: float,
 ) -> float:
-    """When the event that `solved` meets to `_LANDED` is met to rounding: nodes that start or end
-    to slide bend the way to it.
+    """Instant at which the event of an increment, a touch or release, is met to rounding.
+
+    The state `solved` meets it to 1e-9, since the prediction leaves out that nodes start or end
+    sliding. Among the nodes at the event, the gap (or force) of the one with the largest is brought
+    to zero by its rate. The instant of `solved` where this is rounding already, or where the end
+    would move by a thousandth of the increment or more.
+
+    Parameters
+    ----------
+    start, solved
+        states before the increment and at its end
+    loads_at
+        function of an instant: the scaled loads
+    end
+        latest end of the increment
     """
-    meets_event = _marginal(solved) & (start.closed == (event == "release"))
+    meets_event = _is_at_event(solved) & (start.is_closed == (event == "release"))
     distances_to_event = np.where(
-        meets_event, np.where(solved.closed, solved.pressure, solved.gap), 0.0
+        meets_event, np.where(solved.is_closed, solved.pressure, solved.gap), 0.0
     )
     node = int(np.argmax(np.abs(distances_to_event)))
-    if abs(distances_to_event[node]) <= _MET:
+    if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved.time
     _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.state, len(solved.loads)))
-    rates_of_node = (pressure_rates if solved.closed[node] else gap_rates)[:, node]
+    rates_of_node = (pressure_rates if solved.is_closed[node] else gap_rates)[:, node]
 
     def distance_at(time: float) -> float:
+        """Gap or force of the node at an instant."""
         return float(
             distances_to_event[node] + np.subtract(loads_at(time), solved.loads) @ rates_of_node
         )
@@ -579,8 +659,8 @@ def _exact_time(
 
 
 def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:
-    """The share of an increment at which the first of `nodes` goes from a positive value to a
-    negative one, linearly, and that node; 1 and -1 if none does.
+    """Share of an increment at which the first of the nodes in a mask goes from a positive value to
+    a negative one, linearly, and its number; 1 and -1 where none does. Arrays are (n,).
     """
     falling_nodes = (nodes & (values_before > ROUNDING) & (values_after < -ROUNDING)).nonzero()[0]
     if not len(falling_nodes):
@@ -592,40 +672,43 @@ def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> t
     return float(shares[number_of_first]), int(falling_nodes[number_of_first])
 
 
-def up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
-    """(n,) solved states, nodes that are at their event on the side where they have been: within
-    rounding the law takes either.
+def states_up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
+    """States (n,) of the nodes at the end of an increment from `start` to `solved`, before its
+    event: nodes that touch or let go at its very end have the state that they had on the way.
 
-    A node that let go in its increment has slid for all of it, and one labelled open would lose the
-    friction work.
+    Within rounding the law takes either side. A node that lets go at the end has slid through the
+    increment: counted as open, its friction work would be lost.
     """
-    changed = _marginal(solved) & (solved.closed != start.closed)
-    return _on_its_side(start, solved, changed) if changed.any() else solved.state
+    has_changed = _is_at_event(solved) & (solved.is_closed != start.is_closed)
+    return _states_before_event(start, solved, has_changed) if has_changed.any() else solved.state
 
 
-def _on_its_side(
+def _states_before_event(
     start: InterfaceState, solved: InterfaceState, has_opened_or_closed: Mask
 ) -> States:
-    """(n,) states of `solved`; nodes that have opened or closed get the state that they had on
-    the way: open, stuck, or sliding as they have moved since `start`.
+    """States (n,) of `solved`, but for the nodes in a mask that have opened or closed: these have
+    the state that they had on the way from `start`, open, stick, or slip as they have moved.
     """
-    slip = solved.slip - start.slip
-    sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
-    closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
-    states_until_now = np.where(start.closed, closed_until_now, OPEN)
-    return freeze(np.where(has_opened_or_closed, states_until_now, solved.state), np.int8)
+    slip_increment = solved.slip - start.slip
+    slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
+    states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
+    states_on_the_way = np.where(start.is_closed, states_of_closed, OPEN)
+    return freeze(np.where(has_opened_or_closed, states_on_the_way, solved.state), np.int8)
 
 
-def _marginal(state: InterfaceState) -> Mask:
-    """Nodes that are at an event: neither gap nor force but for rounding."""
-    return (np.abs(state.gap) <= _LANDED) & (np.abs(state.pressure) <= _LANDED)
+def _is_at_event(state: InterfaceState) -> Mask:
+    """Whether each node is at an event, (n,): it has neither gap nor force but for rounding."""
+    return (np.abs(state.gap) <= _TOLERANCE_OF_EVENT) & (
+        np.abs(state.pressure) <= _TOLERANCE_OF_EVENT
+    )
 
 
-def landed(state: InterfaceState, event: Event) -> InterfaceState:
-    """`state` with the nodes of the event on their new side: a touching node sticks from here on, a
-    released one is open.
+def state_after_event(state: InterfaceState, event: Event) -> InterfaceState:
+    """The state of the interface after an event: nodes that are at a touch stick from here on,
+    those at a release are open. After "regular" it is the same `state`.
     """
     if event == "regular":
         return state
-    new = STICK if event == "touch" else OPEN
-    return replace(state, state=freeze(np.where(_marginal(state), new, state.state), np.int8))
+    state_of_nodes = STICK if event == "touch" else OPEN
+    node_states = np.where(_is_at_event(state), state_of_nodes, state.state)
+    return replace(state, state=freeze(node_states, np.int8))

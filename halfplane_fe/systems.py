@@ -370,7 +370,7 @@ class Systems:
         coefficient f
     work
         counts of factorisations, updates and solves, added to here
-    shears
+    has_shear
         False where there can be no shear: nodes then carry none, whether they stick or not
     actuators
         compliances of actuators whose movements stand in the place of loads
@@ -389,7 +389,7 @@ class Systems:
     layer: Layer
     friction: float
     work: Counter[str] = field(default_factory=Counter)
-    shears: bool = True
+    has_shear: bool = True
     actuators: Actuators = LOADS_ARE_GIVEN
 
     def __post_init__(self) -> None:
@@ -404,7 +404,7 @@ class Systems:
         faces = self.interface
         self.normal = faces.normal + np.diag(self.layer.normal)
         self.tangential = faces.tangential + np.diag(self.layer.tangential)
-        compliances = (self.normal, self.tangential) if self.shears else (self.normal,)
+        compliances = (self.normal, self.tangential) if self.has_shear else (self.normal,)
         try:
             factors = [
                 cholesky(compliance, lower=True, check_finite=False) for compliance in compliances
@@ -413,7 +413,7 @@ class Systems:
             raise ConvergenceError(
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
-        self._displacement_is_zero = faces.has_odd_shear or not self.shears
+        self._displacement_is_zero = faces.has_odd_shear or not self.has_shear
         self._displacement_needs_no_stick = (
             self._displacement_is_zero or self.actuators.tangential is not None
         )
@@ -424,7 +424,7 @@ class Systems:
         self._factorised_sets: dict[bytes, _Base] = {}
         self._nested_compliances: list[_NestedCompliance] = []  # normal, then tangential
         # Only then does the pressure not depend on the shear.
-        if faces.coupling is None and faces.flat and faces.imposed is None:
+        if faces.coupling is None and faces.is_flat and faces.unit_offsets is None:
             self._nested_compliances = [
                 _NestedCompliance(compliance, factor)
                 for compliance, factor in zip(compliances, factors, strict=True)
@@ -455,8 +455,8 @@ class Systems:
         matrix[slip, 2 * n] = n_x
         matrix[gap, 2 * n + 1] = n_x
         matrix[slip, 2 * n + 1] = n_y
-        if faces.imposed is not None:
-            matrix[: 2 * n, 2 * n + 2 :] = faces.imposed.reshape(2 * n, 3)
+        if faces.unit_offsets is not None:
+            matrix[: 2 * n, 2 * n + 2 :] = faces.unit_offsets.reshape(2 * n, 3)
         matrix[2 * n, pressure] = n_y
         matrix[2 * n, shear] = n_x
         if self._displacement_is_zero:
@@ -574,7 +574,7 @@ class Systems:
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
             n_touching, n_touching, prescribed_normal, normal_load, self.actuators.normal
         )
-        if self.shears:
+        if self.has_shear:
             tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
@@ -731,7 +731,7 @@ class Systems:
         state_of_row = row_states[rows]
         is_normal = rows < n
         prescribes_displacement = np.where(
-            is_normal, state_of_row != OPEN, (state_of_row == STICK) & self.shears
+            is_normal, state_of_row != OPEN, (state_of_row == STICK) & self.has_shear
         )
         # Where the base prescribes the displacement its response is the force, and vice versa.
         is_response = base.is_held[rows] != prescribes_displacement
@@ -885,7 +885,7 @@ class Systems:
         """
         n = len(self.normal)
         states = row_states[:n]
-        has_given_slip = (states == STICK) & self.shears
+        has_given_slip = (states == STICK) & self.has_shear
         is_held = np.concatenate([states != OPEN, has_given_slip])
         held_rows = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
         free_rows = (~is_held).nonzero()[0]

@@ -346,7 +346,7 @@ def run_values(
     states = run.states[first_place : run.cycle_starts[number] + 1 if has_next else None]
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
-    is_closed = np.array([state.closed for state in states])
+    is_closed = np.array([state.is_closed for state in states])
     slip_range = range_of_slip(slip, is_closed)
     largest_slip = float(slip_range.max())
     slip_with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())

@@ -355,7 +355,7 @@ class _Outline:
                 centre = geometry.addPoint(arc_begin, -radius, 0)
                 return [geometry.addCircleArc(first_point, centre, last_point)], last_point
         face_x = np.array([face_end])  # a flat face is one straight line
-        if not self._face.flat:
+        if not self._face.is_flat:
             face_x = self._places(start, face_end, size, growth)
         face_points = [first_point] + [
             geometry.addPoint(float(x), -float(y), 0)

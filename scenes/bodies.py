@@ -328,13 +328,13 @@ class Face:
     arc
         centre (x > 0 half) and radius of the arc that the face is from some place outwards, or
         None
-    flat
+    is_flat
         whether the whole face is y = 0
     """
 
     depth: Callable[[Array], Array]
     arc: tuple[float, float] | None = None
-    flat: bool = False
+    is_flat: bool = False
 
 
 def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
@@ -357,7 +357,7 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
 def face_of(shape: Shape, profile: Profile) -> Face:
     """The face of a body: flat, an arc, a flat with arcs, or the profile itself."""
     if not isinstance(shape, Cylinder | Pad | ShoulderedPad):
-        return Face(np.zeros_like, flat=True)
+        return Face(np.zeros_like, is_flat=True)
     arc = (0.0, shape.radius) if isinstance(shape, Cylinder) else profile.arc
     return (
         Face(profile.height) if arc is None else Face(lambda x: arc_depth(x, arc[1], arc[0]), arc)

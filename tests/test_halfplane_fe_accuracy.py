@@ -23,7 +23,7 @@ from halfplane_fe.contact import ContactProblem
 from halfplane_fe.dundurs import dundurs
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.elasticity import condense
-from halfplane_fe.interface import couple, without_local_difference
+from halfplane_fe.interface import couple, without_mesh_error
 from halfplane_fe.run import Pace, run_path
 from halfplane_fe.systems import Layer
 from meshes import MeshSettings, SurfaceGrading, half_disc
@@ -123,7 +123,7 @@ def hertz_errors(elements, order):
         exact = hertz_pressure(sides.x, state.normal_load, RADIUS, 1.0)
         pressure = state.pressure / sides.weights
         ((left, right),) = contact_edges(
-            sides.x, pressure[None], state.gap[None], state.closed[None], 1.0
+            sides.x, pressure[None], state.gap[None], state.is_closed[None], 1.0
         )
         middle = np.abs(sides.x) < a / 4
         approach = hertz_approach(state.normal_load, RADIUS, 1.0, DATUM)
@@ -168,7 +168,7 @@ def mindlin_errors(elements, order=2):
                 np.sqrt(sides.weights @ error**2 / (sides.weights @ pressure**2)) / FRICTION
             )
             stick = (state.state == SurfaceState.STICK)[None]
-            closed = state.closed[None]
+            closed = state.is_closed[None]
             ((left, right),) = stick_edges(sides.x, stick, closed, np.array([[-1.0, 1.0]]))
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
             edge_error.append((right - left) / 2 - c)
@@ -355,7 +355,7 @@ def moving_edges(elements, cured=True):
             cycle=[(0.55 * p, 0.12 * p), (0.6 * p, -0.15 * p), (p, -0.05 * p)],
         )
         scene = like.vary(load=load)
-        faces = without_local_difference(sides, scene) if cured else sides
+        faces = without_mesh_error(sides, scene) if cured else sides
         none = np.zeros_like(faces.x)
         contact = ContactProblem(
             faces, np.square(faces.x) / (2 * RADIUS), FRICTION, Layer(none, none)

@@ -206,7 +206,7 @@ def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
     sides = contact.interface
     bodies_gap = contact.height - last.approach + sides.normal @ last.pressure
     np.testing.assert_allclose(
-        bodies_gap[last.closed], -layer * last.pressure[last.closed], atol=1e-12
+        bodies_gap[last.is_closed], -layer * last.pressure[last.is_closed], atol=1e-12
     )
     bodies_slip = last.shift - sides.tangential @ last.shear
     np.testing.assert_allclose(bodies_slip, last.slip + layer * last.shear, atol=1e-12)
@@ -358,7 +358,7 @@ def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:
         replace(set_systems.interface, tangential=-set_systems.interface.tangential),
         set_systems.layer,
         SLIDING,
-        shears=False,
+        has_shear=False,
     )
 
 

@@ -44,7 +44,7 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
     with mock.patch.object(scales, "_N_ELEMENTS", 40):
         pair = coarse_pair(load_scene("hertz-normal"))
         size = scales._fitting_size(pair)
-        problem = pair.problem(size, half(pair.faces(size)), tangential=False)
+        problem = pair.problem(size, half(pair.faces(size)), has_shear=False)
     loads = np.linspace(0.5, 1.0, 400)
     states = [problem.at_rest()]
     for load in loads:
@@ -64,7 +64,7 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
     problem, states, over = compression
     chords = []
     for state in states:
-        node = int(np.flatnonzero(state.closed)[-1])
+        node = int(np.flatnonzero(state.is_closed)[-1])
         edge = Edge.of_contact(problem, 1, node, state, nodal(problem.rates(state.state, 2)[0]))
         chords.append(float(edge.dimensionless_excess(edge.fraction_passed())))
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
@@ -89,7 +89,7 @@ def test_the_loads_place_the_edge_of_hertz_contact_between_its_nodes(
     loads = np.array([state.normal_load for state in states])
     edges = []
     for state in states:
-        node = int(np.flatnonzero(state.closed)[-1])
+        node = int(np.flatnonzero(state.is_closed)[-1])
         rates = nodal(problem.rates(state.state, 2)[0])
         edges.append(Edge.of_contact(problem, 1, node, state, rates))
     places = np.array([edge.place for edge in edges])
@@ -331,7 +331,7 @@ def test_a_load_that_grows_from_contact_to_contact_is_even(
     problem, states, _ = compression
     found = []
     for state in states:
-        last_closed = int(np.flatnonzero(state.closed)[-1])
+        last_closed = int(np.flatnonzero(state.is_closed)[-1])
         by_load = nodal(problem.rates(state.state, len(state.loads))[0])
         edge = Edge.of_contact(problem, 1, last_closed, state, by_load)
         _, rates, _, _ = by_load

@@ -395,7 +395,7 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
     active_set = ContactProblem._active_set
 
     def none(self: ContactProblem, states: np.ndarray, *rest: Any) -> Any:
-        return (None, 1, 0) if self.tangential else active_set(self, states, *rest)
+        return (None, 1, 0) if self.has_shear else active_set(self, states, *rest)
 
     monkeypatch.setattr(ContactProblem, "_active_set", none)
     halves = halfplane_fe.solve(question, FEW, REGULAR)

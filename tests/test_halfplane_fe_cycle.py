@@ -536,9 +536,9 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
         SurfaceState.SLIP_REVERSE,
         SurfaceState.OPEN,
     ]
-    assert stepping.up_to_event(history, solved).tolist() == expected
+    assert stepping.states_up_to_event(history, solved).tolist() == expected
     far = solved.changed(gap=np.ones(4))
-    assert stepping.up_to_event(history, far).tolist() == far.state.tolist()
+    assert stepping.states_up_to_event(history, far).tolist() == far.state.tolist()
 
 
 @pytest.mark.parametrize("stiffer", [0.0, 1e-5])
@@ -559,7 +559,7 @@ def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
     ).states
     closing = [
         np.minimum(before.gap, np.abs(after.pressure) + np.abs(after.gap))[
-            ~before.closed & after.closed
+            ~before.is_closed & after.is_closed
         ]
         for before, after in pairwise(states)
     ]
@@ -615,7 +615,7 @@ NEWTON = ContactProblem._active_set
 
 def no_newton(self: ContactProblem, states: np.ndarray, *rest: object) -> object:
     """Newton's iteration for the normal problem alone."""
-    return (None, 1, 0) if self.tangential else NEWTON(self, states, *rest)
+    return (None, 1, 0) if self.has_shear else NEWTON(self, states, *rest)
 
 
 def test_the_convex_halves_give_newtons_answer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -662,7 +662,7 @@ def test_halving_that_never_arrives_ends_with_a_sentence(monkeypatch: pytest.Mon
         assert len(calls) < 100_000, "a loop without end"
         return stepping.NotConverged(0.0)
 
-    monkeypatch.setattr(stepping, "_attempt", stuck)
+    monkeypatch.setattr(stepping, "_attempted_increment", stuck)
     with pytest.raises(
         ConvergenceError, match="was not reached: nodes touch and let go without end"
     ):
@@ -753,7 +753,7 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
     assert audit.penetration == pytest.approx(layer.max())
     lower, upper = (body.compliance[1, :, 1, :] for body in answer.condensed)
     last = len(answer.time) - 1
-    closed = answer.states[last].closed
+    closed = answer.states[last].is_closed
     gap = (
         answer.scene.profile.height(answer.x)
         - answer.normal_approach[last]
@@ -952,9 +952,9 @@ def test_an_increment_goes_too_far_where_another_node_lets_go(closed_after, is_m
     after = np.array(closed_after)
     start, solved = (
         SimpleNamespace(
-            closed=closed, gap=np.where(closed, 0.0, 0.1), pressure=np.where(closed, 1.0, 0.0)
+            is_closed=closed, gap=np.where(closed, 0.0, 0.1), pressure=np.where(closed, 1.0, 0.0)
         )
         for closed in (before, after)
     )
     unlike = SimpleNamespace(interface=SimpleNamespace(coupling=np.zeros((3, 3))))
-    assert stepping._misses(unlike, start, solved, "regular") is is_missed
+    assert stepping._misses_event(unlike, start, solved, "regular") is is_missed

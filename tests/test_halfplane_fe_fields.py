@@ -30,7 +30,7 @@ from halfplane_fe.face_stress import (
     size_effect_basis,
     tractions_with_uncertainty,
 )
-from halfplane_fe.interface import couple, without_local_difference
+from halfplane_fe.interface import couple, without_mesh_error
 from halfplane_fe.reported_states import visible_states
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
@@ -112,7 +112,7 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     """
     answer = fe_run(FACES[name]())
     coupled = couple(*answer.condensed)
-    smooth = without_local_difference(coupled, answer.scene) or coupled
+    smooth = without_mesh_error(coupled, answer.scene) or coupled
     steps = [len(answer.time) // 3, len(answer.time) // 2, len(answer.time) - 9]
     unit = answer.scales.load / answer.scales.modulus
     for step, snapshot in zip(steps, fields(answer, answer.time[steps]), strict=True):

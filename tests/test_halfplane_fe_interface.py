@@ -24,7 +24,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from halfplane_fe import elasticity, interface
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
-from halfplane_fe.interface import Interface, body_forces, couple, without_local_difference
+from halfplane_fe.interface import Interface, body_forces, couple, without_mesh_error
 from halfplane_fe.mortar import Side, mortar
 from halfplane_fe.systems import Layer, Systems
 from meshes import BodyMesh, SurfaceGrading, half_disc, solid
@@ -468,7 +468,7 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     sticks = np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)
-    loads = interface.carried(expected, 0 * expected)
+    loads = interface.resultants(expected, 0 * expected)
     values = rest.values + np.array([*loads, 1.0]) @ systems.value_derivatives(
         sticks, 2, np.arange(2 * len(zero)), lacking
     )
@@ -549,8 +549,8 @@ def test_a_wrong_tangential_compliance_is_seen_before_it_is_made_like_the_normal
     with pytest.raises(AssertionError):
         check_local_parts(stiff_in_shear)
     scene = load_scene("hertz-paper")
-    made_alike = without_local_difference(faces, scene)
-    made_alike_with_fault = without_local_difference(stiff_in_shear, scene)
+    made_alike = without_mesh_error(faces, scene)
+    made_alike_with_fault = without_mesh_error(stiff_in_shear, scene)
     assert made_alike is not None
     assert made_alike_with_fault is not None
     assert compliance_over_theory(faces, made_alike_with_fault.tangential, NARROW) == pytest.approx(

@@ -372,7 +372,7 @@ def humped(depth):
 
     def planted(shape, profile):
         face = FACE_OF(shape, profile)
-        if face.flat:
+        if face.is_flat:
             return face
         return dataclasses.replace(
             face, depth=lambda x: face.depth(x) - depth * (np.abs(x) > 0.2), arc=None
