@@ -37,7 +37,7 @@ from semi_analytic.tilted_profile import ConvexProfile, NestedIntervals, TiltedP
 
 # Share of the largest value, or of what would make a whole edge slip, within which two affine
 # functions are one.
-_ROUNDING = 1e-11
+_ROUND_OFF_SHARE = 1e-11
 # Instants of a curved segment of the load path that are compared, besides two for each turning
 # point that it may have.
 _INSTANTS_OF_CURVED_SEGMENT = 40
@@ -146,7 +146,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     Raises
     ------
     InputError
-        For a profile that bends down somewhere, a contact that leaves the profile.
+        For a profile that bends down somewhere, a contact that leaves the profile, a tilt or a
+        moment that no contact carries.
     """
     path = path or scene.load.path()
     segments = (*path.initial_loading, *path.cycle)
@@ -180,7 +181,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     # At constant P the stick zones of a parabola are nested where contacts are not.
     is_parabola = convex_shape.radius is not None
     may_slip_opposite_ways = bool(
-        is_parabola and friction > 0 and np.ptp(p) <= _ROUNDING * largest_load
+        is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
     strain_changes = np.ptp(eps) > load_sizes.strain_rounding
     has_shear_force = np.max(np.abs(q)) > load_sizes.shear_rounding
@@ -351,15 +352,17 @@ class _AffineRelation(NamedTuple):
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
-        strain_limit = load_sizes.strain_rounding + _ROUNDING * abs(slope) * np.max(np.abs(q))
-        tilt_limit = load_sizes.tilt_rounding + _ROUNDING * abs(slope) * np.max(p)
+        strain_limit = load_sizes.strain_rounding + _ROUND_OFF_SHARE * abs(slope) * np.max(
+            np.abs(q)
+        )
+        tilt_limit = load_sizes.tilt_rounding + _ROUND_OFF_SHARE * abs(slope) * np.max(p)
         holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
         neglected = {}
         if holds:
             # What is the last digits of a load itself is no load that was left out.
-            if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
+            if strain_deviation > _ROUND_OFF_SHARE * np.max(np.abs(eps)):
                 neglected["bulk stress"] = strain_deviation / load_sizes.slipping_strain
-            if tilt_deviation > _ROUNDING * np.max(np.abs(known_tilt)):
+            if tilt_deviation > _ROUND_OFF_SHARE * np.max(np.abs(known_tilt)):
                 neglected["tilt"] = tilt_deviation / load_sizes.lifting_tilt
         return cls(slope, tilt_without_load, holds, neglected)
 
@@ -457,9 +460,10 @@ class LoadSizes:
         return cls(
             slipping_strain=slipping_strain,
             lifting_tilt=lifting_tilt,
-            strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), slipping_strain),
-            tilt_rounding=_ROUNDING * max(largest_tilt, lifting_tilt),
-            shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * largest_load),
+            strain_rounding=_ROUND_OFF_SHARE * max(float(np.max(np.abs(eps))), slipping_strain),
+            tilt_rounding=_ROUND_OFF_SHARE * max(largest_tilt, lifting_tilt),
+            shear_rounding=_ROUND_OFF_SHARE
+            * max(float(np.max(np.abs(q))), friction * largest_load),
         )
 
 
@@ -628,14 +632,16 @@ class Eccentricity(NamedTuple):
     @property
     def moderate(self) -> bool:
         """Whether eps is not above its limit."""
-        return self.strain <= self.limit * (1 + _ROUNDING)
+        return self.strain <= self.limit * (1 + _ROUND_OFF_SHARE)
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
     """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact; the
     bulk strain that causes it, and the largest moderate one. None without bulk stress.
 
-    e = eps R/(f a), eps half the range of bulk strain in the cycle, or along a path without one.
+    e = eps R/(f a) of a parabola, NaN of other profiles and without friction. eps is half the range
+    of bulk strain in the cycle, or along a path without one; a is that of the largest P without
+    tilt.
     With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0) (Nowell and Hills 1987). It
     is a measure, and no bound: with P, Q or bulk out of phase the ends may slip opposite ways
     although bulk is moderate.
@@ -728,8 +734,10 @@ class PathLoads:
             completed_cycles = math.floor((time - path.cycle_start) / path.period) * path.period
         segments = (*path.initial_loading, *path.cycle)
         time_in_path = time - completed_cycles
-        segment = next((each for each in segments if time_in_path <= each.end), segments[-1])
-        return segment, completed_cycles
+        for segment in segments:
+            if time_in_path <= segment.end:
+                return segment, completed_cycles
+        return segments[-1], completed_cycles
 
     def values(self, time: Array) -> Array:
         """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
@@ -846,7 +854,7 @@ def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
     """
     if not len(load) or np.ptp(values) <= rounding:
         return 0.0
-    if np.ptp(load) <= _ROUNDING * np.max(np.abs(load)):
+    if np.ptp(load) <= _ROUND_OFF_SHARE * np.max(np.abs(load)):
         return 0.0
     deviations = load - np.mean(load)
     square = float(deviations @ deviations)

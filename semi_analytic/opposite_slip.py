@@ -233,7 +233,7 @@ class OppositeSlip(TiltedProfile):
     def _conjugate_contact(self) -> OppositeSlip:
         return replace(self, kernel_quantity="conjugate_displacement")
 
-    def at(self, load: ArrayLike) -> tuple[Array, Array]:
+    def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
         """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length]; beyond
         the largest unloading those at that, and at eta = P those of the contact.
         """

@@ -58,16 +58,16 @@ from scenes.chebyshev import Pieces, Unresolved, halved
 from semi_analytic.quadrature import ROOTS, LogisticRule, crowded_nodes, gauss, graded, panel_nodes
 
 # Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
-_STEPS = 120
+_MOST_NEWTON_STEPS = 120
 # Angle below which sin - theta cos = sum 2 k (-1)^(k + 1) theta^(2 k + 1)/(2 k + 1)! and theta -
 # sin cos are summed as series.
 _SMALL_ANGLE = 0.3
-_K = np.arange(1.0, 9.0)
-_FACTORIAL = np.array([float(math.factorial(2 * k + 1)) for k in range(1, 9)])
-_MEAN_COEFFICIENTS = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
-_LOAD_COEFFICIENTS = -((-1.0) ** _K) * 4**_K / _FACTORIAL
+_ORDERS = np.arange(1.0, 9.0)
+_FACTORIALS = np.array([float(math.factorial(2 * k + 1)) for k in range(1, 9)])
+_MEAN_COEFFICIENTS = -((-1.0) ** _ORDERS) * 2 * _ORDERS / _FACTORIALS
+_LOAD_COEFFICIENTS = -((-1.0) ** _ORDERS) * 4**_ORDERS / _FACTORIALS
 # Relative error of m and c by their series, measured against the equations themselves.
-_NOISE = 1e-12
+_ERROR_OF_SERIES = 1e-12
 # Values at knots or quadrature nodes that are held in memory at a time.
 _VALUES_AT_ONCE = 100_000
 # Share of c^2 below which c^2 - t^2 is taken from the rise of the load: x is next to an edge.
@@ -125,7 +125,7 @@ class ConvexProfile(abc.ABC):
     knots: Array
     size: float
     extent: tuple[float, float]
-    noise: float = _NOISE
+    noise: float = _ERROR_OF_SERIES
     radius: float | None = None
     """Radius of curvature of a parabola about x = 0 [length]; None for other profiles."""
 
@@ -161,13 +161,13 @@ class ConvexProfile(abc.ABC):
         """pi A p(x), p >= 0 the pressure at x of contacts of centre m and half-length c; 0 outside.
         Arrays that broadcast.
         """
-        return self._in_blocks(self._pressure, x, m, c)
+        return self._block_by_block(self._pressure, x, m, c)
 
     def gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap >= 0 at x of contacts of centre m and half-length c [length]; 0 inside. Arrays that
         broadcast.
         """
-        return self._in_blocks(self._gap, x, m, c)
+        return self._block_by_block(self._gap, x, m, c)
 
     @abc.abstractmethod
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -176,10 +176,10 @@ class ConvexProfile(abc.ABC):
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """A times the moment, the integral of x p, of contacts of centre m and half-length c under
-        a tilt, arrays of one shape; A = 2/E*.
+        a tilt, arrays of one shape [length^2]; A = 2/E*.
         """
 
-    def _in_blocks(
+    def _block_by_block(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
         """Values of `function` of arrays that broadcast, computed block by block along the first
@@ -209,14 +209,14 @@ class ConvexProfile(abc.ABC):
         that broadcast [length].
 
         They minimise int h d theta + pi alpha m - A P ln(c), with x = m + c cos(theta), A = 2/E*.
-        `load_product` is A P [length]. Where P = 0, m is where the profile touches first, and c is
-        0.
+        `load_product` is A P [length]. Where P is not positive, m is where the profile touches
+        first, and c is 0.
 
         Raises
         ------
         InputError
-            Where the tilt exceeds the slope |h'| of a side everywhere, and for a contact that
-            reaches beyond the profile.
+            Where the tilt exceeds the slope |h'| of a side everywhere, where the sides do not rise
+            enough to carry the load, and for a contact that reaches beyond the profile.
         """
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
@@ -235,7 +235,8 @@ class ConvexProfile(abc.ABC):
         left_edge = float(np.min(centre - half_width, initial=0.0))
         right_edge = float(np.max(centre + half_width, initial=0.0))
         left_end, right_end = self.extent
-        if left_edge < left_end * (1 + _NOISE) or right_edge > right_end * (1 + _NOISE):
+        slack = 1 + _ERROR_OF_SERIES
+        if left_edge < left_end * slack or right_edge > right_end * slack:
             raise ProfileDataError(
                 f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
                 f" profile goes from {left_end:.6g} to {right_end:.6g}"
@@ -250,7 +251,8 @@ class ConvexProfile(abc.ABC):
 
         Two equations hold: the mean slope is -alpha, and the curvature carries P. They are the
         derivatives by m and c of the convex potential int h d theta + pi alpha m - A P ln(c). A
-        step that would overshoot the minimum of the potential is halved.
+        step that would overshoot the minimum of the potential is halved. InputError where 120
+        steps do not converge.
 
         Parameters
         ----------
@@ -274,7 +276,7 @@ class ConvexProfile(abc.ABC):
         widening = 0 * first_touch  # step of c
         # |slope of the potential along the step| where the step begins
         slope_along_step = np.full(first_touch.shape, np.inf)
-        for _ in range(_STEPS):
+        for _ in range(_MOST_NEWTON_STEPS):
             trial_m = m + shift
             trial_c = c + widening
             balance = self.balance(trial_m, trial_c)
@@ -320,9 +322,9 @@ def _newton_step(
     """Newton steps of the centre m and of the half-length c of contacts, (n,) each [length], from
     the residuals of the balances of slope and of load.
 
-    Both residuals are derivatives of a potential that is least at the solution, see
-    `_contact_by_newton`. Where its Hessian is not positive the centre stays, and the contact widens
-    by `fallback_widening`.
+    The residual of slope is the derivative by m of a potential that is least at the solution, that
+    of load minus its derivative by c. Where the Hessian is not positive the centre stays, and the
+    contact widens by `fallback_widening`.
 
     Parameters
     ----------
@@ -477,15 +479,15 @@ class PiecewiseParabola(ConvexProfile):
             curvature_cosine_integral=sine @ self.jumps,
         )
 
-    def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+    def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
         if not self.is_parabola:
-            return super().contact(product, tilt)
+            return super().contact(load_product, tilt)
         curvature = self.curvature[0]
-        product, tilt = np.broadcast_arrays(
-            np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
+        load_product, tilt = np.broadcast_arrays(
+            np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
         middle = self.knots[0] - (self.slope_at_first_knot + tilt) / curvature
-        half_width = np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * curvature))
+        half_width = np.sqrt(2 * np.maximum(load_product, 0.0) / (np.pi * curvature))
         return middle, half_width
 
     # --- what follows from a contact
@@ -672,7 +674,7 @@ class CurvedProfile(ConvexProfile):
     rule: LogisticRule = ROOTS
     exponent: float = 2.0
     extent: tuple[float, float] = (-np.inf, np.inf)
-    noise: float = _NOISE
+    noise: float = _ERROR_OF_SERIES
 
     @property
     def breaks(self) -> Array:
@@ -683,7 +685,8 @@ class CurvedProfile(ConvexProfile):
         [length]; infinite where h' does not reach -alpha.
 
         h' falls nowhere. The first and the last place of the slope -alpha are found by bisection,
-        in an interval about x = 0 that is doubled until it holds them; returned is their middle.
+        in an interval about x = 0 that is doubled until it holds them, up to 1e9 times `size`;
+        returned is their middle.
         """
         target_slope = -np.asarray(tilt, dtype=float)
         half_interval = self.size
@@ -713,7 +716,7 @@ class CurvedProfile(ConvexProfile):
             right_bound = np.where(is_beyond, middle, right_bound)
         return left_bound, right_bound
 
-    def _nodes(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
+    def _nodes_of_contact(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
         """Quadrature over contacts of centre m and half-length c: places xi of the nodes, distances
         xi - m [length], and weights whose sum is 1, in a new last axis of all nodes.
 
@@ -762,7 +765,7 @@ class CurvedProfile(ConvexProfile):
         return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
-        xi, t, weight = self._nodes(m, c)
+        xi, t, weight = self._nodes_of_contact(m, c)
         weighted_slope = weight * self.gradient(xi)
         weighted_curvature = np.pi * weight * self.second_derivative(xi)
         cosine = t / np.where(c > 0, c, 1.0)[..., None]
@@ -786,7 +789,7 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). Where xi is close to x the
         quotient is h'' between them.
         """
-        xi, _, weights = self._nodes(m, c)
+        xi, _, weights = self._nodes_of_contact(m, c)
         place_column = np.asarray(x)[..., None]
         root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
         distance_to_node = xi - place_column
@@ -816,7 +819,7 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). x = m + s c cosh(u): u > 0, and s
         is 1 to the right of the contact, -1 to the left.
         """
-        xi, distance_from_middle, weights = self._nodes(m, c)
+        xi, distance_from_middle, weights = self._nodes_of_contact(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
         u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
@@ -837,12 +840,12 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        xi, _, weight = self._nodes(m, c)
+        xi, _, weight = self._nodes_of_contact(m, c)
         return np.asarray(np.sum(weight * self.height(xi), axis=-1) + np.asarray(tilt) * m)
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         del tilt
-        xi, t, weight = self._nodes(m, c)
+        xi, t, weight = self._nodes_of_contact(m, c)
         lever = m[..., None] * t + t * t - c[..., None] ** 2 / 2
         return np.asarray(np.pi * np.sum(weight * self.gradient(xi) * lever, axis=-1))
 
@@ -960,8 +963,10 @@ class NestedIntervals:
                 f" about {lower_load:.6g}"
             ) from fault
 
-    def at(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta) [length] at loads eta up to the largest, by the series."""
+    def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta) [length] at loads eta, by the series; in closed form of a parabola.
+        Series take loads above the largest as the largest.
+        """
         if self.shape.radius is not None:
             return self.exact_contact(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
@@ -975,7 +980,7 @@ class NestedIntervals:
 
     def edge_movement(self, side: Array, load: Array, load_rise: Array) -> Array:
         """Distance by which one end of contact moves outwards while the load rises by `load_rise`
-        to `load`, (n,) [length].
+        to `load`, (n,) [length]; `load_rise` is at most `load`.
 
         It is the integral over the load of the rate of that end, the derivative of its series. The
         difference of two values of the series would be mere round-off where both are close.
@@ -1042,7 +1047,7 @@ class NestedIntervals:
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
-        for _ in range(_STEPS):
+        for _ in range(_MOST_NEWTON_STEPS):
             balance = self.shape.balance(reached_x - side * c, c)
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
@@ -1124,7 +1129,7 @@ class TiltedProfile:
     least_half_width: ClassVar[float] = 0.0
     tangential_fraction: ClassVar[float] = 1.0
     """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain
-    alone changes.
+    alone changes, as in `OppositeSlip`.
     """
 
     @property
@@ -1155,9 +1160,9 @@ class TiltedProfile:
         """
         return float(np.pi * self.intervals.tilt_per_load / self._compliance)
 
-    def at(self, load: ArrayLike) -> tuple[Array, Array]:
-        """Centre m and half-length c of I(eta) [length]."""
-        return self.intervals.at(load)
+    def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
+        """Centre m and half-length c of I(eta) [length] at loads eta."""
+        return self.intervals.centre_and_half_width(load)
 
     @property
     def break_loads(self) -> Array:
@@ -1172,15 +1177,15 @@ class TiltedProfile:
 
     def centre(self, load: ArrayLike) -> Array:
         """m(eta) [length]."""
-        return self.at(load)[0]
+        return self.centre_and_half_width(load)[0]
 
     def half_width(self, load: ArrayLike) -> Array:
         """c(eta) [length]."""
-        return self.at(load)[1]
+        return self.centre_and_half_width(load)[1]
 
     def interval(self, load: ArrayLike) -> Array:
         """Ends of I(eta) [length], a new last axis."""
-        m, c = self.at(load)
+        m, c = self.centre_and_half_width(load)
         return np.stack([m - c, m + c], axis=-1)
 
     def advance(self, load: ArrayLike) -> Array:
@@ -1244,7 +1249,7 @@ class TiltedProfile:
         least_tilt = np.full(load.shape, -np.inf)
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
-        for _ in range(_STEPS):
+        for _ in range(_MOST_NEWTON_STEPS):
             m, c = self.contact_under(load, tilt)
             excess_moment = self.moment(m, c, load, tilt) - moment
             half_width = np.where(c > 0, c, 1.0)
@@ -1269,7 +1274,9 @@ class TiltedProfile:
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Pressure p >= 0 at x under loads [stress], 0 outside the contact."""
-        value = self.shape.pressure(np.asarray(x, dtype=float), *self.intervals.at(load))
+        value = self.shape.pressure(
+            np.asarray(x, dtype=float), *self.intervals.centre_and_half_width(load)
+        )
         return np.asarray(np.maximum(value, 0.0) / (np.pi * self._compliance))
 
     pressure_rise = pressure
@@ -1280,11 +1287,11 @@ class TiltedProfile:
         By parts: load p(x, load) - int p d eta, since p is 0 before the contact reaches x.
         """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
-        eta, weights = self._load_nodes(np.minimum(self.load(x), load), load)
+        eta, weights = self._nodes_over_load(np.minimum(self.load(x), load), load)
         integral_of_pressure = np.sum(weights * self.pressure(x[..., None], eta), axis=-1)
         return load * self.pressure(x, load) - integral_of_pressure
 
-    def _load_nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+    def _nodes_over_load(self, begin: Array, end: Array) -> tuple[Array, Array]:
         """Quadrature nodes and weights on the loads from `begin` to `end` [force per thickness], in
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
@@ -1300,7 +1307,7 @@ class TiltedProfile:
         """
         x = np.asarray(x, dtype=float)
         gap_before = self.shape.gap(x, *self.intervals.unloaded_contact)
-        gap_after = self.shape.gap(x, *self.intervals.at(load))
+        gap_after = self.shape.gap(x, *self.intervals.centre_and_half_width(load))
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -1308,7 +1315,7 @@ class TiltedProfile:
         [force^2 per thickness^2]; K is the kernel of slip, `arccosh_ratio`.
         """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
-        eta, weight = self._load_nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
+        eta, weight = self._nodes_over_load(np.zeros(load.shape), np.minimum(load, self.load(x)))
         kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
         return np.asarray(np.sum(weight * eta * kernel, axis=-1))
 
@@ -1316,12 +1323,12 @@ class TiltedProfile:
         """The kernel of slip: pi/A times the slip s at points x outside, by a unit of M on the
         contact interval of load `advance` [1]; 0 inside.
 
-            arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2),  t = x - m
+            tangential_fraction arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2)
 
-        `excess` is not used.
+        t = x - m, m is the centre of the interval, c its half-length. `excess` is not used.
         """
         del excess
-        m, c = self.at(advance)
+        m, c = self.centre_and_half_width(advance)
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
         arccosh = np.arcsinh(root / np.where(c > 0, c, np.inf))
@@ -1345,7 +1352,7 @@ class TiltedProfile:
         advance
             load of the interval [force per thickness]
         """
-        m, c = self.at(advance)
+        m, c = self.centre_and_half_width(advance)
         face_middle, face_half_width = self.intervals.flat_face
         places = np.asarray(x, dtype=float)
         load_rise = np.asarray(excess, dtype=float)
@@ -1373,11 +1380,13 @@ class TiltedProfile:
     def log_ratio(self, load: ArrayLike) -> Array:
         """Rate of `kernel_quantity` per unit of M on the contact interval under `load`.
 
-        "displacement": ln(2 L/c) + (pi kappa/A) m, pi/A times the rate of U [1].
-        "conjugate_displacement": (pi kappa/A) mu more, for kappa m_q [1].
-        "shear_moment": mu = m - (pi kappa/(2 A)) c^2, the lever of the shear about x = 0 [length].
+        "displacement": phi ln(2 L/c) + (pi kappa/A) m, pi/A times the rate of U [1].
+        "conjugate_displacement": phi times that, plus (pi kappa/A) mu for kappa m_q [1].
+        "shear_moment": mu = phi m - (pi kappa/(2 A)) c^2, lever of the shear about x = 0 [length].
+
+        phi = `tangential_fraction`: 1, but 0 where bulk strain alone changes, with Q = 0.
         """
-        m, c = self.at(load)
+        m, c = self.centre_and_half_width(load)
         moment_arm = self.tangential_fraction * m - self.pressure_skewness * c * c / 2
         if self.kernel_quantity == "shear_moment":
             return moment_arm
@@ -1391,16 +1400,15 @@ class TiltedProfile:
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral of `log_ratio` over loads from 0 to `load`, in closed form.
-
-        By `kernel_quantity`, the quantity that the kernels of this object are of, it is
+        """Integral of `log_ratio` over loads from 0 to `load`, in closed form. It depends on
+        `kernel_quantity`, of which this object holds the kernels:
 
         - "shear_moment": the moment of the pressure [force];
         - "displacement": pi/A times the normal approach since no load [force per thickness];
         - "conjugate_displacement": that plus pi kappa/A times the moment.
         """
         load = np.asarray(load, dtype=float)
-        contact_centre, contact_half_length = self.intervals.at(load)
+        contact_centre, contact_half_length = self.intervals.centre_and_half_width(load)
         tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
         moment = self.shape.moment(contact_centre, contact_half_length, tilt) / self._compliance
         if self.kernel_quantity == "shear_moment":
@@ -1419,7 +1427,7 @@ class TiltedProfile:
 
     def log_moment(self, load: ArrayLike) -> Array:
         """Integral of eta times `log_ratio` over loads eta from 0 to `load`, by quadrature."""
-        eta, weight = self._load_nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
+        eta, weight = self._nodes_over_load(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:

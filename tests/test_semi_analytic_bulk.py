@@ -433,7 +433,7 @@ def test_contact_under_a_tilt_against_adaptive_quadrature(name, load, tilt):
     length = 1.7
     contact = TiltedProfile(NestedIntervals(convex_profile(profile), 2.0, tilt, 0.0, 4.0), length)
     slope = slope_of(profile)
-    m, c = (float(each) for each in contact.at(load))
+    m, c = (float(each) for each in contact.centre_and_half_width(load))
     knot = math.acos(min(max(-m / c, -1.0), 1.0))
 
     def over_theta(function, **rule):
