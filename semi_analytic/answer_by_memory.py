@@ -85,7 +85,7 @@ from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.stated_errors import (
     LoopIntegral,
-    Sums,
+    SumsOfKernels,
     error_by_slip_zone_load,
     error_of_displacement,
     error_of_work,
@@ -1234,7 +1234,7 @@ def _kernel_sums(
     loads_and_edges: Mapping[str, Array],
     fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
-) -> Sums:
+) -> SumsOfKernels:
     """What the error estimate of pressure, shear and slip needs: points, half-widths at all
     instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
@@ -1258,7 +1258,7 @@ def _kernel_sums(
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
     most_lines = _most_pieces(snapshot, sampled_instants) + 1
-    return Sums(
+    return SumsOfKernels(
         distance=request.distance,
         load=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
         half_widths=loads_and_edges["contact_half_width"],

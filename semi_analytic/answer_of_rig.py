@@ -58,37 +58,37 @@ from semi_analytic.next_order import (
     without_next_order,
 )
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined
-from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_part_of_rig
+from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_answer_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
-_STEADY = 1e-9
-# Punches at which such curves are compared; points among which the largest pressure is.
-_PLACES = 200
+_STEADY_TOLERANCE = 1e-9
+# Punches at which such curves are compared; points among which the largest pressure is sought.
+_SAMPLED_PLACES = 200
 # Rows on the two steps around the end of a slide, and ends that have them.
 _ROWS_AT_END = 33
 _MOST_ENDS = 200
 # Slides of this share of the way of the actuator are round-off.
-_NO_SLIDE = 1e-9
+_ROUND_OFF_SLIDE_SHARE = 1e-9
 # Straight steps of a cycle on grids, which take few.
 _STEPS_ON_GRIDS = 55
-# Index of a steady cycle in a repeated path of `odd_part_of_rig`: the second, if not the first.
+# Index of a steady cycle in a repeated path of `odd_answer_of_rig`: the second, if not the first.
 _STEADY_CYCLE = 1
 # Slides that a note names one by one.
-_MOST_NAMED = 4
+_MOST_SLIDES_NAMED = 4
 
 
 # ------------------------------------------------------------------------------------ the movements
 @dataclass(frozen=True, eq=False)
-class Rigged:
-    """A scene with prescribed displacements, ready to be followed.
+class RiggedScene:
+    """A scene whose rig prescribes displacements, with what is needed to follow it.
 
     Attributes
     ----------
     scene
         as asked
     contact, modulus, effects
-        normal contact of half-planes, E*, what the bodies add
+        normal contact of half-planes, E* [stress], what the bodies add
     compliance
         of contact and rig
     """
@@ -101,13 +101,15 @@ class Rigged:
 
     def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> Driven:
         """Loads and gross sliding along the path of the actuators over so many cycles, by
-        `refinement` times as many steps as at least; also at `extra_times` (k,).
+        `refinement` times the least number of steps; also at `extra_times` (k,).
         """
         path = self.scene.load.path_of_actuators()
         return self.follow_rows(actuator_rows(path, cycles, refinement, extra_times))
 
     def follow_rows(self, rows: ActuatorRows) -> Driven:
-        """Loads and gross sliding along a path of given steps."""
+        """Loads and gross sliding along a path of given steps. InputError where the bodies never
+        touch, or where the displacement of an actuator does not determine its load.
+        """
         scene = self.scene
         if scene.load.states_approach:
             loads = loads_of_approach(
@@ -121,7 +123,7 @@ class Rigged:
 
     def _table(self, rows: ActuatorRows) -> PunchTable:
         """Table of the flat punches that make up the contact, up to its largest half-width for any
-        Q within the Coulomb limit.
+        Q within the Coulomb limit. InputError where P is never positive.
         """
         if not np.any(rows.load_or_approach > 0):
             raise InputError(
@@ -134,9 +136,9 @@ class Rigged:
         return table_of(self.contact, self.modulus, loads, curvatures)
 
 
-def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
-    """A scene with prescribed displacements, ready to be followed: its normal contact on
-    half-planes, E*, and the compliance of contact, bodies and springs of the rig.
+def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
+    """A scene whose rig prescribes displacements, with its normal contact on half-planes, E*, and
+    the compliance of contact, bodies and springs of the rig.
 
     `effects` are what finite bodies add to half-planes: compliances, tilt and curvatures of the
     faces by the loads. Without them half-planes get those of the rig's datum length alone.
@@ -167,7 +169,7 @@ def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
         tilts=_tilts_of(scene, effects),
     )
     contact = contact_of(scene.profile, scene.material)
-    return Rigged(scene, contact, modulus, effects, compliance)
+    return RiggedScene(scene, contact, modulus, effects, compliance)
 
 
 def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
@@ -204,7 +206,7 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
     row_numbers = np.arange(len(driven.time))[rows]
     actuator_range = float(np.ptp(driven.actuator)) or 1.0
     slide_direction = np.sign(driven.slide)
-    slide_direction[np.abs(driven.slide) <= _NO_SLIDE * actuator_range] = 0
+    slide_direction[np.abs(driven.slide) <= _ROUND_OFF_SLIDE_SHARE * actuator_range] = 0
     slides: list[_Slide] = []
     for row_before, row in pairwise(row_numbers.tolist()):
         if not slide_direction[row]:
@@ -237,8 +239,9 @@ def findings_of_rig(question: Question) -> Findings:
     """Half-plane answer, corrected for finite bodies, to a scene whose rig prescribes
     displacements: loads P and Q, fields, friction work of the steady cycle, and their errors.
 
-    The loads are found step by step, and again by steps twice as long; the difference is stated as
-    error. Fields are those of half-planes with the effects of the bodies, under these loads.
+    Where no cycle is steady the answer is that of the whole path. The loads are found step by step,
+    and again by steps twice as long; the difference is stated as error. Fields are those of
+    half-planes with the effects of the bodies, under these loads.
 
     Raises
     ------
@@ -252,7 +255,7 @@ def findings_of_rig(question: Question) -> Findings:
             "straight_steps: it goes with given loads; leave it out where a displacement is"
             " prescribed"
         )
-    rig = rigged(question.scene, question.effects)
+    rig = rigged_scene(question.scene, question.effects)
     fine_path, coarse_path, steady_from = _followed_paths(rig, question.time)
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
@@ -336,7 +339,7 @@ class _Energy(NamedTuple):
 
 
 def _energy_of(
-    rig: Rigged,
+    rig: RiggedScene,
     fine_path: Driven,
     coarse_path: Driven,
     corrected_path: PathSeries,
@@ -409,13 +412,13 @@ class _BodiesAtSameLoads(NamedTuple):
     work_uncertainty: float = 0.0
 
     @classmethod
-    def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _BodiesAtSameLoads:
+    def of(cls, rig: RiggedScene, driven: Driven, rows: slice) -> _BodiesAtSameLoads:
         """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
         path, against half-planes under the same P and Q.
 
         The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
         order, x^4. `driven` holds the loads, which were found with curvatures alone. All zero for
-        half-planes, and where the bodies slide as a whole.
+        half-planes, where the bodies slide as a whole, and where half-planes would do no work.
         """
         if rig.scene.bodies.half_planes or _reason_without_next_order(driven, rows):
             return cls()
@@ -444,7 +447,7 @@ class _BodiesAtSameLoads(NamedTuple):
 
 
 def _tilt_and_strain_of(
-    rig: Rigged,
+    rig: RiggedScene,
     driven: Driven,
     last_cycle: slice,
     steady_from: int | None,
@@ -473,7 +476,7 @@ def _tilt_and_strain_of(
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
     try:
-        tilt_and_strain = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
+        tilt_and_strain = OddPart(odd_answer_of_rig(rig.scene, rig.effects, driven, last_cycle))
     except Declined as reason:
         tilt_and_strain = _tilt_and_strain_on_grids(rig, driven, last_cycle, str(reason))
     half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
@@ -486,7 +489,7 @@ def _tilt_and_strain_of(
 
 
 def _tilt_and_strain_on_grids(
-    rig: Rigged, driven: Driven, last_cycle: slice, reason: str
+    rig: RiggedScene, driven: Driven, last_cycle: slice, reason: str
 ) -> OddPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
     [energy per thickness]: a numerical solution on grids under the loads that were found.
@@ -513,7 +516,7 @@ def _reason_without_next_order(driven: Driven, last_cycle: slice) -> str:
     return ""
 
 
-def _compliance_to_answer_datum(rig: Rigged) -> float:
+def _compliance_to_answer_datum(rig: RiggedScene) -> float:
     """Compliance (A/pi) ln(L0/L) of half-planes between two datum depths [1 / stress]; 0 for finite
     bodies.
 
@@ -526,7 +529,7 @@ def _compliance_to_answer_datum(rig: Rigged) -> float:
     return rig.compliance.unit_compliance * math.log(ratio)
 
 
-def _corrected_path(rig: Rigged, driven: Driven) -> PathSeries:
+def _corrected_path(rig: RiggedScene, driven: Driven) -> PathSeries:
     """Half-widths, displacements and work along a path of a rig, with the curvatures that its
     bodies give to the faces; the loads were found with the same curvatures.
     """
@@ -534,7 +537,7 @@ def _corrected_path(rig: Rigged, driven: Driven) -> PathSeries:
     return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.rigid_displacement)
 
 
-def _followed_paths(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
+def _followed_paths(rig: RiggedScene, time: Array | None) -> tuple[Driven, Driven, int | None]:
     """Loads and gross sliding of a rig by fine steps and by steps twice as long, and the index of
     the first steady cycle; None without one.
 
@@ -569,12 +572,11 @@ def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
     """Index of the first cycle that is steady on the fine and on the coarse path; None where one of
     them has no steady cycle.
     """
-    steady_cycles = (steady_cycle(fine_path), steady_cycle(coarse_path))
-    return (
-        None
-        if None in steady_cycles
-        else max(cycle for cycle in steady_cycles if cycle is not None)
-    )
+    fine_cycle = steady_cycle(fine_path)
+    coarse_cycle = steady_cycle(coarse_path)
+    if fine_cycle is None or coarse_cycle is None:
+        return None
+    return max(fine_cycle, coarse_cycle)
 
 
 def _times_near_slide_ends(driven: Driven) -> Array:
@@ -582,7 +584,7 @@ def _times_near_slide_ends(driven: Driven) -> Array:
     rows: `_ROWS_AT_END` of them over the last step with a slide and the step after it.
 
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
-    f P. While P varies that instant lies inside of a step.
+    f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
     """
     is_sliding = driven.slide != 0
     load = driven.followed.normal_load
@@ -616,12 +618,13 @@ def steady_cycle(driven: Driven) -> int | None:
     none does.
 
     The state is the memory curve: the locked-in tangential force of the flat punches up to each
-    half-width. The curves at the begin and end of the cycle must agree at many punches.
+    half-width. The curves at the begin and end of the cycle must agree at 200 punches to 1e-9 of
+    f P.
     """
     followed = driven.followed
     # s is the coordinate of the half-width in the table of punches.
-    s_of_punches = np.linspace(0.0, followed.table.largest_s, _PLACES)
-    force_tolerance = _STEADY * followed.friction * float(np.max(followed.normal_load))
+    s_of_punches = np.linspace(0.0, followed.table.largest_s, _SAMPLED_PLACES)
+    force_tolerance = _STEADY_TOLERANCE * followed.friction * float(np.max(followed.normal_load))
     # `ends` are the rows at which the initial loading ends, and each cycle.
     forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in driven.ends]
     for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
@@ -684,7 +687,7 @@ def _errors_of_steps(
     between a path by fine steps and one by steps twice as long.
 
     That of the work is over W of the steady cycle `steady_from`, or of the path where there is
-    none; that of Q over the largest |Q|.
+    none; that of Q over the largest |Q|. Without work, or without Q, there is no such error.
     """
     errors = {}
     fine_rows = slice(0, None)
@@ -709,7 +712,9 @@ def _errors_of_steps(
 
 
 def _message(steady_from: int | None, scene: Scene) -> str:
-    """How the path ended, in a sentence."""
+    """How the path ended, in a sentence: with a steady cycle, at its end, or without a steady one
+    among the cycles that were followed.
+    """
     if steady_from is not None:
         return f"cycle {steady_from + 1} ends in the state it started from"
     if scene.load.path_of_actuators().period is None:
@@ -719,7 +724,7 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 # ---------------------------------------------------------------------------------------- the words
 def _notes(
-    rig: Rigged,
+    rig: RiggedScene,
     driven: Driven,
     last_cycle: slice,
     errors: dict[str, float],
@@ -779,12 +784,12 @@ def _notes(
         yield "separation: the bodies part, and nothing is remembered after it"
 
 
-def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
+def _note_of_next_order(rig: RiggedScene, driven: Driven, last_cycle: slice) -> str:
     """A sentence on the terms in x^4 of the finite bodies' effects, the next order after the
     curvatures, x^2: whether W has them, and how much they would change the largest p and a.
 
     `driven` holds the loads that were found along the path of the `rig`, `last_cycle` its rows of
-    the last cycle. The two changes are those at the largest P, without Q.
+    the last cycle. The two changes are those at the largest P of the path, without Q.
     """
     reason_without = _reason_without_next_order(driven, last_cycle)
     place_text = f"left out: {reason_without}" if reason_without else "in the dissipation"
@@ -804,7 +809,7 @@ def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
         )
         path = PathSeries(memory, rig.contact, rig.modulus, effects)
         half_width = float(path.half_width[1])
-        places = np.linspace(0.0, half_width, _PLACES)
+        places = np.linspace(0.0, half_width, _SAMPLED_PLACES)
         pressures.append(float(np.max(PointFields(path, places).pressure(np.array([1])))))
         half_widths.append(half_width)
     return (
@@ -833,9 +838,13 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
         slide_distance = sum(abs(slide.distance) for slide in slides)
         work = sum(slide.work for slide in slides)
         named_slides = "; ".join(
-            _slide_in_words(slide, length_unit) for slide in slides[:_MOST_NAMED]
+            _slide_in_words(slide, length_unit) for slide in slides[:_MOST_SLIDES_NAMED]
         )
-        rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
+        rest_text = (
+            f"; and {len(slides) - _MOST_SLIDES_NAMED} more"
+            if len(slides) > _MOST_SLIDES_NAMED
+            else ""
+        )
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
             f" {length_unit}, which takes {work:.6g} {energy_unit} of the dissipation:"

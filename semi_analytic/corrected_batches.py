@@ -4,9 +4,9 @@ of ellipses at once.
 A flat punch of half-width c keeps its tangential force F while it sticks (the locked-in force). F
 lies between two sinusoids of time, the Coulomb bounds B of `corrected_memory`, while the punch is
 in contact. A bound that meets F carries it along; in between F stands still: a play operator. With
-the normal load that is carried outside of the punch, pi = P - eta - kn G,
+the normal load that is carried outside of the punch, L = P - eta - kn G,
 
-    W = (A/pi) int w(c) dc/c,    w = closed-int f pi |dF|
+    W = (A/pi) int w(c) dc/c,    w = closed-int f L |dF|
 
 Between two instants at which a bound turns round both bounds move one way, F ends at the bound that
 it meets, and w has a primitive: no time steps. A punch that comes into contact starts with F where
@@ -34,9 +34,9 @@ from semi_analytic.profiles import SymmetricContact
 _GAUSS_NODES = 32
 # Iterations of the Illinois rule at most, and the residual at which it ends, over the value scale.
 _MOST_SECANTS = 40
-_LEAST_RESIDUAL = 1e-13
+_RESIDUAL_OF_ROOT = 1e-13
 # Fraction of a value at the other end of a bracket below which one is round-off.
-_ROUNDING = 1e-9
+_ROUND_OFF_SHARE = 1e-9
 _TINY = float(np.finfo(float).tiny)
 # Ellipses that are taken at once: bounds the memory of arrays (m, punches).
 _ELLIPSES_AT_ONCE = 2048
@@ -182,7 +182,7 @@ def cycle_of_punches(
 
 class WorkOfEllipses(NamedTuple):
     """Friction work W of forward and of reverse slip in a steady cycle, times pi/A = pi E*/2, and
-    half-width of permanent stick, (m,) each.
+    half-width of permanent stick, 0 where no point sticks all through, (m,) each.
     """
 
     forward: Array
@@ -200,7 +200,8 @@ def works_of_ellipses(
     half-width of permanent stick, for m elliptic load paths on one profile, (m,) each.
 
     Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
-    the profile or would split. Units are those of `contact`, whose E* is `modulus` [stress].
+    the profile or would split; the half-width is 0 where no point sticks all through. Units are
+    those of `contact`, whose E* is `modulus` [stress].
 
     Examples
     --------
@@ -231,7 +232,8 @@ def _works_and_stick(
     modulus: float,
 ) -> Array:
     """Friction work of forward and of reverse slip, times pi/A = pi E*/2, and half-width of
-    permanent stick, (3, m), as `works_of_ellipses`, for all m ellipses at once.
+    permanent stick, (3, m), for all m ellipses at once; NaN where the contact is wider than the
+    profile or would split.
 
     The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie
     between permanent stick and the largest contact. Each punch goes through the cycle by itself.
@@ -307,8 +309,9 @@ def _least_stiffness_at_edge(
     """Lower bound over the cycle of dP/da at the edge of the largest contact, (m, 1) [stress]; the
     contact would split where it is not positive.
 
-    kn, the curvature that the bodies add to the gap, adds kn dG/da = (pi E*/2) kn a. Taken is the
-    least kn of the cycle, or 0 if that is positive.
+    kn = N P + N_Q Q, the curvature that the bodies add to the gap, adds kn dG/da = (pi E*/2) kn a.
+    Taken is a lower bound of kn: the least N P, or 0 if that is positive, minus the largest |N_Q
+    Q|.
     """
     largest_load = loads.mean_normal + loads.normal_amplitude
     least_load = loads.mean_normal - loads.normal_amplitude
@@ -329,12 +332,13 @@ def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: A
     Illinois rule: secants that keep the root between them.
 
     The lower bound where a function is positive there, NaN where it is negative at the upper one.
-    `function` gives the values (m, 1) of all at x (m, 1).
+    It ends where all values are 1e-13 of those at the bounds, or after 40 secants. `function` gives
+    the values (m, 1) of all at x (m, 1).
     """
     value_at_lower = function(lower_bound)
     value_at_upper = function(upper_bound)
     value_scale = np.maximum(np.abs(value_at_lower), np.abs(value_at_upper))
-    has_no_root = value_at_upper < -_ROUNDING * value_scale
+    has_no_root = value_at_upper < -_ROUND_OFF_SHARE * value_scale
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
     for _ in range(_MOST_SECANTS):
@@ -347,7 +351,7 @@ def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: A
             upper_bound,
         )
         value = function(x)
-        is_converged = np.abs(value) <= _LEAST_RESIDUAL * value_scale
+        is_converged = np.abs(value) <= _RESIDUAL_OF_ROOT * value_scale
         if np.all(is_converged | has_no_root | (value_at_lower >= 0)):
             break
         is_positive = value > 0
@@ -365,11 +369,11 @@ def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: A
 
 
 def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
-    """w = closed-int f pi |dF| of flat punches in a steady cycle, in forward and in reverse slip,
+    """w = closed-int f L |dF| of flat punches in a steady cycle, in forward and in reverse slip,
     (2, m, k) [force^2 per thickness^2].
 
-    F is the tangential force that a punch keeps while it sticks; pi the normal load outside of it.
-    While pi > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
+    F is the tangential force that a punch keeps while it sticks; L the normal load outside of it.
+    While L > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
     The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
     """
     forward_bound, reverse_bound, load_outside = cycle
@@ -413,8 +417,8 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
         int L dB = A [p cos(theta) + b (cos(D) cos^2(theta)/2
                                         - sin(D) (theta - sin(theta) cos(theta))/2)]
 
-    Arrays are (m, k): k flat punches under each of m ellipses of loads. L is the load that the
-    wider flat punches carry (pi of the module's formula). Only differences of the integral count:
+    Arrays are (m, k): k flat punches under each of m ellipses of loads. L is the normal load that
+    the wider flat punches carry. Only differences of the integral count:
     the constant is left out.
 
     In the phase angle t of the cycle B = B_0 + A cos(t - t_B) and L = p + b cos(t - t_L), with the

@@ -64,31 +64,31 @@ from semi_analytic.profiles import SymmetricContact
 # Of the largest f P: to which Q of a step is found. Round-off of the memory curve is 1e-11.
 _FORCE_TOLERANCE = 1e-13
 # Newton's steps with a bracket: about five are taken; bisection alone would take 45.
-_MOST_STEPS = 200
+_MOST_ITERATIONS = 200
 # Edges of contact that are kept.
-_EDGES = 8
+_CACHED_EDGES = 8
 # Share of f P within which Q is at the limit of sliding.
 _LIMIT_SHARE = 1e-9
 # Share of a step within which sliding begins at one of its ends.
-_END_SHARE = 1e-9
+_SHARE_AT_STEP_END = 1e-9
 # Steps of a cycle at least, and between two turning points.
 _STEPS_A_CYCLE = 200
-_FEWEST_STEPS = 16
+_FEWEST_STEPS_BETWEEN_TURNS = 16
 # Steps that are followed at most: each takes about half a millisecond.
 _MOST_ROWS = 100_000
 # Two instants of this share of the path are one.
-_SAME = 1e-12
+_EQUALITY_TOLERANCE = 1e-12
 # Half-widths at which dU/dQ is looked at.
-_PLACES = 400
+_SAMPLED_HALF_WIDTHS = 400
 _BISECTIONS = 60
 # Share of the values at the ends of a bracket within which a function is 0.
-_ROUNDING_OF_ROOT = 1e-14
+_RESIDUAL_OF_ROOT = 1e-14
 # Share of a displacement that is round-off.
-_ROUNDING = 1e-12
+_ROUND_OFF_SHARE = 1e-12
 # Share of the largest approach by which it may fall: cubics of the table leave 1e-11, and a datum
 # that is too short much more than this.
 _ERROR_OF_TABLE = 1e-9
-_DOUBLINGS = 60
+_MOST_WIDENINGS = 60
 
 
 class Compliance(NamedTuple):
@@ -120,8 +120,12 @@ class Compliance(NamedTuple):
     curvatures: Curvatures = Curvatures()
     tilts: tuple[float, float] = (0.0, 0.0)
 
-    def of_tilt(self, normal_load: Array | float, tangential_load: Array | float) -> Array:
-        """alpha_Q M, what the tilt adds to U [length]."""
+    def displacement_by_tilt(
+        self, normal_load: Array | float, tangential_load: Array | float
+    ) -> Array:
+        """alpha_Q M, what the tilt adds to U under P and Q [length]; 0 unless the profile is a
+        parabola.
+        """
         of_pressure, of_shear = self.tilts
         load = np.asarray(normal_load)
         return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
@@ -156,7 +160,9 @@ class Compliance(NamedTuple):
         dU/dQ is checked for all half-widths of the stick zone up to `largest_half_width` [length],
         under the normal load `largest_load`.
         """
-        stick_half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
+        stick_half_width = (
+            largest_half_width * np.arange(1, _SAMPLED_HALF_WIDTHS + 1) / _SAMPLED_HALF_WIDTHS
+        )
         slope_of_displacement = self.of_actuator(stick_half_width, largest_load)
         if np.all(slope_of_displacement > 0):
             return
@@ -171,7 +177,8 @@ class Compliance(NamedTuple):
 
 # --------------------------------------------------------------------------------- rows of the path
 class ActuatorRows(NamedTuple):
-    """Instants of a path of actuators, with P or the normal approach and U_act there, (n,) each.
+    """Instants of a path of actuators, with P or the normal approach, 0 where it is negative, and
+    U_act there, (n,) each.
 
     `ends` are the indices of the instants at which the initial loading and each cycle end; of a
     path without cycles that of the last instant.
@@ -202,6 +209,8 @@ def actuator_rows(
     ----------
     path
         of the actuators: P or the normal approach in the place of P, U_act in that of Q
+    cycles
+        number of cycles after the initial loading
     refinement
         factor on the number of equal steps
     extra_times
@@ -220,8 +229,8 @@ def actuator_rows(
     n_turns = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
     steps_between_turns = max(math.ceil(steps_per_cycle * n_cycles / n_turns), 1)
-    if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS:
-        steps_between_turns = max(steps_between_turns, _FEWEST_STEPS)
+    if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
+        steps_between_turns = max(steps_between_turns, _FEWEST_STEPS_BETWEEN_TURNS)
     steps_between_turns *= refinement
     if steps_between_turns * n_turns > _MOST_ROWS:
         raise InputError(
@@ -237,7 +246,7 @@ def actuator_rows(
         sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
         loads_at_samples = path.at(sample_times)[0]
         largest_load = np.max(np.abs(loads_at_samples))
-        is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME * largest_load
+        is_constant = np.ptp(loads_at_samples, axis=0) <= _EQUALITY_TOLERANCE * largest_load
         # Equal times become one below.
         step_times[is_constant] = step_times[is_constant, :1]
     time = np.append(step_times.ravel(), turning_times[-1])
@@ -246,7 +255,7 @@ def actuator_rows(
         time = np.append(time, extra_times[is_in_path])
     time = np.unique(time)
     duration = turning_times[-1] - turning_times[0]
-    time = time[np.diff(time, prepend=-np.inf) > _SAME * duration]
+    time = time[np.diff(time, prepend=-np.inf) > _EQUALITY_TOLERANCE * duration]
 
     load_or_approach, displacement = path.at(time)
     cycle_end_times = [turning_times[-1]]
@@ -285,17 +294,18 @@ def _normal_value(segment: LoadSegment, time: float) -> float:
 def _root(function: Callable[[float], float], begin: float, end: float) -> float:
     """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
-    That is false position, but the value at an end that stays twice is halved.
+    That is false position, but the value at an end that stays twice is halved. It ends at a value
+    of 1e-14 of the larger one at the ends, or after 200 iterations.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
     largest_value = max(abs(value_at_begin), abs(value_at_end))
     root = begin
     moved_end = 0  # which end moved last: -1 the lower, 1 the upper
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MOST_ITERATIONS):
         root = (begin * value_at_end - end * value_at_begin) / (value_at_end - value_at_begin)
         value_at_root = function(root)
-        if abs(value_at_root) <= _ROUNDING_OF_ROOT * largest_value:
+        if abs(value_at_root) <= _RESIDUAL_OF_ROOT * largest_value:
             break
         if (value_at_root > 0) == (value_at_end > 0):
             end = root
@@ -397,12 +407,12 @@ def _table_of_approach(
     Raises
     ------
     InputError
-        For an approach beyond the profile, and if the approach falls while P grows.
+        For an approach beyond the profile, or beyond any contact that was tried, and if the
+        approach falls while P grows.
     """
-    # Half-width to which the profile is given.
-    extent = contact.extent if math.isfinite(contact.extent) else math.inf
+    extent = contact.extent  # half-width to which the profile is given
     half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
-    for _ in range(_DOUBLINGS):
+    for _ in range(_MOST_WIDENINGS):
         table = PunchTable(contact, modulus, half_width)
         _, approach_at_end = _load_and_approach(table, compliance, np.array([table.largest_s]))
         if approach_at_end[0] >= largest_approach:
@@ -465,7 +475,7 @@ class Driven:
 
     @property
     def displacement(self) -> Array:
-        """U of the contact, without the spring: (n,)."""
+        """U of the contact and the bodies, without the spring, (n,) [length]."""
         spring = self.compliance.tangential_spring
         return np.asarray(self.actuator - spring * self.followed.tangential_load)
 
@@ -482,11 +492,15 @@ class Driven:
         return self.compliance.unit_compliance * self.followed.step_work
 
     def work(self, rows: slice) -> float:
-        """Friction work of a cycle or of the path, whose first row ends the step before it."""
+        """Friction work of partial slip and of sliding in a cycle or the path [energy per
+        thickness]. The first of its rows ends the step before it, which does not count.
+        """
         return float(np.sum((self.slip_work + self.slide_work)[rows][1:]))
 
     def loop_work(self, rows: slice) -> float:
-        """Closed integral of Q dU by straight steps: the second way to the work at constant P."""
+        """Closed integral of Q dU by straight steps, for the rows of a cycle: the second way to the
+        work at constant P [energy per thickness].
+        """
         return area_of_loop(self.followed.tangential_load[rows], self.displacement[rows])
 
 
@@ -603,7 +617,7 @@ class _Stepper:
         self._compliance = compliance
         self._table = memory.table
         # Trials of a step have one P, and where N_Q is 0 one edge.
-        self._edge_of_contact_at = lru_cache(maxsize=_EDGES)(memory.table.edge_of_contact_at)
+        self._edge_of_contact_at = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_of_contact_at)
         # Of each piece of memory curve, by its number: integrals up to its top over the load of the
         # punches, and over the memory curve itself.
         self._sums_at_tops = [self._table.sums_at(0.0, compliance.datum_length)]
@@ -668,7 +682,7 @@ class _Stepper:
             ):
                 continue
             fraction = _root(partial(excess_displacement, direction), 0.0, 1.0)
-            if _END_SHARE < fraction < 1 - _END_SHARE:
+            if _SHARE_AT_STEP_END < fraction < 1 - _SHARE_AT_STEP_END:
                 return begin.at_fraction(end, fraction), end
         return (end,)
 
@@ -713,12 +727,12 @@ class _Stepper:
         sliding_step = memory.slide(row_at_limit, direction)
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
         # At the begin of a slide nothing is left but round-off, of either sign.
-        if direction * slide_distance >= -_ROUNDING * abs(target_displacement):
+        if direction * slide_distance >= -_ROUND_OFF_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide=slide_distance)
         self._discard_pieces(n_pieces)
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FORCE_TOLERANCE * memory.friction * memory.largest_load
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MOST_ITERATIONS):
             force_change = (target_displacement - displacement) / self._compliance_at(
                 memory_step, end.load
             )
@@ -751,11 +765,11 @@ class _Stepper:
         """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
         [length]: U of contact and bodies, plus the extension of the spring k_s.
 
-            (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + `of_tilt`(P, Q)
+            (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + U_tilt
 
-        M(c) is the tangential force that flat punches of half-width up to c carry. p_2 and q_2 are
-        the second moments of pressure and shear traction. T and N_Q are curvatures of the bodies
-        per Q, c_t is their compliance.
+        U_tilt is what tilt adds for a parabola. M(c) is the tangential force that flat punches of
+        half-width up to c carry. p_2 and q_2 are the second moments of pressure and shear traction.
+        T and N_Q are curvatures of the bodies per Q, c_t is their compliance.
         """
         self._integrate_new_pieces()
         compliance = self._compliance
@@ -780,7 +794,8 @@ class _Stepper:
         displacement += added_compliance * row.tangential_load
         displacement += curvatures.tangential * shear_second_moment / 2
         displacement += curvatures.normal_under_shear * pressure_second_moment / 2
-        return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
+        by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
+        return displacement + float(by_tilt)
 
     def _compliance_at(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step under P = `load` [1/stress]."""

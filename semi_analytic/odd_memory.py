@@ -71,23 +71,23 @@ ODD_NUMBERS = (
 
 # Points of Gauss' rule on a span, and panels of the loads that a smooth end of a stroke leaves:
 # half as many give the error.
-_POINTS = 24
-_PANELS = 80
+_GAUSS_POINTS = 24
+_PANELS_OF_STROKE_END = 80
 # A stroke ends smoothly where the rate of s Q - f P is below this fraction of its largest in the
 # span.
-_AT_REST = 1e-6
+_RATE_SHARE_AT_REST = 1e-6
 # Fraction of the next order: see `OddWork.added_work`. Beyond the largest ratio grids differ from
 # the second order by up to several times W.
-_NEXT_ORDER = 0.5
-_MOST_ONE_SIDED = 0.8
+_FACTOR_OF_NEXT_ORDER = 0.5
+_LARGEST_ONE_SIDED_RATIO = 0.8
 # Segments of a path at most: each takes a millisecond.
 _MOST_SEGMENTS = 1000
 # Step of a derivative of rates, over the duration of a segment or arc.
-_STEP = 1e-4
+_DERIVATIVE_STEP = 1e-4
 # Two loads, or two slopes, are equal within this fraction of the load, or of f.
-_SAME = 1e-9
+_EQUALITY_TOLERANCE = 1e-9
 # Below this c/a at the end of a stroke all but slides.
-_LEAST_STICK = 1e-3
+_LEAST_STICK_RATIO = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,24 +124,24 @@ class OddWork:
         Raises
         ------
         Declined
-            Where there is no matrix, or where one side of the contact slips alone through most of a
-            span.
+            Where there is no matrix, or where one side of the contact slips alone, or nearly so
+            (a ratio above 0.8), through half of a span.
         """
         if self.reason_declined:
             raise Declined(self.reason_declined)
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
         one_sided_ratio = self.largest_one_sided_ratio(o)
-        if one_sided_ratio > _MOST_ONE_SIDED:
+        if one_sided_ratio > _LARGEST_ONE_SIDED_RATIO:
             raise Declined("tilt and strain go so fast that one side of the contact slips alone")
         work = float(o @ self.matrix @ o)
         quadrature_error = abs(work - float(o @ self.coarse_matrix @ o))
         sum_of_absolute_terms = float(np.abs(o) @ np.abs(self.matrix) @ np.abs(o))
-        next_order_error = _NEXT_ORDER * one_sided_ratio * sum_of_absolute_terms
+        next_order_error = _FACTOR_OF_NEXT_ORDER * one_sided_ratio * sum_of_absolute_terms
         return Estimate(work, quadrature_error + next_order_error)
 
     def largest_one_sided_ratio(self, tilt_and_strain_per_load: ArrayLike) -> float:
         """Largest over spans of the median in time of |c . o|, c of `one_sided_ratios`: above 1,
-        one side of the contact slips alone through half of a span.
+        one side of the contact slips alone through half of a span. 0 if no span has coefficients.
         """
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
         medians = [float(np.median(np.abs(c @ o))) for c in self.one_sided_ratios]
@@ -178,8 +178,9 @@ class OddAnswer:
         """Centres of the contact and of the stick zone at times (n,) of the path, (n,) each, along
         x from the axis of the profile [length]: to the first order in tilt and bulk strain.
 
-        Without tilt and strain both are at 0. Each time is looked up in the span of stick or slip
-        that it falls in.
+        Without tilt and strain both are at 0. The second is NaN where all of the contact slips.
+        Each time is looked up in the span of stick or slip that it falls in; later ones are moved
+        back by whole periods.
         """
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
@@ -232,7 +233,7 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
     uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
-    for spans, span_before, next_span in _cycles(history):
+    for spans, span_before, next_span in _cycles_with_neighbours(history):
         quadratic_form = odd_work(spans, profile.radius, modulus, span_before, next_span)
         work = quadratic_form.added_work(tilt_and_strain_per_load)
         absolute_values = np.abs(tilt_and_strain_per_load)
@@ -243,7 +244,9 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     return OddAnswer(history, profile.radius, tilt_and_strain_per_load, tuple(works))
 
 
-def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
+def _cycles_with_neighbours(
+    history: History,
+) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
     """For each cycle of a history, or the whole path where it does not repeat: its spans of stick
     and slip, the span before them and the span after them, None where there is none.
 
@@ -288,8 +291,8 @@ def odd_work(
     strokes = _Strokes(tuple(spans), radius, span_before, next_span)
     try:
         strokes.require_no_limit_in_stick()
-        fine_matrix = strokes.matrix(_POINTS, _PANELS)
-        coarse_matrix = strokes.matrix(_POINTS // 2, _PANELS // 2)
+        fine_matrix = strokes.matrix(_GAUSS_POINTS, _PANELS_OF_STROKE_END)
+        coarse_matrix = strokes.matrix(_GAUSS_POINTS // 2, _PANELS_OF_STROKE_END // 2)
     except Declined as reason:
         unknown_matrix = np.full((4, 4), np.nan)
         return OddWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
@@ -335,7 +338,7 @@ class _Strokes:
         It is the sum over all spans of slip, the kinks of the memory curve M(eta) that their stick
         edges pass, and the smooth ends of strokes. M(eta) is the tangential force of the flat
         punches up to the load eta. `n_points` are the quadrature nodes of a span, `n_panels` the
-        panels of the loads that a stroke's end leaves.
+        panels of the loads that a stroke's end leaves. Declined where no matrix holds.
         """
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
@@ -493,7 +496,7 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
         return np.full(np.shape(eta), 2 * piece.bend)
     segment = piece.anchor.segment
     time = time_of_load_on_arc(piece, eta)
-    time_step = _STEP * (piece.arc[1] - piece.arc[0])
+    time_step = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
     for shifted_time in (time - time_step, time + time_step):
         normal_rate, tangential_rate = segment.rates(shifted_time)
@@ -519,7 +522,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     D is the centre of stick minus that of contact, v the shift in `_StickEdge`. The second integral
     is there where the memory at the stick edge was set in stick; alpha' and eps' are then their
     derivatives along that memory, by eta. Both are taken by Gauss' rule of `n_points` nodes in
-    time; `radius` is R of the parabola.
+    time; `radius` is R of the parabola. Declined where the contact slides as a whole.
     """
     piece = span.sticking_piece
     if piece is None:
@@ -569,15 +572,16 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
     outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M'.
-    The spans of slip before and after it have the stick edge on these two pieces; zero where both
-    are on one piece. `radius` is R of the parabola.
+    The spans of slip before and after it have the stick edge on these two pieces. Zero where they
+    slip in different directions, where both are on one piece, and where M' does not jump. `radius`
+    is R of the parabola.
     """
     outer_piece = span_before.sticking_piece
     inner_piece = span.sticking_piece
     zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return zero_matrix
-    tolerance = _SAME * outer_piece.top
+    tolerance = _EQUALITY_TOLERANCE * outer_piece.top
     if inner_piece.top > outer_piece.bottom + tolerance:
         return zero_matrix  # both spans are on one piece
     if inner_piece.top - inner_piece.bottom <= tolerance:
@@ -596,7 +600,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     outer_steepness, inner_steepness = steepness_of_sides
     steepness_jump = outer_steepness - inner_steepness
     steepness_product = outer_steepness * inner_steepness
-    if abs(steepness_jump) <= _SAME * span.friction or steepness_product <= 0:
+    if abs(steepness_jump) <= _EQUALITY_TOLERANCE * span.friction or steepness_product <= 0:
         return zero_matrix
     centre_jump = stick_centres[0] - stick_centres[1]
     weight = span.friction * slip_zone_load * steepness_product / (2 * radius * steepness_jump)
@@ -620,7 +624,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     begin = span.begin
     top_of_sticking_piece = span.sticking_piece.top if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
-        load_tolerance = _SAME * max(piece.anchor.normal, begin.normal)
+        load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal, begin.normal)
         if piece.bottom < top_of_sticking_piece - load_tolerance:
             break
         is_point = piece.top - piece.bottom <= load_tolerance
@@ -640,7 +644,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
 
 @dataclass(frozen=True, eq=False)
 class _SmoothEnd:
-    """The smooth end of a stroke of slip: the rate of s Q - f P, vanishes there.
+    """The smooth end of a stroke of slip: the rate of s Q - f P vanishes there.
 
     Attributes
     ----------
@@ -656,10 +660,11 @@ class _SmoothEnd:
 
     def loads_left(self, n_panels: int) -> tuple[Array, Array]:
         """Loads eta (n,), and the tangential load that the end leaves on flat punches next to each,
-        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P.
+        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P. Declined where
+        almost nothing sticks, c/a below 1e-3.
         """
         stick_ratio = float(np.sqrt(self.edge_load / self.load))
-        if stick_ratio < _LEAST_STICK:
+        if stick_ratio < _LEAST_STICK_RATIO:
             raise Declined("all but the middle of the contact slides")
         left = loads_left_at_stroke_end(stick_ratio, n_panels)
         eta = self.load * left.half_width**2
@@ -671,20 +676,24 @@ def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _Sm
     """The smooth end of a stroke of slip in the direction s, at a `time` of the load segment of a
     span; None where the stroke ends at a vertex of the load path, or nothing has slipped.
 
-    At a smooth end the rate of s Q - f P vanishes, so that slip stops without a jump of the rates
-    of the loads. `edge_load` is the load at the stick edge there; `radius` is R of the parabola.
+    At a smooth end the rate of s Q - f P vanishes and changes its sign, so that slip stops without
+    a jump of the rates of the loads. `edge_load` is the load at the stick edge there; `radius` is R
+    of the parabola.
     """
     segment = span.segment
     combination = slip_combination(span.direction, span.friction)
     middle_time = (span.begin.time + span.end.time) / 2
-    rates = [
+    rate_at_begin, rate_in_middle, rate_at_end = (
         abs(float(segment.rate_of(combination, rate_time)))
         for rate_time in (span.begin.time, middle_time, time)
-    ]
+    )
+    largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
     load = float(segment.loads(time)[0])
-    if rates[2] > _AT_REST * max(rates) or edge_load >= load * (1 - _SAME):
+    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or edge_load >= load * (
+        1 - _EQUALITY_TOLERANCE
+    ):
         return None
-    time_step = _STEP * (segment.end - segment.start)
+    time_step = _DERIVATIVE_STEP * (segment.end - segment.start)
     rate_after = float(segment.rate_of(combination, time + time_step))
     rate_before = float(segment.rate_of(combination, time - time_step))
     second_rate = (rate_before - rate_after) / (2 * time_step)  # N'', of N = f P - s Q
@@ -761,7 +770,8 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     """Arrays (n, 4) of coefficients c of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
-    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick.
+    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick. None of a
+    span of stick in which P does not grow.
 
     1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
        zone.
@@ -772,7 +782,7 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; a and c are the half-widths of contact and
     stick. `radius` is R of the parabola, `modulus` E*.
     """
-    time, _ = _gauss_times(span, _POINTS // 2)
+    time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
     load = span.segment.loads(time)[0]
     load_rates = span.segment.rates(time)
     if not span.direction and np.all(load_rates[0] <= 0):
@@ -782,7 +792,9 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     ratio_of_edge_functions = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
-        width_ratio = np.sqrt(np.clip(1 - slip_zone_load / load, _LEAST_STICK**2, 1 - _SAME))
+        width_ratio = np.sqrt(
+            np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
+        )
         ratio_of_edge_functions = (
             half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
         )

@@ -30,21 +30,21 @@ from semi_analytic.odd_memory import Declined, OddAnswer, odd_answer
 
 # Instants of a cycle from which harmonics are computed, and harmonics: twice as many change the
 # added work by less than 1e-3 of itself.
-_INSTANTS = 256
-_HARMONICS = 24
+_INSTANTS_OF_TRANSFORM = 256
+_HARMONIC_COUNT = 24
 # Steps of a cycle with neither constant P nor harmonics.
-_STEPS = 200
+_MOST_STEPS = 200
 # Two loads are equal within this fraction of the larger.
-_SAME = 1e-9
-# Amplitudes below this fraction of the largest are set to 0.
-_LEAST_AMPLITUDE = 1e-7
+_EQUALITY_TOLERANCE = 1e-9
+# Amplitudes below this fraction of the largest of the same load are set to 0.
+_LEAST_AMPLITUDE_SHARE = 1e-7
 
 
-def odd_part_of_rig(
+def odd_answer_of_rig(
     scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
 ) -> OddAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
-    the second order in both.
+    the second order in both, and the centres of contact and stick.
 
     Rows are instants of the followed path, `last_cycle` those of the steady cycle. `driven` holds
     the loads that follow from the prescribed displacements, `effects` tilt and strain per load.
@@ -52,8 +52,8 @@ def odd_part_of_rig(
     Raises
     ------
     Declined
-        Where the second order does not hold for the loads; where the bodies slide as a whole, or
-        part.
+        Where the second order does not hold for the loads, or these are constant; where the bodies
+        slide as a whole, or part.
     """
     if np.any(driven.followed.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
@@ -63,7 +63,7 @@ def odd_part_of_rig(
 
 
 def loads_of_cycle(
-    scene: Scene, driven: Driven, last_cycle: slice, most_steps: int = _STEPS
+    scene: Scene, driven: Driven, last_cycle: slice, most_steps: int = _MOST_STEPS
 ) -> Scene:
     """The scene of a rig with displacements replaced by the loads P and Q of its last cycle, as a
     load path without rig.
@@ -87,10 +87,10 @@ def loads_of_cycle(
     tangential_load = driven.followed.tangential_load[last_cycle]
     time = driven.time[last_cycle]
     load_of_cycle: HarmonicLoad | PolygonLoad
-    if np.ptp(normal_load) <= _SAME * float(np.max(normal_load)):
+    if np.ptp(normal_load) <= _EQUALITY_TOLERANCE * float(np.max(normal_load)):
         load_of_cycle = _polygon_of_turning_points(normal_load, tangential_load)
     elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
-        load_of_cycle = _harmonics(time, normal_load, tangential_load)
+        load_of_cycle = _sum_of_harmonics(time, normal_load, tangential_load)
     else:
         load_of_cycle = _straight_steps(normal_load, tangential_load, most_steps)
     return scene.vary(load=load_of_cycle, rig=Rig(), cycles=2)
@@ -113,20 +113,22 @@ def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> Po
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:]))
 
 
-def _harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
-    """One period of P and Q over time, (n,) each, as a load of means and the first harmonics, by
+def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
+    """One period of P and Q over time, (n,) each, as a load of means and the first 24 harmonics, by
     the discrete Fourier transform.
 
-    Amplitudes below 1e-7 of the largest are set to 0.
+    Amplitudes of one load below 1e-7 of the largest are set to 0.
     """
-    equal_times = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
+    equal_times = (
+        time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS_OF_TRANSFORM) / _INSTANTS_OF_TRANSFORM
+    )
 
     def mean_and_harmonics(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
         """Mean of n values, and (amplitude, phase in degrees) of each harmonic."""
-        fourier_terms = np.fft.rfft(np.interp(equal_times, time, values)) / _INSTANTS
-        amplitudes = 2 * np.abs(fourier_terms[1 : _HARMONICS + 1])
-        phases = -np.degrees(np.angle(fourier_terms[1 : _HARMONICS + 1]))
-        amplitudes[amplitudes < _LEAST_AMPLITUDE * np.max(amplitudes)] = 0.0
+        fourier_terms = np.fft.rfft(np.interp(equal_times, time, values)) / _INSTANTS_OF_TRANSFORM
+        amplitudes = 2 * np.abs(fourier_terms[1 : _HARMONIC_COUNT + 1])
+        phases = -np.degrees(np.angle(fourier_terms[1 : _HARMONIC_COUNT + 1]))
+        amplitudes[amplitudes < _LEAST_AMPLITUDE_SHARE * np.max(amplitudes)] = 0.0
         return float(fourier_terms[0].real), tuple(
             zip(amplitudes.tolist(), phases.tolist(), strict=True)
         )

@@ -85,8 +85,8 @@ _FAR_LOAD_SHARE = 0.02
 _ROUND_OFFS_OF_KERNEL = 100
 
 
-def as_is(values: ArrayLike) -> Array:
-    """Numbers as an array."""
+def as_floats(values: ArrayLike) -> Array:
+    """Numbers as an array of floats."""
     return np.asarray(values, dtype=float)
 
 
@@ -195,15 +195,15 @@ class PunchSuperposition:
 
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length]. InputError for a load that needs a contact wider than the profile."""
-        return self.least_half_width + self.law.advance(as_is(load))
+        return self.least_half_width + self.law.advance(as_floats(load))
 
     def advance(self, load: ArrayLike) -> Array:
         """a(P) - a(0), with all its digits beside a flat too [length]."""
-        return self.law.advance(as_is(load))
+        return self.law.advance(as_floats(load))
 
     def load_at(self, advance: ArrayLike) -> Array:
         """P from the advance of the edge, the inverse of `advance` [force per thickness]."""
-        return self.law.load(as_is(advance))
+        return self.law.load(as_floats(advance))
 
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da >= 0 [stress]."""
@@ -218,7 +218,7 @@ class PunchSuperposition:
         """Advance a - a_0 at which the edge of contact reaches |x| [length]; 0 for |x| < a_0, the
         half-width without load.
         """
-        return np.maximum(np.abs(as_is(x)) - self.least_half_width, 0.0)
+        return np.maximum(np.abs(as_floats(x)) - self.least_half_width, 0.0)
 
     # --- fields of the normal problem
 
@@ -236,7 +236,7 @@ class PunchSuperposition:
         pressure = self.pressure_rise(x, load)
         if not self._is_sharp_wedge:
             return pressure
-        is_tip = (as_is(x) == 0) & (as_is(load) > 0)
+        is_tip = (as_floats(x) == 0) & (as_floats(load) > 0)
         return np.where(is_tip, np.inf, np.maximum(pressure, 0.0))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
@@ -246,14 +246,15 @@ class PunchSuperposition:
         At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), g = dP/da, L the
         datum length: differences of it are right.
         """
-        value = self._pressure(0, np.abs(as_is(x)), as_is(load))[0]
-        return value if self._is_sharp_wedge else np.maximum(value, 0.0)
+        pressure, _ = self._pressure_and_error(0, np.abs(as_floats(x)), as_floats(load))
+        return pressure if self._is_sharp_wedge else np.maximum(pressure, 0.0)
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """First moment over the load of the pressure rise at x, int_0^P eta dp(x, eta)
         [stress * load]; eta is the load on the way to P.
         """
-        return np.maximum(self._pressure(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
+        moment, _ = self._pressure_and_error(1, np.abs(as_floats(x)), as_floats(load))
+        return np.maximum(moment, 0.0)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Slip integral S(x, P) = int arccosh(|x|/a(eta)) d eta over loads eta < min(P, P_x) [force
@@ -273,19 +274,23 @@ class PunchSuperposition:
         ... )  # h = 0.6^2/2 at the edge of contact
         0.18
         """
-        return np.maximum(self._arccosh_integral(0, np.abs(as_is(x)), as_is(load))[0], 0.0)
+        distance = np.abs(as_floats(x))
+        integral, _ = self._arccosh_integral_and_error(0, distance, as_floats(load))
+        return np.maximum(integral, 0.0)
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """First moment of the slip integral, int eta arccosh(|x|/a(eta)) d eta over loads
         eta < min(P, P_x) [(force per thickness)^2].
         """
-        return np.maximum(self._arccosh_integral(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
+        distance = np.abs(as_floats(x))
+        moment, _ = self._arccosh_integral_and_error(1, distance, as_floats(load))
+        return np.maximum(moment, 0.0)
 
     def log_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)), L the datum length, at the load P; large and finite for a = 0, where it is
         multiplied by P = 0.
         """
-        return self._log_ratio(self.law.advance(as_is(load)))
+        return self._log_ratio(self.law.advance(as_floats(load)))
 
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
@@ -302,18 +307,18 @@ class PunchSuperposition:
         ... )  # a = 1 = L: ln 2 + 1/2
         0.5
         """
-        loads = as_is(load)
+        loads = as_floats(load)
         advance = self.law.advance(loads)
-        integral_of_load, _ = self._logarithm(0, advance)
+        integral_of_load, _ = self._load_per_width_integral_and_error(0, advance)
         return loads * self._log_ratio(advance) + integral_of_load
 
     def log_moment(self, load: ArrayLike) -> Array:
         """First moment int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d
         alpha [(force per thickness)^2]; L is the distance of the datum.
         """
-        loads = as_is(load)
+        loads = as_floats(load)
         advance = self.law.advance(loads)
-        integral_of_half_square, _ = self._logarithm(1, advance)
+        integral_of_half_square, _ = self._load_per_width_integral_and_error(1, advance)
         return loads * loads * self._log_ratio(advance) / 2 + integral_of_half_square
 
     def _log_ratio(self, advance: Array) -> Array:
@@ -346,7 +351,7 @@ class PunchSuperposition:
             a(eta) - a(0) [length]
         """
         advance_to_x, load_between, punch_advance = np.broadcast_arrays(
-            self._advance_to(x), as_is(excess), as_is(advance)
+            self._advance_to(x), as_floats(excess), as_floats(advance)
         )
         punch_half_width = punch_advance + self.least_half_width
         difference_of_squares = self._difference_of_squares(
@@ -372,7 +377,7 @@ class PunchSuperposition:
             a(eta) - a(0) [length]
         """
         distance, load_between, punch_advance = np.broadcast_arrays(
-            np.abs(as_is(x)), as_is(excess), as_is(advance)
+            np.abs(as_floats(x)), as_floats(excess), as_floats(advance)
         )
         advance_to_x = np.minimum(distance - self.least_half_width, punch_advance)
         difference_of_squares = self._difference_of_squares(
@@ -387,8 +392,9 @@ class PunchSuperposition:
         without loss of digits where they are close.
 
         Close ones are compared by `load_between`, the rise of the load P from the inner to the
-        outer, over the mean of dP/d(a^2). With corners of the profile in between, the plain
-        difference of squares has more digits, unless the corners are next to each other.
+        outer, over the mean of dP/d(a^2). With several corners of the profile in between, the plain
+        difference of squares has more digits, unless the corners are next to each other. It is
+        taken also where the inner advance is negative, that of a point within a flat.
 
         Parameters
         ----------
@@ -477,7 +483,9 @@ class PunchSuperposition:
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        all_loads, loads_above_stick = np.broadcast_arrays(as_is(load), as_is(slip_zone_load))
+        all_loads, loads_above_stick = np.broadcast_arrays(
+            as_floats(load), as_floats(slip_zone_load)
+        )
         is_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
         is_integral = ~is_difference & (loads_above_stick > 0)
         kernel = np.zeros(all_loads.shape)
@@ -492,8 +500,9 @@ class PunchSuperposition:
         return kernel
 
     def _is_exact_as_difference(self, load: Array, load_above_stick: Array) -> NDArray[np.bool_]:
-        """Whether Lam(P, P_c) = int ln(a(eta)/c) d eta keeps its digits as a difference of two
-        larger numbers, a boolean for each pair of loads.
+        """Whether Lam(P, P_c) = int ln(a(eta)/c) d eta is taken as a difference of two larger
+        numbers, a boolean for each pair of loads: where P - P_c is above 2 % of P, and too long for
+        Gauss' rule.
 
         Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
         P - P_c, P_c the load at the stick edge.
@@ -530,7 +539,9 @@ class PunchSuperposition:
         half-widths between stick c and contact a.
         """
         log_ratio, contact_advance, stick_advance = self._log_width_ratio(load, load_above_stick)
-        both_integrals, _ = self._logarithm(0, np.stack([contact_advance, stick_advance]))
+        both_integrals, _ = self._load_per_width_integral_and_error(
+            0, np.stack([contact_advance, stick_advance])
+        )
         integral_to_contact, integral_to_stick = both_integrals
         return load * log_ratio - (integral_to_contact - integral_to_stick)
 
@@ -627,7 +638,7 @@ class PunchSuperposition:
         half-width changes, and the error of P(a) itself. The last of the `arguments` is the load,
         except for "dissipation_kernel", which has P and P - P_c.
         """
-        argument_arrays = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
+        argument_arrays = np.broadcast_arrays(*(as_floats(argument) for argument in arguments))
         if name == "dissipation_kernel":
             return self._error_of_dissipation_kernel(*argument_arrays)
         load_power = int(name.endswith("_moment"))
@@ -641,15 +652,15 @@ class PunchSuperposition:
         # half-width changes most.
         if method_name == "pressure":
             distance = np.abs(first_argument)
-            value, error = self._pressure(load_power, distance, load)
+            value, error = self._pressure_and_error(load_power, distance, load)
             error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
             sensitive_length = np.abs(half_width - distance)
         elif method_name == "slip_integral":
             distance = np.abs(first_argument)
-            value, error = self._arccosh_integral(load_power, distance, load)
+            value, error = self._arccosh_integral_and_error(load_power, distance, load)
             sensitive_length = np.minimum(half_width, distance) - self.least_half_width
         else:
-            value, error = self._logarithm(load_power, advance)
+            value, error = self._load_per_width_integral_and_error(load_power, advance)
             value = value + np.abs(load) ** (1 + load_power) * np.abs(self._log_ratio(advance))
             sensitive_length = half_width
         least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
@@ -666,7 +677,9 @@ class PunchSuperposition:
         """
         kernel = self.dissipation_kernel(load, load_above_stick)
         log_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
-        integral_to_contact, series_error = self._logarithm(0, contact_advance)
+        integral_to_contact, series_error = self._load_per_width_integral_and_error(
+            0, contact_advance
+        )
         size_of_terms = load * log_ratio + np.abs(integral_to_contact)
         error_of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
         is_difference = self._is_exact_as_difference(load, load_above_stick)
@@ -727,14 +740,14 @@ class PunchSuperposition:
 
     @cached_property
     def _primitives(self) -> dict[tuple[Kind, int], list[Primitive]]:
-        """Primitives of earlier calls by integral and power of the load: a cache, nothing else."""
+        """Cache of the primitives of earlier calls, by integral and power of the load."""
         return {}
 
-    def _primitive(
+    def _integral_and_error(
         self, kind: Kind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
-        the edge of contact, and its error; both arrays broadcast.
+        the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0.
 
         `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With
         `load_power` 1 the load eta stands in front of the integrand. A primitive, the integral as a
@@ -748,7 +761,7 @@ class PunchSuperposition:
         largest_advance = float(np.max(advance))
         least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
         if largest_advance < least_advance * self._advance_ratio_of_primitive:
-            return self._primitive_of_band(kind, load_power, x, advance)
+            return self._integral_and_error_in_band(kind, load_power, x, advance)
         points, advances = np.broadcast_arrays(x, advance)
         # Bands are numbered from the largest advance down; -1 where there is no contact.
         band_numbers = np.full(advances.shape, -1)
@@ -761,7 +774,7 @@ class PunchSuperposition:
         for band_number in range(int(band_numbers.max()) + 1):
             is_in_band = band_numbers == band_number
             if np.any(is_in_band):
-                integral[is_in_band], error[is_in_band] = self._primitive_of_band(
+                integral[is_in_band], error[is_in_band] = self._integral_and_error_in_band(
                     kind, load_power, points[is_in_band], advances[is_in_band]
                 )
         return integral, error
@@ -773,7 +786,7 @@ class PunchSuperposition:
         """
         return float(self.law.advance_ratio_of_series ** (_OCTAVES // 2))
 
-    def _primitive_of_band(
+    def _integral_and_error_in_band(
         self, kind: Kind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, up to the `advance` a - a_0 of the edge of
@@ -793,7 +806,7 @@ class PunchSuperposition:
             errors = []
             for first_point in range(0, n_points, _POINTS_OF_PRIMITIVE):
                 chunk = slice(first_point, first_point + _POINTS_OF_PRIMITIVE)
-                integral, error = self._primitive(
+                integral, error = self._integral_and_error(
                     kind, load_power, x[..., chunk], advance_of_points[..., chunk]
                 )
                 integrals.append(integral)
@@ -836,7 +849,9 @@ class PunchSuperposition:
         cached_primitives[:] = [primitive, *cached_primitives[: _CACHED_PRIMITIVES - 1]]
         return primitive, np.arange(len(x))
 
-    def _pressure(self, load_power: int, distance: Array, load: Array) -> tuple[Array, Array]:
+    def _pressure_and_error(
+        self, load_power: int, distance: Array, load: Array
+    ) -> tuple[Array, Array]:
         """Contact pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi
         sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
 
@@ -846,7 +861,7 @@ class PunchSuperposition:
         """
         advance = self.law.advance(load)
         is_inside = distance < self.least_half_width + advance
-        pressure, error = self._primitive(
+        pressure, error = self._integral_and_error(
             "pressure", load_power, distance, np.where(is_inside, advance, 0.0)
         )
         pressure = np.where(is_inside & (advance > 0), pressure, 0.0)
@@ -858,7 +873,7 @@ class PunchSuperposition:
             pressure = np.where(distance == 0, pressure_at_tip, pressure)
         return pressure, error
 
-    def _arccosh_integral(
+    def _arccosh_integral_and_error(
         self, load_power: int, distance: Array, load: Array
     ) -> tuple[Array, Array]:
         """Integral of arccosh(|x|/alpha) dP over the flat punches of half-width alpha < |x| =
@@ -871,7 +886,7 @@ class PunchSuperposition:
         advance = self.law.advance(load)
         advance_to_x = self._advance_to(distance)
         end_advance = np.minimum(advance, advance_to_x)
-        integral, error = self._primitive("outside", load_power, distance, end_advance)
+        integral, error = self._integral_and_error("outside", load_power, distance, end_advance)
         end_load = np.minimum(load, self.law.load(advance_to_x))
         end_half_width = end_advance + self.least_half_width
         # sqrt(x^2 - alpha^2) without cancellation
@@ -879,15 +894,19 @@ class PunchSuperposition:
             (advance_to_x - end_advance) * (advance_to_x + end_advance + 2 * self.least_half_width)
         )
         arccosh = np.arcsinh(root_of_squares / np.where(end_half_width > 0, end_half_width, np.inf))
-        return integral + _load_to_power(load_power, end_load) * arccosh, error
+        return integral + _integral_of_load_power(load_power, end_load) * arccosh, error
 
-    def _logarithm(self, load_power: int, advance: Array) -> tuple[Array, Array]:
+    def _load_per_width_integral_and_error(
+        self, load_power: int, advance: Array
+    ) -> tuple[Array, Array]:
         """Integral int_0^a P/alpha d alpha over the half-widths alpha of flat punches up to that
         with this `advance`, and its error [force per thickness].
 
         With `load_power` 1 it is int_0^a P^2/(2 alpha) d alpha [(force per thickness)^2].
         """
-        value, error = self._primitive("logarithm", load_power, np.zeros(1), advance.reshape(-1, 1))
+        value, error = self._integral_and_error(
+            "logarithm", load_power, np.zeros(1), advance.reshape(-1, 1)
+        )
         return value.reshape(advance.shape), error.reshape(advance.shape)
 
 
@@ -1073,9 +1092,9 @@ def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     return distances_from_begin, weights
 
 
-def _load_to_power(load_power: int, load: Array) -> Array:
-    """W, the integral of eta^n over the load eta up to P, n = `load_power` 0 or 1: P, or P^2/2 for
-    the moments.
+def _integral_of_load_power(load_power: int, load: Array) -> Array:
+    """W, the integral of eta^n over the load eta from 0 to `load`, n = `load_power`: P for 0, P^2/2
+    for 1, that of moments.
     """
     return load * load / 2 if load_power else load
 
@@ -1188,9 +1207,9 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
     the last coefficients of each series are negligible.
 
-    Last coefficients that halving does not make smaller are round-off of P(d) and dP/dd: they
-    count as error. `kind` and `load_power` name the integral, `law` is P(d) of the profile. Panels
-    come back in any order.
+    Halving ends after twelve times. Last coefficients that it does not make smaller are round-off
+    of P(d) and dP/dd: they count as error. `kind` and `load_power` name the integral, `law` is P(d)
+    of the profile. Panels come back in any order.
     """
     finished_series: list[_PanelSeries] = []
     last_coefficients_before = np.full(len(panels.point_number), np.inf)
@@ -1202,7 +1221,7 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
             end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
-            term_at_end = _load_to_power(load_power, law.load(end_advance))
+            term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
             size_of_integral = np.maximum(size_of_integral, term_at_end)
         truncation_errors = last_coefficients * half_length
         is_small = truncation_errors <= _NEGLIGIBLE_SHARE * size_of_integral
@@ -1422,7 +1441,7 @@ def _integrand(kind: Kind, load_power: int, panels: Panels, v: Array, law: Conta
             / np.sqrt(half_width_beyond_x * (half_width + x))
             / np.pi
         )
-    weight = _load_to_power(load_power, law.load(advance))  # W
+    weight = _integral_of_load_power(load_power, law.load(advance))  # W
     weight_over_width = np.where(
         half_width > 0, weight / np.where(half_width > 0, half_width, 1.0), 0.0
     )
@@ -1435,7 +1454,7 @@ def _pressure_of_smallest_punches(
     kind: Kind, load_power: int, x: Array, advance: float, law: ContactLaw
 ) -> Array:
     """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
-    [stress]: 0 at x > 0, and 0 for the other integrals over punches.
+    [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches.
 
     At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
     is integrated as that. With `load_power` 1 the load stands in front of g.

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import BodyEffects, InputError, Scene, freeze, scene_of
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
-from semi_analytic.answer_of_rig import rigged, slides_of, steady_cycle
+from semi_analytic.answer_of_rig import rigged_scene, slides_of, steady_cycle
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.driven import actuator_rows
 
@@ -107,7 +107,7 @@ def fretting_map(
     for name, values in zip(("stroke", "normal_load"), factors, strict=True):
         if not np.all(values > 0):
             raise InputError(f"fretting_map: {name} has {values.min():.6g}: factors are above 0")
-    rig = rigged(scene, checked_effects(effects))
+    rig = rigged_scene(scene, checked_effects(effects))
     cycles = max(scene.cycles, 2)
     rows = actuator_rows(path, cycles, one_step_at_constant_load=True)
     shape = factors[0].shape

@@ -115,7 +115,8 @@ def error_of_work(
 
     The error of W is that of its kernel Lam = int ln(a/c) d eta. Where slip is tiny W keeps more
     digits than the closed integral, whose error the difference then is. Elsewhere the difference
-    counts for W too, unless round-off of the integral explains it.
+    counts for W too, unless round-off of the integral explains it. The error of closed forms is 0;
+    so is the difference where W is 0 or the integral is not known.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def error_of_work(
 
 def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
-    over A/pi [force^2 per thickness^2]. w = +-Q - f P grows in slip.
+    over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
@@ -156,9 +157,10 @@ def _error_of_span(contact: Contact, span: Span) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Sums:
+class SumsOfKernels:
     """Places, loads and sizes from which the errors of pressure, shear and slip follow. Each of
-    these fields is a sum of kernels of the normal contact, one for each part of the memory curve.
+    these fields is a sum of kernels of the normal contact, one for each part of the memory curve:
+    the tangential force of the flat punches up to each load.
 
     Attributes
     ----------
@@ -188,7 +190,7 @@ class Sums:
     arc_errors: Mapping[str, float]
 
 
-def errors_of_sums(contact: Contact, sums: Sums) -> dict[str, float]:
+def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
     They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the

@@ -57,12 +57,12 @@ _CURVES_AT_ONCE = 128
 # Where there is no one memory curve: places across a contact at which q is asked for, contacts that
 # are taken of those of all instants, and terms of the sine series.
 _PLACES_ACROSS = 601
-_CONTACTS_CHOSEN = 4
-_TERMS = 2048
+_CONTACTS_WITH_PLACES = 4
+_SERIES_TERMS = 2048
 # Instants that are solved together; places within a contact that are enough to take p and q from a
 # given answer.
 _INSTANTS_AT_ONCE = 20
-_PLACES_ENOUGH = 60
+_FEWEST_PLACES_IN_CONTACT = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
 # load has turned.
 _SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
@@ -104,8 +104,8 @@ def stress(
         (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
         [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge. With
         bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as the shear
-        of `solve`, at most to about 1e-3 of f times the largest pressure. The coupling of unlike
-        materials is neglected.
+        of `solve`, at most to about 1e-3 of f times the largest pressure. Out of contact it is the
+        bulk stress alone. The coupling of unlike materials is neglected.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _places_and_times(
     x: ArrayLike, y: ArrayLike, instants: ArrayLike
 ) -> tuple[Array, Array, Array]:
     """Checked places x and y, broadcast to one length (n,) [length], and times (m,) of the
-    instants; InputError where one is missing or the lengths differ.
+    instants; InputError where one is missing, or x and y differ in length and neither is single.
     """
     x_places = checked_numbers(x, "x")
     y_places = checked_numbers(y, "y")
@@ -372,8 +372,8 @@ def _answers_with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """The answer and the number of its instant, by time, where that is in the answer with enough
-    points of the contact.
+    """The answer and the number of its instant, by time, where that is in the answer with 60 points
+    of the contact at least, or without contact.
 
     Empty where the answer has no pressure and shear.
     """
@@ -381,7 +381,9 @@ def _rows_with_tractions(
         return {}
     rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
     places_in_contact = np.sum(answer.pressure[rows] > 0, axis=1)
-    has_enough_places = (places_in_contact >= _PLACES_ENOUGH) | (answer.normal_load[rows] <= 0)
+    has_enough_places = (places_in_contact >= _FEWEST_PLACES_IN_CONTACT) | (
+        answer.normal_load[rows] <= 0
+    )
     has_instant = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
     time_numbers = np.flatnonzero(has_enough_places & has_instant)
     return {float(times[k]): (answer, int(rows[k])) for k in time_numbers}
@@ -391,7 +393,7 @@ def _places_for_tractions(edges: Array) -> Array:
     """Places x, ascending [length]: across several of the contacts with the edges (n, 2), which
     ascend in length, and close to the edges of all.
     """
-    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS_CHOSEN).round().astype(int))
+    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS_WITH_PLACES).round().astype(int))
     chosen_edges = edges[numbers]
     cosines = np.cos(np.linspace(0, math.pi, _PLACES_ACROSS))
     nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
@@ -424,7 +426,7 @@ def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, 
 
     The uncertainty is a sum: three times the change by half of the points, four times the stated
     error of the shear, and the error of straight lines between points. The last two are shares of f
-    times the largest pressure.
+    times the largest pressure. All are 0 where no point is in contact.
     """
     left_edge, right_edge = answer.contact_edges[row]
     points_in_contact = np.flatnonzero(
@@ -471,7 +473,7 @@ def _stress_by_sine_series(
 
     p is exact, q/p linear between the points of the answer. The series of p and q across the
     contact are summed by Horner's rule. `side` is 1 for the lower body and -1 for the upper one,
-    whose shear acts the other way.
+    whose shear acts the other way. 0 where no point of the answer is in contact.
     """
     is_in_contact = answer.pressure[row] > 0
     if not is_in_contact.any():
@@ -479,11 +481,15 @@ def _stress_by_sine_series(
     left_edge, right_edge = answer.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
-    places = middle + half_width * np.cos(math.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
+    places = middle + half_width * np.cos(
+        math.pi * (np.arange(_SERIES_TERMS) + 0.5) / _SERIES_TERMS
+    )
     pressure = profile.pressure_over(places, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
     shear_ratio = np.interp(places, answer.x[is_in_contact], ratio_at_points)
-    sine_series = scipy.fft.dst(np.stack([pressure, side * shear_ratio * pressure]), 2) / _TERMS
+    sine_series = (
+        scipy.fft.dst(np.stack([pressure, side * shear_ratio * pressure]), 2) / _SERIES_TERMS
+    )
     # Summed at the mirror image x - i y, above the cut of the root. The coefficients are real, so
     # that the conjugate of the sum is its value at x + i y.
     zeta = (x - middle + 0j) / half_width
@@ -493,13 +499,15 @@ def _stress_by_sine_series(
     series_sums = np.zeros((4, len(x)), dtype=complex)  # N, T and the same with k A_k
     with np.errstate(divide="ignore"):
         log_of_omega = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
-        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _TERMS)
+        terms_needed = np.minimum(
+            np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _SERIES_TERMS
+        )
     order_by_terms = np.argsort(-terms_needed, kind="stable")
     omega = omega[order_by_terms]
     points_with_term = np.searchsorted(
-        -terms_needed[order_by_terms], -np.arange(1, _TERMS + 1), side="right"
+        -terms_needed[order_by_terms], -np.arange(1, _SERIES_TERMS + 1), side="right"
     )
-    for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
+    for k in range(_SERIES_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
         n_points = points_with_term[k - 1]
         series_sums[:2, :n_points] = (
             series_sums[:2, :n_points] + sine_series[:, k - 1, None]

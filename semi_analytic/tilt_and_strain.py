@@ -94,16 +94,17 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     """Relative change of the friction work W of half-planes by the tilt and bulk strain that finite
     bodies add: W with them over W without, minus 1.
 
-    W is that of the last cycle, or of the whole path where none repeats. It is expanded to the
+    W is that of the last cycle, or of the whole path where it has no cycle. It is expanded to the
     second order in tilt and strain per load where that is as good as grids, in some 30 ms. Else it
     is solved on grids, in a second or two. The uncertainty is that of the next order or of the
-    grid, plus that of the numbers in `effects`.
+    grid, plus that of the numbers in `effects`. Both are 0 where these have no tilt nor strain.
 
     Raises
     ------
     InputError
-        For a scene that states bulk stress or tilt itself, unlike materials, a path of more than 60
-        segments, a profile that bends down somewhere; where the grid does not converge.
+        For a scene that states bulk stress or tilt itself, unlike materials, loads under which
+        half-planes do no friction work; and where the second order does not do, for a path of more
+        than 60 segments, a profile that bends down somewhere, a grid that does not converge.
     """
     if checked_effects(effects) is None:
         return ZERO
@@ -120,7 +121,13 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
             " count in the first order, which half-plane theory does not take; take"
             " halfplane_fe.solve"
         )
-    second_order = _change_by_second_order(scene, effects)
+    work = work_of_half_planes(scene)
+    if not work > 0:
+        raise InputError(
+            "load: nothing slips on half-planes, so that no change of the friction work could be"
+            " stated as a share of it"
+        )
+    second_order = _change_by_second_order(scene, effects, work)
     if second_order is not None and second_order.uncertainty <= _uncertainty_of_grids(
         second_order.value
     ):
@@ -133,34 +140,33 @@ def _uncertainty_of_grids(change: float) -> float:
     return _GRID_ERROR + _GRID_ERROR_PER_CHANGE * abs(change)
 
 
-def _change_by_second_order(scene: Scene, effects: BodyEffects) -> Estimate | None:
+def _change_by_second_order(scene: Scene, effects: BodyEffects, work: float) -> Estimate | None:
     """Relative change of the friction work of the last cycle by tilt and bulk strain of finite
-    bodies, to the second order in them; None where that does not hold, or nothing slips.
+    bodies, to the second order in them; None where that does not hold. `work` > 0 is that of
+    half-planes [energy per thickness].
     """
     try:
         added_work = odd_answer(scene, effects).works[-1]
     except Declined:
         return None
-    work = work_of_half_planes(scene)
-    if not work > 0:
-        return None
     return Estimate(added_work.value / work, added_work.uncertainty / work)
 
 
 def work_of_half_planes(scene: Scene) -> float:
-    """Friction work W of half-planes under the scene's P and Q, of the last cycle [energy per
-    thickness].
+    """Friction work W of half-planes under the scene's P and Q, of the last cycle, or of the whole
+    path where it has none [energy per thickness].
     """
-    request = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
-    return float(findings_by_memory(request, None).values["dissipation"])
+    question = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
+    return float(findings_by_memory(question, None).values["dissipation"])
 
 
 def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     """Relative change of the friction work W of half-planes by the tilt and bulk strain of finite
     bodies: W with them over W without, minus 1, both solved step by step on the same grids.
 
-    W is that of the last cycle followed. `effects` hold tilt and strain per load, with their
-    uncertainties. InputError for a path of more than 60 segments.
+    W is that of the last cycle followed, and must not be 0 without tilt and strain. `effects` hold
+    tilt and strain per load, with their uncertainties. InputError for a path of more than 60
+    segments.
     """
     path = scene.load.path()
     segment_count = len(path.initial_loading) + len(path.cycle)
@@ -197,8 +203,8 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
 
 
 def _last_works_on_grids(scene: Scene, loads: PathLoads, range_of_x: tuple[float, float]) -> Array:
-    """Friction work W of the last cycle followed under `loads`, by each grid (g,) [energy per
-    thickness]. The grids cover the range of x in which there is contact.
+    """Friction work W of the last cycle followed under `loads`, or of a path without cycle, by each
+    grid (g,) [energy per thickness]. The grids cover the range of x in which there is contact.
     """
     works_of_cycles = cycle_works(
         loads,

@@ -29,7 +29,7 @@ from scenes import (
     load_scene,
     rig_names,
 )
-from semi_analytic.answer_of_rig import Rigged, rigged
+from semi_analytic.answer_of_rig import RiggedScene, rigged_scene
 from semi_analytic.driven import ActuatorRows, Driven
 
 MESH = MeshSettings.coarse()
@@ -250,7 +250,7 @@ OUT_OF_PHASE = EllipseLoad(
 )
 
 
-def driven_as(found: FiniteElementSolution, contact: Rigged) -> Driven:
+def driven_as(found: FiniteElementSolution, contact: RiggedScene) -> Driven:
     """Theory under the displacements and normal loads that finite elements found; its Q is theirs,
     to 2e-3 of the range in the last cycle.
     """
@@ -291,7 +291,7 @@ def test_theory_finds_the_loads_of_the_finite_elements_by_their_displacements(
     rig = Rig(datum_length=scene.profile.datum_length) if half_planes else Rig()
     effects = None if half_planes else halfplane_fe.body_effects(scene)
     prescribed = PolygonLoad(initial_loading=((MEAN, 1e-3),), tangential_displacement=True)
-    contact = rigged(scene.vary(load=prescribed, rig=rig), effects)
+    contact = rigged_scene(scene.vary(load=prescribed, rig=rig), effects)
     driven = driven_as(found, contact)
     work = driven.work(slice(driven.ends[0], driven.ends[1] + 1))
     assert work == pytest.approx(found.dissipation, rel=5e-3)
@@ -310,7 +310,7 @@ def test_theory_finds_the_loads_of_a_body_that_tilts(friction: float) -> None:
     found = halfplane_fe.solve(scene, settings=SolverSettings(steps_per_cycle=96))
     prescribed = PolygonLoad(initial_loading=((MEAN, 1e-3),), tangential_displacement=True)
     effects = halfplane_fe.body_effects(scene)
-    contact = rigged(scene.vary(load=prescribed, rig=Rig()), effects)
+    contact = rigged_scene(scene.vary(load=prescribed, rig=Rig()), effects)
     driven_as(found, contact)
     cycle = found.last_cycle
     theory = semi_analytic.solve(

@@ -720,6 +720,9 @@ def test_without_odd_numbers_tilt_and_strain_change_nothing_and_what_is_no_scene
     strained = BodyEffects(datum_length=1000.0, strain_under_pressure=Estimate(1e-6))
     with pytest.raises(InputError, match="beside bulk stress, tilt"):
         change(load_scene("nowell-hills"), strained)
+    for name in ("full-stick", "hertz-normal"):  # a share of no work
+        with pytest.raises(InputError, match="nothing slips on half-planes"):
+            change(load_scene(name), strained)
     to_and_fro = {"cycle": [(LOAD, 1.0), (LOAD, -1.0)] * 31}
     long_path = load_scene("cattaneo-mindlin").vary(
         load=to_and_fro, profile={"kind": "power_law", "exponent": 4.0, "length": 1.0, "rise": 1e-3}

@@ -30,7 +30,7 @@ from scenes import (
 )
 from scenes.body_effects import ZERO
 from semi_analytic import answer_of_rig, corrected
-from semi_analytic.answer_of_rig import rigged
+from semi_analytic.answer_of_rig import rigged_scene
 from semi_analytic.corrected_memory import PunchTable, area_of_loop
 from semi_analytic.driven import (
     ActuatorRows,
@@ -500,7 +500,7 @@ def test_where_one_side_slips_alone_grids_add_what_tilt_makes(
     """Of the work without it, with the grids' uncertainty; and said."""
     scene = tilting(DRIVEN_WAVE, Rig())
     declined = Mock(side_effect=Declined("one side slips alone"))
-    monkeypatch.setattr(answer_of_rig, "odd_part_of_rig", declined)
+    monkeypatch.setattr(answer_of_rig, "odd_answer_of_rig", declined)
     by_grids = Mock(return_value=Estimate(0.1, 0.02))
     monkeypatch.setattr(corrected, "change_by_tilt_and_strain", by_grids)
     fields = ("dissipation",)
@@ -615,7 +615,7 @@ def test_the_stated_error_covers_that_of_the_steps(amplitude: float) -> None:
         expected=(), tolerances={}, load=load, rig={"datum_length": 50.0}
     )
     solution = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
-    fine = rigged(scene, None).follow(2, 12)
+    fine = rigged_scene(scene, None).follow(2, 12)
     work = fine.work(slice(fine.ends[1], fine.ends[2] + 1))
     error = solution.record.errors["dissipation"]
     assert error < 2e-3
