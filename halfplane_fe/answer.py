@@ -11,6 +11,7 @@ of (1 - nu^2)/E
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -38,10 +39,11 @@ from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
 _INSTANTS_PER_BLOCK = 256
-# Share of f by which Q may grow with P where real bodies that mirror each other stick in full:
-# their size bends q over p a little. On seeds 241 and 243 of benchmarks/covered.py bodies, coarse,
-# none slips below it. Bodies of two shapes slip at any share: P alone shears them.
-_CONE_OF_BODIES = 0.8
+# Nodes inside each edge of contact whose shear tells whether the contact sticks in full: the mesh
+# spoils the outermost ones, and the ratio of q and p is smooth farther in. Share of f up to which
+# the ratio of their changes counts as less than f.
+_NODES_AT_EDGE = slice(2, 6)
+_LESS_THAN_F = 0.9
 # Range of slip of a node in the last cycle, over the largest, up to which it belongs to the
 # permanent stick zone that a path with bulk stress or tilt approaches. Slip grows as the distance d
 # from the stick edge to the power 3/2, so this costs d = 3e-4^(2/3), half a hundredth of the slip
@@ -140,12 +142,10 @@ def _edges_of_run(
     states = [run.states[index] for index in run.stored]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
-    if problem.interface.coupling is None:
-        stresses_and_tilt = np.array([state.stresses_and_tilt for state in run.states])
-        fraction_of_limit = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
-        has_no_slip_zone = _grows_within_cone(
-            loads, stresses_and_tilt, fraction_of_limit * scene.friction.coefficient
-        )
+    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
+        has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
+    elif scene.material.alike:
+        has_no_slip_zone = _shear_grows_within_cone(run.states, scene.friction.coefficient)
     edges = _edges_of_all(
         problem,
         states,
@@ -161,11 +161,18 @@ def _edges_of_run(
     if edges_are_sharp(scene, problem):
         zone = zone_by_nodes(run)
         confined = zone.confine(permanent_edges)
-        is_by_slip &= confined != zone.places_by_load
+        if scene.bodies.half_planes:
+            # of half-planes the loads are nearer; of thin layers slip is, up to 40 times
+            is_by_slip &= confined != zone.places_by_load
         permanent_edges = np.where(is_by_slip, by_slip.places, confined)
+        permanent_uncertainty = np.where(
+            is_by_slip, by_slip.uncertainty, zone.uncertainty(confined, np.full(2, np.inf))
+        )
         time = np.array([state.time for state in states])
         in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
-        _hold_permanent_stick(edges, permanent_edges, zone, time, in_cycle)
+        _hold_permanent_stick(
+            edges, Edges(permanent_edges, permanent_uncertainty), zone, time, in_cycle
+        )
     return edges, Edges(permanent_edges, np.where(is_by_slip, by_slip.uncertainty, np.nan))
 
 
@@ -230,17 +237,44 @@ def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
     return not scene.unsymmetric and problem.interface.coupling is None
 
 
-def _grows_within_cone(loads: Array, stresses_and_tilt: Array, friction: float) -> Mask:
+def _grows_within_cone(loads: Array, friction: float) -> Mask:
     """Instants at which half-planes of like materials stick in full, whatever was before: since the
-    instant before, P has grown, |dQ| <= f dP, and bulk stress and tilt have stayed. Returns (n,).
+    instant before, P has grown, and |dQ| <= f dP. Returns (n,).
 
-    `loads` is (n, 2) of P and Q, `stresses_and_tilt` (n, 3) bulk stresses and tilt, `friction` is
-    f. Source: Barber, Davies, Hills (2011).
+    `loads` is (n, 2) of P and Q, `friction` is f.
+    Source: Barber, Davies, Hills (2011).
     """
     rise_of_p, rise_of_q = np.diff(loads, axis=0, prepend=loads[:1]).T
-    limit = friction * rise_of_p
-    stays = ~np.diff(stresses_and_tilt, axis=0, prepend=stresses_and_tilt[:1]).any(axis=1)
-    return np.asarray((rise_of_p > 0) & (np.abs(rise_of_q) <= limit) & stays)
+    return np.asarray((rise_of_p > 0) & (np.abs(rise_of_q) <= friction * rise_of_p))
+
+
+def _shear_grows_within_cone(states: Sequence[InterfaceState], friction: float) -> Mask:
+    """Instants at which bodies of like materials stick in full, whatever was before, (n,).
+
+    Since the instant before, the shear of nodes at both edges of contact has changed by less than f
+    times what their pressure has grown by. The loads do not tell of real bodies: P alone shears two
+    shapes, and their size bends the ratio of shear and pressure. Nor do they where bulk stress or
+    tilt changes.
+
+    Parameters
+    ----------
+    states
+        (n,) of the contact, in order of time
+    friction
+        f
+    """
+    sticks_in_full = np.zeros(len(states), dtype=bool)
+    for instant, (before, after) in enumerate(itertools.pairwise(states), start=1):
+        closed_nodes = np.flatnonzero(before.is_closed & after.is_closed)
+        if len(closed_nodes) < 2 * _NODES_AT_EDGE.stop:
+            continue
+        nodes_at_edges = [closed_nodes[_NODES_AT_EDGE], closed_nodes[::-1][_NODES_AT_EDGE]]
+        at_edges = np.concatenate(nodes_at_edges)
+        rise_of_pressure = (after.pressure - before.pressure)[at_edges]
+        change_of_shear = np.abs(after.shear - before.shear)[at_edges]
+        is_within = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
+        sticks_in_full[instant] = is_within.all()
+    return sticks_in_full
 
 
 def _edges_of_all(
@@ -430,22 +464,22 @@ def zone_by_nodes(run: PathRun) -> StickZone:
 
 
 def _hold_permanent_stick(
-    edges: dict[str, Array], permanent_edges: Array, zone: StickZone, time: Array, in_cycle: Mask
+    edges: dict[str, Array], permanent: Edges, zone: StickZone, time: Array, in_cycle: Mask
 ) -> None:
     """Make the stick edges (k, 2) of the last cycle agree with the permanent stick zone, in place.
 
     At the turning points of slip the stick zone is smallest: its edges become the ends of the
-    permanent zone, where the loads place these. At other instants the edges are moved outwards to
-    these ends if they lie inside. Right after a turning point all of the contact sticks, though
-    nodes may still be at the Coulomb limit. Such an instant has its stick edges at the contact
-    edges, and does not count as a turning point.
+    permanent zone, where slip or the loads place these. At other instants the edges are moved
+    outwards to these ends if they lie inside. Right after a turning point all of the contact
+    sticks, though nodes may still be at the Coulomb limit. Such an instant has its stick edges at
+    the contact edges, and does not count as a turning point.
 
     Parameters
     ----------
     edges
         name -> edges of contact and stick, and their uncertainty, (k, 2) each; scaled
-    permanent_edges
-        (2,) ends of the permanent stick zone
+    permanent
+        ends (2,) of the permanent stick zone
     zone
         the permanent stick zone by its nodes and by the loads
     time, in_cycle
@@ -453,17 +487,16 @@ def _hold_permanent_stick(
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
-    is_placed_by_load = permanent_edges == zone.places_by_load
-    uncertainty_of_placed = zone.uncertainty(permanent_edges, np.full(2, np.inf))
+    is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent.uncertainty)
     for column, outermost_of in enumerate((np.fmin, np.fmax)):
-        if is_placed_by_load[column]:
+        if is_placed[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
             is_turn = in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
-            stick_edges[is_turn, column] = permanent_edges[column]
-            uncertainty[is_turn, column] = uncertainty_of_placed[column]
+            stick_edges[is_turn, column] = permanent.places[column]
+            uncertainty[is_turn, column] = permanent.uncertainty[column]
         sticks = in_cycle & np.isfinite(stick_edges[:, column])
         stick_edges[sticks, column] = outermost_of(
-            stick_edges[sticks, column], permanent_edges[column]
+            stick_edges[sticks, column], permanent.places[column]
         )
 
 

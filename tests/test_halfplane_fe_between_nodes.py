@@ -18,6 +18,7 @@ from halfplane_fe import between_nodes, scales
 from halfplane_fe.answer import _hold_permanent_stick
 from halfplane_fe.between_nodes import Edge, Excess, StickZone, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.edges import Edges
 from halfplane_fe.mirror import half
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings
@@ -378,6 +379,8 @@ def test_only_an_instant_with_slip_is_a_turn_of_slip() -> None:
         "stick_edges": np.array([[-0.7, 0.7], [-0.51, 0.51], [-1.0, 1.0]]),
         "stick_edge_uncertainty": np.full((3, 2), 0.1),
     }
-    _hold_permanent_stick(edges, zone.places_by_load, zone, np.arange(3.0), np.ones(3, dtype=bool))
+    permanent = Edges(zone.places_by_load, np.full(2, 0.002))
+    _hold_permanent_stick(edges, permanent, zone, np.arange(3.0), np.ones(3, dtype=bool))
     assert edges["stick_edges"][:, 1].tolist() == [0.7, 0.5, 1.0]
+    assert edges["stick_edge_uncertainty"][1].tolist() == [0.002, 0.002]
     assert edges["stick_edge_uncertainty"][2].tolist() == [0.1, 0.1]

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,11 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
-from halfplane_fe.answer import _grows_within_cone, creeping_zone
+from halfplane_fe.answer import (
+    _grows_within_cone,
+    _shear_grows_within_cone,
+    creeping_zone,
+)
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import Edges, edge_unit, uncertainty_at_jumps, uncertainty_by_growth
 from halfplane_fe.scales import COARSE_CYCLES
@@ -239,13 +244,29 @@ def test_a_largest_pressure_that_bends_between_its_nodes_is_less_certain() -> No
     assert of_kink - of_line == pytest.approx(0.1 * stands_off, rel=1e-9)
 
 
-def test_bodies_stick_in_full_while_p_grows_well_within_the_cone_and_nothing_else_moves() -> None:
+def test_half_planes_stick_in_full_while_p_grows_within_the_cone() -> None:
     loads = np.array([(0.0, 0.0), (1.0, 0.2), (2.0, 0.4), (1.5, 0.4), (2.5, 0.8), (3.0, 0.9)])
-    imposed = np.zeros((6, 3))
-    imposed[5:, 0] = 0.1  # bulk stress comes up
-    sticks = [False, True, True, False, False, False]
-    assert _grows_within_cone(loads, imposed, friction=0.3).tolist() == sticks
-    assert _grows_within_cone(loads, imposed, friction=0.4).tolist()[4]
+    sticks = [False, True, True, False, False, True]
+    assert _grows_within_cone(loads, friction=0.3).tolist() == sticks
+    assert _grows_within_cone(loads, friction=0.4).tolist()[4]
+
+
+def test_bodies_stick_in_full_while_shear_at_both_edges_grows_less_than_f_times_the_pressure():
+    """The ratio of both bends from the left edge to the right one, as between two shapes."""
+    x = np.linspace(-1.0, 1.0, 41)
+    bent_ratio = 0.2 + 0.08 * x
+    states = [
+        SimpleNamespace(is_closed=load > 0 * x, pressure=load * (1.1 - x**2), shear=shear)
+        for load, shear in (
+            (0.0, 0 * x),
+            (1.0, bent_ratio * (1.1 - x**2)),
+            (2.0, 2 * bent_ratio * (1.1 - x**2)),
+            (1.5, 2 * bent_ratio * (1.1 - x**2)),
+        )
+    ]
+    # nothing touches at first, and P falls at last
+    assert _shear_grows_within_cone(states, friction=0.31).tolist() == [False, False, True, False]
+    assert not _shear_grows_within_cone(states, friction=0.29).any()
 
 
 def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> None:
