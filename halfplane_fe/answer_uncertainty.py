@@ -39,6 +39,7 @@ from halfplane_fe.uncertainty import (
 )
 from scenes import OPEN, Scene
 from scenes.array_types import Array, Indices, Mask
+from scenes.solution import range_of_slip
 
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
@@ -206,7 +207,11 @@ def value_uncertainties(
     estimates["largest_dissipation_density"] = 0.0
     if needs_shear(scene):
         estimates["largest_slip"] = slip_uncertainty(
-            values, coarse_values, _scaled_work(task, arrays), plain=task.has_plain_errors
+            values,
+            coarse_values,
+            _scaled_work(task, arrays),
+            _nodes_to_edge(scene, arrays),
+            plain=task.has_plain_errors,
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
         from_coarse_run = _from_coarse_run(values, coarse_values)
@@ -259,6 +264,27 @@ def _displacement_uncertainties(
             load, element_sizes, arrays["contact_half_width"], scales.modulus
         )
     return estimates
+
+
+def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """How far the contact goes beyond the node of the largest slip while that touches, over the
+    distance of the next node outwards: 1 where it goes farther.
+
+    Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
+    the last one that touches, and the next.
+    """
+    under_load = _under_load(scene, arrays)
+    if not under_load.any():
+        return 1.0
+    touches = arrays["state"][under_load] != OPEN
+    node = int(np.argmax(range_of_slip(arrays["slip"][under_load], touches)))
+    x = arrays["x"]
+    outwards = 1 if x[node] > 0 else -1
+    if not 0 <= node + outwards < len(x):
+        return 1.0
+    edges = arrays["contact_edges"][under_load][touches[:, node], (outwards + 1) // 2]
+    farthest = float(np.max(outwards * (edges - x[node]), initial=0.0))
+    return min(farthest / abs(float(x[node + outwards] - x[node])), 1.0)
 
 
 def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:

@@ -122,11 +122,14 @@ RULES: dict[str, Rule] = {
 
 
 # Slip is largest at an edge of contact, a part of an element beyond the last node that touches, and
-# it ends there between two instants. Shares of how it changes from that node to the next, and of
-# how much larger it would be if the node opened an instant later. Fitted with the shares of W(x)
-# to seeds 301 to 303 of benchmarks/covered.py values, both presets.
-_SLIP_BY_NEXT_NODES = 0.8
-_SLIP_BETWEEN_INSTANTS = 0.65
+# it ends there between two instants. Share of how it changes from that node to the next, over the
+# way to the edge: 0.5 to 1.0 of it at constant P. The same where the edge is at the node. Share of
+# how much larger slip would be if the node opened an instant later: at most 0.8 where that is the
+# larger part. The root of squares counts. Seeds 284 and 285 of benchmarks/covered.py bodies,
+# coarse, and values.
+_SLIP_TO_EDGE = 1.0
+_SLIP_AT_NODE = 0.06
+_SLIP_BETWEEN_INSTANTS = 0.8
 # Distances of nodes over which that change is a mean: of one alone corners and mid-side nodes may
 # agree by chance.
 _NEXT_NODES = 2
@@ -438,7 +441,12 @@ def displacement_uncertainties(
 
 
 def slip_uncertainty(
-    values: RunValues, coarse_values: RunValues | None, scaled_work: float, *, plain: bool
+    values: RunValues,
+    coarse_values: RunValues | None,
+    scaled_work: float,
+    nodes_to_edge: float,
+    *,
+    plain: bool,
 ) -> float:
     """Uncertainty of the largest slip by the nodes beside it and by the increments [length]; NaN
     where next to nothing slips, in zones that the elements do not resolve.
@@ -449,14 +457,18 @@ def slip_uncertainty(
         values of the run and of the coarse run; None without one
     scaled_work
         W over A f^2 P^2, P the largest load
+    nodes_to_edge
+        distance from the node of the largest slip to the edge of contact beyond it, over that of
+        the next node; at most 1
     plain
         linear elements or a penalty layer: the difference from the coarse run counts in full
     """
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
-    by_nodes = _SLIP_BY_NEXT_NODES * values.slip_to_next_nodes
+    nodes_missing = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
+    by_nodes = nodes_missing * values.slip_to_next_nodes
     by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
-    estimate = by_nodes + by_increments + _ROUND_OFF * values.largest_slip
+    estimate = math.hypot(by_nodes, by_increments) + _ROUND_OFF * values.largest_slip
     if not plain:
         return estimate
     if coarse_values is None or not values.is_comparable(coarse_values):

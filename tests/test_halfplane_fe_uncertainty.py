@@ -23,6 +23,7 @@ from halfplane_fe.answer import (
     _shear_grows_within_cone,
     creeping_zone,
 )
+from halfplane_fe.answer_uncertainty import _nodes_to_edge
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import Edges, edge_unit, uncertainty_at_jumps, uncertainty_by_growth
 from halfplane_fe.scales import COARSE_CYCLES
@@ -41,7 +42,7 @@ from halfplane_fe.uncertainty import (
 from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
 from reports.comparison.words import first_rows, first_table
-from scenes import OPEN, ContactSolution, Scene, load_scene
+from scenes import OPEN, SLIP_FORWARD, ContactSolution, Scene, load_scene
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
@@ -140,7 +141,9 @@ def test_a_density_that_stands_out_at_one_node_is_less_certain() -> None:
 
 
 def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
-    """On that side of the largest slip where it changes less, and by when a node opens."""
+    """On that side of the largest slip where it changes less, as far as the edge of contact is, and
+    by when a node opens.
+    """
     values = RunValues(
         since_start=np.zeros(1),
         tangential_displacement=np.zeros(1),
@@ -152,13 +155,31 @@ def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
         number=1,
         repeats=True,
     )
-    uncertainty = slip_uncertainty(values, None, 0.01, plain=False)
-    assert uncertainty == pytest.approx(0.8 * 0.1 + 0.65 * 0.02, rel=1e-9)
-    assert math.isnan(slip_uncertainty(values, None, 1e-9, plain=False))
+    for nodes_to_edge, share in ((0.0, 0.06), (0.5, 0.56), (1.0, 1.06)):
+        uncertainty = slip_uncertainty(values, None, 0.01, nodes_to_edge, plain=False)
+        assert uncertainty == pytest.approx(math.hypot(share * 0.1, 0.8 * 0.02), rel=1e-9)
+    assert math.isnan(slip_uncertainty(values, None, 1e-9, 1.0, plain=False))
     # Linear elements have errors that nodes do not show: without a coarse run nothing is known.
-    assert math.isnan(slip_uncertainty(values, None, 0.01, plain=True))
+    assert math.isnan(slip_uncertainty(values, None, 0.01, 1.0, plain=True))
     coarse_values = replace(values, largest_slip=0.5)
-    assert slip_uncertainty(values, coarse_values, 0.01, plain=True) == 0.5
+    assert slip_uncertainty(values, coarse_values, 0.01, 1.0, plain=True) == 0.5
+
+
+def test_slip_is_missed_as_far_as_the_contact_goes_beyond_its_largest_node() -> None:
+    """Slip grows outwards up to the edge, a quarter of a distance of nodes beyond the last one."""
+    x = np.arange(-4.0, 5.0)
+    is_closed = np.abs(x) <= 3
+    load = {"normal_load": np.ones(2), "time": np.array([1.0, 2.0])}
+    arrays = load | {
+        "x": x,
+        "state": np.where(is_closed, SLIP_FORWARD, OPEN) * np.ones((2, 1), dtype=int),
+        "slip": np.array([[0.0], [1.0]]) * np.where(x > 0, x**2, 0.0),
+        "contact_edges": np.array([[-3.25, 3.25], [-3.25, 3.25]]),
+    }
+    scene = load_scene("hertz-normal")
+    assert _nodes_to_edge(scene, arrays) == pytest.approx(0.25)
+    arrays["contact_edges"] = np.array([[-4.5, 4.5], [-4.5, 4.5]])
+    assert _nodes_to_edge(scene, arrays) == 1.0
 
 
 def at_jumps(places: np.ndarray, step_index: list[int], uncertainty: float = 0.01) -> np.ndarray:
