@@ -27,7 +27,7 @@ _POWER = 2 / 3
 # slip of the first ones. Lines that begin one node before and after it tell how straight it is.
 _ON_LINE = 3
 _FIRST_NODES = (1, 2, 3)
-# Times that the line is drawn anew with the form about its own zero: the place then stays to 1e-4
+# Times that the line is drawn again with the form about its own zero: the place then stays to 1e-4
 # of the distance of two nodes.
 _ROUNDS = 8
 # Shares of how far the zeros of the first and the last line differ, and of the distance of two
