@@ -89,7 +89,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     if edges_are_known and run.excess[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
-    edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else 0.0
+    edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else None
     # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
     # that starts to slide and the last. Between unlike bodies half of the bound "step_error"
     # counts: nodes that start to slide change the pressure too.
@@ -121,15 +121,38 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     if run.failure is not None:
         return math.nan
     change_to_limit = float(np.nan_to_num(abs(run.trend.left)))
-    revolution = revolution_of(task, run, arrays)
-    element = task.element * task.scales.half_width
-    by_flanks = share_of_flanks(task.scene.profile, revolution.least_contact(), element)
+    by_flanks = _share_of_flanks(task, run, arrays)
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
     work = max(float(work_of_nodes.sum()), 1e-300)
     by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
     relative_uncertainty = by_flanks + by_turns
     cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
     return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
+
+
+def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
+    """Uncertainty of W over W by narrow flanks of the contact: the mean over the stored instants of
+    the last load cycle, by the work that was done up to each since the one before.
+
+    Parameters
+    ----------
+    arrays
+        fields and series of the solution by name
+    """
+    scene = task.scene
+    under_load = np.flatnonzero(_under_load(scene, arrays))
+    if scene.profile.kind != "flat_rounded" or not len(under_load):
+        return 0.0
+    works = np.add.reduceat(run.column("dissipation"), run.stored[:-1])
+    work_at_instants = np.maximum(np.append(0.0, works)[under_load], 0.0)
+    if not work_at_instants.any():
+        return 0.0
+    element = task.element * task.scales.half_width
+    shares = [
+        share_of_flanks(scene.profile, half_width, element)
+        for half_width in arrays["contact_half_width"][under_load].tolist()
+    ]
+    return float(np.average(shares, weights=work_at_instants))
 
 
 def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
