@@ -230,7 +230,7 @@ def on_grid(scene: Scene) -> Values:
     path = scene.load.path()
     columns = []
     per_cycle = 0
-    for leg in path.legs(CYCLES):
+    for leg in path.segments(CYCLES):
         count = INCREMENTS * (
             4 if scene.load.kind == "ellipse" and leg.start >= path.cycle_start else 1
         )
@@ -238,7 +238,7 @@ def on_grid(scene: Scene) -> Values:
         nothing = np.zeros((2, count))
         stress, turn = (
             np.asarray(nothing if part is None else part.loads(times))
-            for part in (leg.bulk, leg.turning)
+            for part in (leg.bulk, leg.tilt_and_moment)
         )
         columns.append(np.stack([*leg.loads(times), stress[0] / 2, turn[0]]))
         per_cycle += (

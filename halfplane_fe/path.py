@@ -24,7 +24,7 @@ from scenes import (
     LoadedInstant,
     LoadPath,
     LoadSegment,
-    sampled,
+    sampled_times,
 )
 from scenes.array_types import Array
 
@@ -92,7 +92,7 @@ def _loads(leg: LoadSegment) -> tuple[_Load, ...]:
     """The two or five loads of a leg."""
     normal_load = _Load(leg, NORMAL_LOAD)
     tangential_load = _Load(leg, TANGENTIAL_LOAD)
-    if leg.bulk is None and leg.turning is None:
+    if leg.bulk is None and leg.tilt_and_moment is None:
         return normal_load, tangential_load
     return (normal_load, tangential_load, *_stresses_and_tilt(leg))
 
@@ -102,7 +102,7 @@ def _stresses_and_tilt(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
     bulk_lower = _Load(leg.bulk, NORMAL_LOAD)
     bulk_upper = _Load(leg.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
-    tilt_or_moment = _Load(leg.turning, Combination(1.0, 1.0))
+    tilt_or_moment = _Load(leg.tilt_and_moment, Combination(1.0, 1.0))
     return bulk_lower, bulk_upper, tilt_or_moment
 
 
@@ -114,7 +114,7 @@ def straight(leg: LoadSegment) -> bool:
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     """The two or five loads of a leg at an instant."""
     p, q = leg.loads(time)
-    if leg.bulk is None and leg.turning is None:
+    if leg.bulk is None and leg.tilt_and_moment is None:
         return float(p), float(q)
     return (float(p), float(q), *(load.at(time) for load in _stresses_and_tilt(leg)))
 
@@ -142,7 +142,7 @@ def turning_points_of(
     normal_weight, tangential_weight
         w_P and w_Q
     """
-    times = sampled(leg, _N_SAMPLES)
+    times = sampled_times(leg, _N_SAMPLES)
 
     def rate(t: Array | float) -> Array:
         """w_P dP/dt + w_Q dQ/dt."""
@@ -223,7 +223,7 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     all_times = turning_points_of(leg, 1.0, 0.0)
     all_times |= turning_points_of(leg, -friction, 1.0)
     all_times |= turning_points_of(leg, friction, 1.0)
-    if leg.bulk is not None or leg.turning is not None:
+    if leg.bulk is not None or leg.tilt_and_moment is not None:
         for stress_or_tilt in _stresses_and_tilt(leg):  # bulk stresses, and tilt or moment
             if stress_or_tilt.segment is not None:
                 all_times |= turning_points_of(stress_or_tilt.segment, *stress_or_tilt.combination)
@@ -332,7 +332,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     InputError
         For separation of a driven path.
     """
-    for leg in path.legs(1):
+    for leg in path.segments(1):
         times = np.array([leg.start, *turning_points(leg, friction), leg.end])
         normal_load, tangential_load = leg.loads(times)
         is_after_start = times > path.start

@@ -507,7 +507,7 @@ def run_path(
             run.cycle_density.append(run.density)  # work of each node on the whole path
             return run
         for number in range(cycles):
-            follower.follow_revolution(path.cycle_legs(number), number)
+            follower.follow_revolution(path.segments_of_cycle(number), number)
             if _repeats(run, uncertainty):
                 run.steady_from = number
                 break

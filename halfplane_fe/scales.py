@@ -166,7 +166,7 @@ def largest_load(scene: Scene) -> float:
     """Largest normal load of the path, or approach, at an end of a leg or where it turns round
     [force per thickness, or length].
     """
-    legs = tuple(path_of(scene).legs(1))
+    legs = tuple(path_of(scene).segments(1))
     return max(
         float(
             np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])
@@ -473,7 +473,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
         return scene
-    first_row, row_beyond = load.bounds()
+    first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond] if load.has_bulk_or_tilt else load.kept_rows()
     further_columns = {
         name: np.array(getattr(load, name)[first_row:row_beyond])

@@ -8,7 +8,7 @@ import numpy as np
 
 from halfplane_fe.actuators import path_of
 from halfplane_fe.path import has_bulk_stress
-from scenes import Block, InputError, Pad, Scene, Shape, sampled
+from scenes import Block, InputError, Pad, Scene, Shape, sampled_times
 
 # Least number of instants of a curved load segment that are checked for a load other than 0: a
 # harmonic load is 0 at few of them.
@@ -28,11 +28,11 @@ def check_bulk_stress(scene: Scene) -> None:
     InputError
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
-    stress_histories = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
+    stress_histories = [leg.bulk for leg in path_of(scene).segments(1) if leg.bulk is not None]
     for body_number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
         is_pulled = any(
-            np.any(history.loads(sampled(history, _N_INSTANTS))[body_number])
+            np.any(history.loads(sampled_times(history, _N_INSTANTS))[body_number])
             for history in stress_histories
         )
         if is_pulled and not (body.kind == "half_plane" or has_ends(body)):
@@ -75,7 +75,8 @@ def check_supports(scene: Scene) -> None:
 def sheared(scene: Scene) -> bool:
     """Whether there is a tangential load, or a movement in its place."""
     return any(
-        np.any(leg.loads(sampled(leg, _N_INSTANTS))[1] != 0) for leg in path_of(scene).legs(1)
+        np.any(leg.loads(sampled_times(leg, _N_INSTANTS))[1] != 0)
+        for leg in path_of(scene).segments(1)
     )
 
 

@@ -32,7 +32,7 @@ from scenes import (
     StraightSegment,
     TimeSeriesLoad,
     TShape,
-    sampled,
+    sampled_times,
 )
 from scenes.array_types import Array
 from scenes.unit_words import UNITS
@@ -186,7 +186,7 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     noise. Else it is one for rows that slide, or another start or end.
     """
     rows = load.rows.values  # time, P, Q in its columns
-    first_row, row_beyond = load.bounds()
+    first_row, row_beyond = load.row_bounds()
     row = first_row + int(np.argmax(np.append(rows[first_row:row_beyond, 0] >= time, True)))
     row = min(row, row_beyond - 1)
     used_rows = rows[first_row:row_beyond]
@@ -266,7 +266,7 @@ def _highest_value_and_time(
     some samples, then twice the largest of closer samples around it. `value_at` gives the values at
     times (n,).
     """
-    time = sampled(segment, _SAMPLES)
+    time = sampled_times(segment, _SAMPLES)
     for _ in range(3):
         values = value_at(time)
         index_of_highest = int(np.argmax(values))
@@ -565,8 +565,8 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     value_by_key: dict[str, float] = {}
     for segment in (*path.initial_loading, *path.cycle):
         # `turning`: tilt and moment over time; None where the segment has neither
-        if segment.turning is not None and segment.start <= time <= segment.end:
-            tilt, moment = segment.turning.loads(time)
+        if segment.tilt_and_moment is not None and segment.start <= time <= segment.end:
+            tilt, moment = segment.tilt_and_moment.loads(time)
             value_by_key = {key: float(moment if path.moment_given else tilt)}
     return value_by_key
 
@@ -629,10 +629,12 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     strain_per_stress = bulk_strains(scene.material)
     samples = []
     for segment in (*path.initial_loading, *path.cycle):
-        time = sampled(segment, 129)
+        time = sampled_times(segment, 129)
         zeros = np.zeros((2, len(time)))
         bulk_stress = segment.bulk.loads(time) if segment.bulk is not None else zeros
-        tilt_and_moment = segment.turning.loads(time) if segment.turning is not None else zeros
+        tilt_and_moment = (
+            segment.tilt_and_moment.loads(time) if segment.tilt_and_moment is not None else zeros
+        )
         strain_of_lower = strain_per_stress[0] * np.asarray(bulk_stress[0])
         minus_strain_of_upper = strain_per_stress[1] * np.asarray(bulk_stress[1])
         strain = strain_of_lower + minus_strain_of_upper

@@ -58,7 +58,7 @@ from scenes import (
     Pad,
     Scene,
     TimeSeriesLoad,
-    sampled,
+    sampled_times,
 )
 from scenes.array_types import Array
 
@@ -926,7 +926,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     path = scene.load.path()
     loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
-        times = np.union1d(sampled(segment, 129), segment.turning_points(NORMAL_LOAD))
+        times = np.union1d(sampled_times(segment, 129), segment.turning_points(NORMAL_LOAD))
         loads_of_segments.append(np.array(segment.loads(times)))
     normal_load, tangential_load = np.concatenate(loads_of_segments, axis=1)
     return normal_load, tangential_load

@@ -280,7 +280,7 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
     """Sentences on which rows of a record are used, where not all are: those between the keys start
     and end, or those with at least the normal load `load.least_normal_load`.
     """
-    first_row, row_beyond = load.bounds()
+    first_row, row_beyond = load.row_bounds()
     if row_beyond - first_row < len(load.rows):
         yield Sentence(
             f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load.rows):,} count, by the keys"

@@ -108,7 +108,7 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or load.repeats or load.is_driven:
         return ()
-    first_row, row_beyond = load.bounds()
+    first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
     if len(rows) > _MOST_ROWS:
         return ()
@@ -274,7 +274,7 @@ def parts_in_words(scene: Scene) -> list[str]:
 def _is_nearly_all(scene: Scene, part: RecordPart) -> bool:
     """Whether a part holds more than nine tenths of the rows that the scene uses."""
     assert isinstance(scene.load, TimeSeriesLoad)
-    first_row, row_beyond = scene.load.bounds()
+    first_row, row_beyond = scene.load.row_bounds()
     return part.last_row - part.first_row + 1 > _NEARLY_ALL_ROWS * (row_beyond - first_row)
 
 
@@ -282,7 +282,7 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     """At which rows of a record the bodies slide as a whole (|Q| > f P), and what to do, in words;
     "" where there are none. Rows with hardly any P are left out: they are noise.
     """
-    first_row, row_beyond = load.bounds()
+    first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
     normal_load = rows[:, _NORMAL]
     slides = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load

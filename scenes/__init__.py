@@ -114,7 +114,7 @@ from scenes.segments import (
     StraightSegment,
     ellipse_segment,
     parabola_segment,
-    sampled,
+    sampled_times,
 )
 from scenes.solution import (
     OPEN,
@@ -203,7 +203,7 @@ __all__ = [
     "scene_schema",
     "scene_text",
     "parabola_segment",
-    "sampled",
+    "sampled_times",
     "tags",
 ]
 

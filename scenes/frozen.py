@@ -105,8 +105,8 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
 
     ranked_faults = sorted(faults.errors(), key=rank)
     worst_fault = ranked_faults[0]
-    worst_key = _key(worst_fault, keys)
-    faulty_keys = dict.fromkeys(_key(fault, keys) for fault in ranked_faults)
+    worst_key = _key_of_fault(worst_fault, keys)
+    faulty_keys = dict.fromkeys(_key_of_fault(fault, keys) for fault in ranked_faults)
     further_keys = [key for key in faulty_keys if key not in (worst_key, "")]
     return _fault_in_words(worst_fault, worst_key, model) + _further_keys_in_words(further_keys)
 
@@ -126,7 +126,7 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
             unknown_key = str(fault["loc"][-1])
             # What is unknown here may be known in another table.
             hint = (
-                neglected(unknown_key)
+                reason_of_unknown_key(unknown_key)
                 or f"{did_you_mean(unknown_key, keys_of_all_tables(model) - {unknown_key})}"
                 f" {model.keys_listed} lists the keys"
             )
@@ -175,15 +175,15 @@ def _further_keys_in_words(keys: Sequence[str]) -> str:
     return f" (also at fault: {names}{remainder})"
 
 
-def neglected(word: str) -> str:
+def reason_of_unknown_key(word: str) -> str:
     """Reason why no scene has the unknown key `word`, for the end of a message, with a blank before
     it: physics that the model neglects, or a key that belongs to the table of the loads.
 
     Empty where neither is the case. A key is recognised by how the words in it begin.
 
-    >>> neglected("yield_stress")
+    >>> reason_of_unknown_key("yield_stress")
     " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
-    >>> neglected("phase")
+    >>> reason_of_unknown_key("phase")
     ''
     """
     words_in_key = re.split("[^a-z]+", word.lower())
@@ -218,7 +218,7 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
     return f" did you mean {candidates[0]}?" if candidates else ""
 
 
-def _key(fault: ErrorDetails, keys: Any) -> str:
+def _key_of_fault(fault: ErrorDetails, keys: Any) -> str:
     """Full name in the file of the key that a fault is about, as in "load.points.3".
 
     pydantic's location of the fault also names alternatives of a model, such as kinds; these do
@@ -240,13 +240,13 @@ def _key(fault: ErrorDetails, keys: Any) -> str:
     return ".".join(path)
 
 
-def _numbers(value: Any) -> Iterator[float]:
+def _numbers_in(value: Any) -> Iterator[float]:
     """Numbers in the value of a key or in its tuples; long tables check their own."""
     if isinstance(value, float):
         yield value
     elif isinstance(value, tuple) and len(value) < 10_000:
         for part in value:
-            yield from _numbers(part)
+            yield from _numbers_in(part)
 
 
 def a_scale(number: float) -> float:
@@ -268,7 +268,7 @@ class _OneDoor(ModelMetaclass):
         try:
             return super().__call__(*_nothing, **keys)
         except ValidationError as faults:
-            sentence = refusal(faults, _plain(keys), cast("type[Frozen]", cls))
+            sentence = refusal(faults, _without_models(keys), cast("type[Frozen]", cls))
             raise InputError(f"{cls.__name__}: {sentence}") from faults
 
 
@@ -300,7 +300,7 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         """Refuse numbers of any key that are so large that their squares are no numbers
         (ValueError); the value itself otherwise.
         """
-        for number in _numbers(value):
+        for number in _numbers_in(value):
             if abs(number) > LARGEST:
                 raise ValueError(
                     f"{number:g} is above {LARGEST:g}, and its square would be no number: choose"
@@ -404,7 +404,7 @@ Positive = Annotated[PositiveNumber, AfterValidator(a_scale)]
 """A scale: its square and the inverse of that are numbers."""
 
 
-def _function(value: Any) -> Any:
+def _require_function(value: Any) -> Any:
     if value is not None and not callable(value):
         raise ValueError(
             "a Python function is needed: such a scene can only be built in Python, not read from a"
@@ -413,7 +413,7 @@ def _function(value: Any) -> Any:
     return value
 
 
-def _refuse(function: Any) -> str:
+def _refuse_to_write(function: Any) -> str:
     raise ValueError(
         f"the scene holds the Python function {getattr(function, '__name__', 'without a name')},"
         " which can't be written to a file"
@@ -422,8 +422,8 @@ def _refuse(function: Any) -> str:
 
 PythonFunction = Annotated[
     Callable[[Any], Any],
-    BeforeValidator(_function),
-    PlainSerializer(_refuse, when_used="json-unless-none"),
+    BeforeValidator(_require_function),
+    PlainSerializer(_refuse_to_write, when_used="json-unless-none"),
     WithJsonSchema({"not": {}, "description": "a Python function: only in scenes built in Python"}),
 ]
 
@@ -500,15 +500,15 @@ def checked(
             )
         return model.model_validate(keys, context=context)
     except ValidationError as faults:
-        raise InputError(f"{prefix}{refusal(faults, _plain(keys), model)}") from faults
+        raise InputError(f"{prefix}{refusal(faults, _without_models(keys), model)}") from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{prefix}its tables are nested too deeply") from reason
 
 
-def _plain(table: Any) -> Any:
+def _without_models(table: Any) -> Any:
     """Models as tables of their keys, at every depth: what a refusal looks its keys up in."""
     if isinstance(table, BaseModel):
         table = table.__dict__
     if isinstance(table, Mapping):
-        return {key: _plain(value) for key, value in table.items()}
-    return [_plain(value) for value in table] if isinstance(table, list | tuple) else table
+        return {key: _without_models(value) for key, value in table.items()}
+    return [_without_models(value) for value in table] if isinstance(table, list | tuple) else table

@@ -180,8 +180,11 @@ DRIVEN = (
 V = TypeVar("V")
 Pair = tuple[Any, Any]
 # Attribute of a load segment -> keys of the two quantities that it carries.
-_KEY_PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
-BULK_AND_TILT_KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["turning"], "line_of_action")
+_KEY_PAIRS = {
+    "bulk": ("bulk_stress_lower", "bulk_stress_upper"),
+    "tilt_and_moment": ("tilt", "moment"),
+}
+BULK_AND_TILT_KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["tilt_and_moment"], "line_of_action")
 """Keys of bulk stress, tilt and moment, which every load has."""
 
 
@@ -298,13 +301,13 @@ class BulkAndTilt(Frozen, Generic[V]):
         if not self.has_bulk_or_tilt:
             return path
         load_segments: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        # Attribute of a load segment -> what each one carries: "bulk" both bulk stresses, "turning"
-        # tilt and moment.
+        # Attribute of a load segment -> what each one carries: "bulk" both bulk stresses,
+        # "tilt_and_moment" tilt and moment.
         companions: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
             # The tilt is 0 there, and the moment M = x P + height Q.
             moment_of_loads = Combination(line.x, line.height)
-            companions["turning"] = [
+            companions["tilt_and_moment"] = [
                 segment.companion_of(moment_of_loads) for segment in load_segments
             ]
         for attribute, (first_key, second_key) in _KEY_PAIRS.items():
@@ -463,7 +466,7 @@ class EllipseLoad(CyclicLoad[Wave]):
     )
 
     @model_validator(mode="after")
-    def _states_loads_or_displacement(self) -> Self:
+    def _require_loads_or_displacement(self) -> Self:
         load_keys = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
         if self.is_driven and load_keys != (0.0, 0.0, 90.0):
             raise ValueError(
@@ -641,10 +644,10 @@ class PolygonLoad(StraightLoad):
         path = self.path_of_actuators() if self.is_driven else self.path()
         for segment in (*path.initial_loading, *path.cycle):
             times_of_ends = np.array([segment.start, segment.end])
-            # `turning` has tilt and moment.
+            # `tilt_and_moment` has tilt and moment.
             pairs_of_quantities = [
                 companion.loads(times_of_ends)
-                for companion in (segment, segment.bulk, segment.turning)
+                for companion in (segment, segment.bulk, segment.tilt_and_moment)
                 if companion is not None
             ]
             if all(
@@ -769,7 +772,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     )
 
     @model_validator(mode="after")
-    def _states_loads_or_displacement(self) -> Self:
+    def _require_loads_or_displacement(self) -> Self:
         if self.is_driven and (self.mean_tangential_load or self.tangential_harmonics):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load and"
@@ -1021,7 +1024,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return values
 
     @model_validator(mode="after")
-    def _displacement_goes_alone(self) -> Self:
+    def _require_unreduced_displacement(self) -> Self:
         _require_displacement_beside_approach(self)
         reduces_rows = self.reduce is not None or self.least_normal_load is not None
         if self.is_driven and (self.average > 1 or reduces_rows):
@@ -1082,7 +1085,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
-        first_row, row_beyond = self.bounds()
+        first_row, row_beyond = self.row_bounds()
         if row_beyond - first_row < 2:
             raise RowError(
                 min(first_row, len(rows) - 1),
@@ -1119,7 +1122,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 row_beyond - 1, "a cycle that repeats must end with the loads of its first row"
             )
 
-    def bounds(self) -> tuple[int, int]:
+    def row_bounds(self) -> tuple[int, int]:
         """Numbers, from 0, of the first row of the record that is used and of the one after the
         last, by the keys `start` and `end`.
 
@@ -1150,7 +1153,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
         [[1.0, 5.0, 0.0], [2.0, 50.0, 1.0], [3.0, 100.0, 30.0], [4.0, 0.2, 0.0]]
         """
-        first_row, row_beyond = self.bounds()
+        first_row, row_beyond = self.row_bounds()
         if self.least_normal_load is None:
             if (first_row, row_beyond) == (0, len(self.rows)):
                 return self.rows
@@ -1203,7 +1206,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     rule_of_entries = "one for each row"
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        first_row, row_beyond = self.bounds()
+        first_row, row_beyond = self.row_bounds()
         # 1 where a line from (0, 0) comes before the rows
         vertices_before = vertex_count - (row_beyond - first_row)
         return [*[-1] * vertices_before, *range(first_row, row_beyond)], 1

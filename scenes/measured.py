@@ -224,9 +224,9 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     ]
     if not table.encoding.startswith("UTF-8"):
         layout.append(("characters", table.encoding))
-    if table.skipped:
-        layout.append(("lines above the headings", f"{table.skipped} skipped"))
-    layout += [("left out", words) for words in table.left_out]
+    if table.n_lines_above:
+        layout.append(("lines above the headings", f"{table.n_lines_above} skipped"))
+    layout += [("left out", words) for words in table.lines_left_out]
     return layout
 
 
@@ -318,8 +318,8 @@ class FromFile(Frozen):
                 table.values[:, column] *= column_reading.factor
             descriptions.append((name, column_reading.description))
         descriptions += self._stated_quantities_in_words()
-        if table.unused:
-            descriptions.append(("not read", _headings_in_words(table.unused)))
+        if table.unread_headings:
+            descriptions.append(("not read", _headings_in_words(table.unread_headings)))
         if is_converted:
             descriptions.append((SCENE_UNITS, units))
         names_stated_twice = [name for name in optional_names if getattr(self, name) is not None]
@@ -405,7 +405,7 @@ class FromFile(Frozen):
         zero = _stated_columns(getattr(self, "zero", None)).get(name)
         sign = _stated_columns(getattr(self, "sign", None)).get(name, 1)
         # Without a line of headings, `heading` is the reader's own word, such as "column 2".
-        phrases = [repr(heading) if table.head else heading]
+        phrases = [repr(heading) if table.heading_line else heading]
         if is_time_of_day:
             phrases.append(f"times of day: seconds since {table.clock_start}")
         elif unit.remark:
@@ -646,7 +646,8 @@ def means(values: Array, count: int) -> Array:
 
 def turning_points(values: Array, threshold: float) -> Rows:
     """Row numbers (m,) of the turning points of a measured series `values` (n,), small swings left
-    out: an extreme counts once the series has left it by more than the `threshold`.
+    out: an extreme counts once the series has left it by more than the `threshold`. The first
+    value may be one, the last is none.
 
     >>> turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
     [0, 3, 4]

@@ -389,14 +389,17 @@ class Wedge(TwoCurvatures):
         return 1 / self.tip_radius, self.tip_half_length, 0.0
 
 
-def first_fall(coefficients: Array) -> float | None:
+def place_of_fall(coefficients: Array) -> float | None:
     """Place s > 0 at which a polynomial sum c_k s^k, such as a profile's slope, is negative; None
     where it never is.
 
     It is the middle of the first interval between roots on which the polynomial is negative.
     `coefficients` (n,) are c_k from k = 0 on, not all 0.
 
-    >>> first_fall(np.array([2.0, -3.0, 1.0])), first_fall(np.array([1.0, 0.0]))  # (1 - s)(2 - s)
+    >>> (
+    ...     place_of_fall(np.array([2.0, -3.0, 1.0])),
+    ...     place_of_fall(np.array([1.0, 0.0])),
+    ... )  # (1 - s)(2 - s)
     (1.5, None)
     """
     roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
@@ -442,7 +445,7 @@ class EvenPolynomial(MayBeFitted):
             raise ValueError(
                 "all powers are 0: a flat profile has no edge; one of them must be positive"
             )
-        s_of_fall = first_fall(slope_coefficients)
+        s_of_fall = place_of_fall(slope_coefficients)
         if s_of_fall is not None:
             raise ValueError(
                 f"the profile falls at x = {self.length * np.sqrt(s_of_fall):.6g}: it must rise for"
@@ -782,7 +785,9 @@ class Tabulated(FromFile):
         return self.sides()[-1]
 
     def sides(self) -> tuple[Spline, Spline]:
-        """The curve to the left of x = 0, x counted to the left, and to the right."""
+        """The curve to the left of x = 0, x counted to the left, and to the right; the same one
+        twice where they are averaged. InputError for rows that are to be fitted.
+        """
         if self.fit is not None:
             raise InputError(
                 "profile: rows with the key `fit` are to be part of a scene; without one take"
@@ -792,7 +797,7 @@ class Tabulated(FromFile):
         return splines[0], splines[-1]
 
     def row_before(self, distance: float) -> int:
-        """Number, counted from 0, of the last row with x <= `distance` [length]."""
+        """Number, counted from 0, of the last row with x <= `distance` [length]; -1 before all."""
         return int(np.searchsorted(self.points.values[:, 0], distance, side="right")) - 1
 
     def place(self, row: int) -> str:

@@ -125,7 +125,7 @@ class Friction(Frozen):
 
     @model_validator(mode="before")
     @classmethod
-    def _number_alone(cls, value: Any) -> Any:
+    def _table_of_number(cls, value: Any) -> Any:
         if isinstance(value, Mapping | Friction):
             return value
         if isinstance(value, bool) or not isinstance(value, Real):
@@ -136,7 +136,7 @@ class Friction(Frozen):
 
     @field_validator("coefficient")
     @classmethod
-    def _can_be_squared_if_any(cls, coefficient: float) -> float:
+    def _require_scale_or_zero(cls, coefficient: float) -> float:
         return a_scale(coefficient) if coefficient else coefficient
 
 
@@ -247,13 +247,13 @@ class Scene(Frozen):
 
     @field_validator("units")
     @classmethod
-    def _units_are_one_set(cls, units: str) -> str:
+    def _require_one_set_of_units(cls, units: str) -> str:
         if reason := fault_of_units(units):
             raise ValueError(f"{units!r} can't be: {reason}")
         return units
 
     @model_validator(mode="after")
-    def _parts_fit_together(self) -> Self:
+    def _require_parts_that_fit(self) -> Self:
         """Refuse a scene whose parts contradict each other (ValueError with what to do).
 
         Each stated uncertainty, too, must be of an input that the scene has.
@@ -370,7 +370,8 @@ class Scene(Frozen):
     @property
     def smallest_friction(self) -> float:
         """Smallest coefficient of friction at which the loads cause no gross sliding: the largest
-        |Q|/P on the load path. Infinite where P is negative, or zero while Q is not.
+        |Q|/P on the load path. Infinite where P is negative, or zero while Q is not. InputError
+        where a displacement is prescribed.
 
         >>> from scenes import load_scene
         >>> scene = load_scene("cattaneo-mindlin")
@@ -412,7 +413,8 @@ class Scene(Frozen):
           load: polygon, P from 0 to 90.6229, Q from -27.1869 to 27.1869, |Q|/P up to 0.3
           units: N, mm, MPa
         """
-        upper_material, lower_material = self.material.upper, self.material.lower
+        upper_material = self.material.upper
+        lower_material = self.material.lower
         normal_range, tangential_range = self.ranges_of_load()
         least_normal, largest_normal = normal_range
         least_tangential, largest_tangential = tangential_range

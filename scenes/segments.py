@@ -91,14 +91,14 @@ class Ellipse(NamedTuple):
     phase_radians: float
     origin: float
 
-    def largest_at(self, combination: Combination) -> float:
+    def time_of_largest(self, combination: Combination) -> float:
         """Time [rad] at which a combination c_P P + c_Q Q of the loads on this ellipse is largest,
         as it is again every 2 pi later.
 
         The combination is a constant plus the real part of F exp(i (t - origin)), F the sum of the
         phasors of P and Q. It is largest where t - origin is minus the phase of F.
 
-        >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(
+        >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).time_of_largest(
         ...     TANGENTIAL_LOAD
         ... ) == math.pi / 2
         True
@@ -120,7 +120,7 @@ class LoadSegment(abc.ABC):
     bulk
         bulk stresses over the same time: that of the lower body in place of P, of the upper in
         place of Q; None without bulk stress
-    turning
+    tilt_and_moment
         tilt in place of P and moment in place of Q over the same time, one of them 0
         throughout; None where neither is stated
     """
@@ -128,7 +128,7 @@ class LoadSegment(abc.ABC):
     start: float
     end: float
     bulk: LoadSegment | None = field(default=None, kw_only=True)
-    turning: LoadSegment | None = field(default=None, kw_only=True)
+    tilt_and_moment: LoadSegment | None = field(default=None, kw_only=True)
 
     @property
     def is_straight(self) -> bool:
@@ -136,9 +136,9 @@ class LoadSegment(abc.ABC):
         return False
 
     @property
-    def most_turns(self) -> int:
-        """Upper bound of the number of turning points of P, Q or a sum of both inside the
-        segment.
+    def most_turning_points(self) -> int:
+        """Upper bound of the number of turning points inside the segment of P, Q or a weighted sum
+        of both; 0 of a straight one.
         """
         return 0
 
@@ -199,7 +199,7 @@ class LoadSegment(abc.ABC):
 
     @abc.abstractmethod
     def _find_turning_points(self, combination: Combination) -> list[float]:
-        """`turning_points`, not remembered yet."""
+        """`turning_points` of a combination that are not cached yet."""
 
     def time_of(
         self, combination: Combination, amount: ArrayLike, begin: float, end: float
@@ -261,7 +261,9 @@ class LoadSegment(abc.ABC):
         """
         # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
-        times_by_plain_newton = self._by_plain_newton(combination, wanted_change, begin, end, time)
+        times_by_plain_newton = self._times_by_plain_newton(
+            combination, wanted_change, begin, end, time
+        )
         if times_by_plain_newton is not None:
             return times_by_plain_newton
         direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
@@ -310,7 +312,7 @@ class LoadSegment(abc.ABC):
             f" {end:.17g}"
         )
 
-    def _by_plain_newton(
+    def _times_by_plain_newton(
         self, combination: Combination, wanted_change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
@@ -356,26 +358,32 @@ class LoadSegment(abc.ABC):
         """
         return None
 
-    def mirrored(
+    def mirrored_time(
         self,
         combination: Combination,  # noqa: ARG002 most segments have no mirrored time
         time: ArrayLike,  # noqa: ARG002
         near: float,  # noqa: ARG002
     ) -> Array | None:
-        """The other time, next to `near`, at which a combination of one wave has the value that it
-        has at `time`; else None.
+        """The other time, next to `near`, at which a combination of the loads has the value that it
+        has at `time`, where it is one wave; else None.
         """
         return None
 
     def shifted(self, delay: float) -> Self:
         """The same segment, `delay` later."""
-        bulk, turning = (part and part.shifted(delay) for part in (self.bulk, self.turning))
+        bulk, tilt_and_moment = (
+            pair and pair.shifted(delay) for pair in (self.bulk, self.tilt_and_moment)
+        )
         return replace(
-            self, start=self.start + delay, end=self.end + delay, bulk=bulk, turning=turning
+            self,
+            start=self.start + delay,
+            end=self.end + delay,
+            bulk=bulk,
+            tilt_and_moment=tilt_and_moment,
         )
 
 
-def _chosen(condition: Any, value_if_true: float, value_if_false: float) -> float:
+def _choose(condition: Any, value_if_true: float, value_if_false: float) -> float:
     """`numpy.where` of one number, five times as fast."""
     return value_if_true if condition else value_if_false
 
@@ -402,10 +410,11 @@ class StraightSegment(LoadSegment):
         # From the nearer end, so that both ends are met to the last digit.
         t = _float_or_array(time)
         near_start = t - self.start <= self.end - t
-        nearer = _chosen if isinstance(t, float) else np.where
-        part = (t - nearer(near_start, self.start, self.end)) / (self.end - self.start)
+        choose = _choose if isinstance(t, float) else np.where
+        time_from_nearer_end = t - choose(near_start, self.start, self.end)
+        share_of_segment = time_from_nearer_end / (self.end - self.start)
         p, q = (
-            nearer(near_start, first_load, last_load) + (last_load - first_load) * part
+            choose(near_start, first_load, last_load) + (last_load - first_load) * share_of_segment
             for first_load, last_load in zip(self.first, self.last, strict=True)
         )
         return p, q
@@ -414,12 +423,12 @@ class StraightSegment(LoadSegment):
         return self.change_of(combination, np.ones(np.shape(time)), 0.0)
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        part = (np.asarray(time, dtype=float) - np.asarray(time_before, dtype=float)) / (
-            self.end - self.start
-        )
-        return combination[0] * ((self.last[0] - self.first[0]) * part) + combination[1] * (
-            (self.last[1] - self.first[1]) * part
-        )
+        share_of_segment = (
+            np.asarray(time, dtype=float) - np.asarray(time_before, dtype=float)
+        ) / (self.end - self.start)
+        normal_change = (self.last[0] - self.first[0]) * share_of_segment
+        tangential_change = (self.last[1] - self.first[1]) * share_of_segment
+        return combination[0] * normal_change + combination[1] * tangential_change
 
     def companion_of(self, combination: Combination) -> StraightSegment:
         first_point, last_point = (
@@ -508,23 +517,23 @@ class HarmonicSegment(LoadSegment):
             self.tangential[0] if self.tangential else (0.0, 0.0)
         )
 
-    def wave(self, combination: Combination) -> tuple[float, float]:
+    def amplitude_and_lead(self, combination: Combination) -> tuple[float, float]:
         """(amplitude, lead) of a combination c_P P + c_Q Q of the loads of an ellipse: it is a
         constant plus amplitude cos(t + lead), lead in radians.
         """
-        known_waves = self._known_waves
-        if combination not in known_waves:
-            known_waves[combination] = self._amplitude_and_lead(combination)
-        return known_waves[combination]
+        known_values = self._known_amplitudes_and_leads
+        if combination not in known_values:
+            known_values[combination] = self._find_amplitude_and_lead(combination)
+        return known_values[combination]
 
     @cached_property
-    def _known_waves(self) -> dict[Combination, tuple[float, float]]:
-        """`wave` by its combination, as far as it was asked for."""
+    def _known_amplitudes_and_leads(self) -> dict[Combination, tuple[float, float]]:
+        """`amplitude_and_lead` by its combination, as far as it was asked for."""
         return {}
 
-    def _amplitude_and_lead(self, combination: Combination) -> tuple[float, float]:
-        """`wave`, not cached yet: amplitude and lead [rad] of the sum of the phasors of c_P P and
-        c_Q Q. The amplitude of one load alone has the sign of its coefficient.
+    def _find_amplitude_and_lead(self, combination: Combination) -> tuple[float, float]:
+        """`amplitude_and_lead`, not cached yet: amplitude and lead [rad] of the sum of the phasors
+        of c_P P and c_Q Q. The amplitude of one load alone has the sign of its coefficient.
         """
         (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
             self._first_harmonics
@@ -541,7 +550,7 @@ class HarmonicSegment(LoadSegment):
         )
 
     @property
-    def most_turns(self) -> int:
+    def most_turning_points(self) -> int:
         order = self._fourier_coefficients.shape[1] - 1 if np.any(self._fourier_coefficients) else 0
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
@@ -575,7 +584,7 @@ class HarmonicSegment(LoadSegment):
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         if self.ellipse:
-            amplitude, lead = self.wave(combination)
+            amplitude, lead = self.amplitude_and_lead(combination)
             rate: Array = -amplitude * np.sin(_float_or_array(time) + lead)
             return rate
         _, rate_terms = self._series_of(combination)
@@ -618,7 +627,7 @@ class HarmonicSegment(LoadSegment):
         half_step = (end_time - begin_time) / 2
         if self.ellipse:
             middle_time = (end_time + begin_time) / 2
-            amplitude, lead = self.wave(combination)
+            amplitude, lead = self.amplitude_and_lead(combination)
             change: Array = -2 * amplitude * np.sin(middle_time + lead) * np.sin(half_step)
             return change
         half_rotation = np.exp(1j * np.atleast_1d(half_step))
@@ -698,7 +707,7 @@ class HarmonicSegment(LoadSegment):
         # Upper bounds of the amplitudes of the combination's harmonics, k = 0, 1, ...
         largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
         if self.ellipse:
-            amplitude, lead = self.wave(combination)
+            amplitude, lead = self.amplitude_and_lead(combination)
             if abs(amplitude) <= _ROUNDING * largest_amplitudes[1]:  # constant but for round-off
                 return []
             first_multiple = math.ceil((self.start + lead) / math.pi)
@@ -749,7 +758,7 @@ class HarmonicSegment(LoadSegment):
         if not self.ellipse:
             return super()._time_inside(combination, wanted_change, total_change, begin, end)
         # The arc cosine loses digits near an extreme: one Newton step restores them.
-        amplitude, lead = self.wave(combination)
+        amplitude, lead = self.amplitude_and_lead(combination)
         n_half_turns = math.floor(((begin + end) / 2 + lead) / math.pi)
         sign = -1.0 if n_half_turns % 2 else 1.0
         cosine = sign * (math.cos(begin + lead) + wanted_change / amplitude)
@@ -761,11 +770,12 @@ class HarmonicSegment(LoadSegment):
             is_steep, remaining_change / np.where(is_steep, rate_at_time, 1.0), 0.0
         )
 
-    def mirrored(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
+    def mirrored_time(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
             return None
-        twin = -2 * self.wave(combination)[1] - np.asarray(time, dtype=float)
-        return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
+        _, lead = self.amplitude_and_lead(combination)
+        mirrored_time = -2 * lead - np.asarray(time, dtype=float)
+        return mirrored_time + 2 * math.pi * np.round((near - mirrored_time) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
         """The same load history, `delay` [rad] later: the phase lag of the k-th harmonic grows by k
@@ -799,7 +809,7 @@ class ChebyshevSegment(LoadSegment):
     tangential: tuple[float, ...]
 
     @property
-    def most_turns(self) -> int:
+    def most_turning_points(self) -> int:
         return max(len(self.normal), len(self.tangential), 2) - 2
 
     def _series_variable(self, time: ArrayLike) -> Any:
@@ -923,16 +933,16 @@ class LoadPath:
     initial_loading: tuple[LoadSegment, ...]
     cycle: tuple[LoadSegment, ...]
     moment_given: bool = False
-    """Whether the segments' `turning` states the moment, from which the tilt follows, and not the
-    tilt.
+    """Whether the segments' `tilt_and_moment` states the moment, from which the tilt follows, and
+    not the tilt.
     """
 
     @property
     def has_bulk_or_tilt(self) -> bool:
         """Whether segments carry bulk stresses, tilt or moment along with P and Q."""
         return any(
-            leg.bulk is not None or leg.turning is not None
-            for leg in (*self.initial_loading, *self.cycle)
+            segment.bulk is not None or segment.tilt_and_moment is not None
+            for segment in (*self.initial_loading, *self.cycle)
         )
 
     @property
@@ -950,22 +960,25 @@ class LoadPath:
         """Duration of a cycle; None for a path that is not periodic."""
         return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
 
-    def legs(self, cycles: int) -> Iterator[LoadSegment]:
-        """The initial loading, then `cycles` revolutions."""
+    def segments(self, cycles: int) -> Iterator[LoadSegment]:
+        """The segments of the initial loading, then those of `cycles` revolutions, each at its own
+        time.
+        """
         yield from self.initial_loading
         for number in range(cycles):
-            yield from self.cycle_legs(number)
+            yield from self.segments_of_cycle(number)
 
-    def cycle_legs(self, number: int) -> tuple[LoadSegment, ...]:
-        """The legs of revolution `number`, counted from 0."""
-        return tuple(leg.shifted(number * (self.period or 0.0)) for leg in self.cycle)
+    def segments_of_cycle(self, number: int) -> tuple[LoadSegment, ...]:
+        """The load segments of revolution `number`, counted from 0, at its own time."""
+        delay = number * (self.period or 0.0)
+        return tuple(segment.shifted(delay) for segment in self.cycle)
 
     def companion(self, name: str) -> LoadPath | None:
-        """What all segments carry as `bulk` or `turning`, as a path of its own; None where one of
-        them carries nothing.
+        """What all segments carry under `name`, "bulk" or "tilt_and_moment", as a path of its own;
+        None where one of them carries nothing.
         """
-        loading = [getattr(leg, name) for leg in self.initial_loading]
-        cycle = [getattr(leg, name) for leg in self.cycle]
+        loading = [getattr(segment, name) for segment in self.initial_loading]
+        cycle = [getattr(segment, name) for segment in self.cycle]
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
@@ -1118,19 +1131,21 @@ def parabola_segment(
     return ChebyshevSegment(start, end, normal_series, tangential_series)
 
 
-def sampled(segment: LoadSegment, least_count: int) -> Array:
+def sampled_times(segment: LoadSegment, least_count: int) -> Array:
     """Evenly spaced times (n,) along a load segment, dense enough to resolve its turning points.
 
     A straight segment gets its two ends. Others get `least_count`, or more: eight intervals for
     each possible turning point.
 
     >>> (
-    ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
-    ...     len(sampled(ellipse_segment(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
+    ...     len(sampled_times(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
+    ...     len(sampled_times(ellipse_segment(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
     ... )
     (2, 25)
     """
-    count = max(least_count, 8 * segment.most_turns + 1) if segment.most_turns else 2
+    count = (
+        max(least_count, 8 * segment.most_turning_points + 1) if segment.most_turning_points else 2
+    )
     return np.linspace(segment.start, segment.end, count)
 
 
@@ -1138,9 +1153,9 @@ def sampled(segment: LoadSegment, least_count: int) -> Array:
 _ZERO_LOAD = 1e-12
 
 
-def largest_ratio(legs: Iterable[LoadSegment]) -> float:
-    """Largest |Q|/P along the load segments `legs`; infinite where P is negative, or zero while Q
-    is not.
+def largest_ratio(segments: Iterable[LoadSegment]) -> float:
+    """Largest |Q|/P along some load segments; infinite where P is negative, or zero while Q is not,
+    0 where both are zero.
 
     Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r, unless r is the
     largest ratio itself. These combinations are largest at ends and turning points.
@@ -1151,7 +1166,7 @@ def largest_ratio(legs: Iterable[LoadSegment]) -> float:
     0.5
     """
     ratio = 0.0
-    for segment in legs:
+    for segment in segments:
         fixed_times = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
             times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))

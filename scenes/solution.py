@@ -47,7 +47,7 @@ def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
     return array
 
 
-def _stored(words: str, dimension: str, unit: str = "") -> dict[str, Any]:
+def _array_metadata(words: str, dimension: str, unit: str = "") -> dict[str, Any]:
     """Metadata of an array of an answer: its name in words, its dimensions, of which unit it is."""
     return {"words": words, "over": tuple(dimension.split()), "unit": unit}
 
@@ -85,7 +85,7 @@ class Record:
     converged: bool
     termination: str
     message: str
-    iterations: NDArray[np.int64] = field(metadata=_stored("contact iterations", "time"))
+    iterations: NDArray[np.int64] = field(metadata=_array_metadata("contact iterations", "time"))
     certificates: Mapping[str, Array] = field(default_factory=dict)
     energy: Mapping[str, Array] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -181,36 +181,50 @@ class ContactSolution:
 
     engine: str
     scene: Scene
-    time: Array = field(metadata=_stored("time of the load path", "time"))
-    normal_load: Array = field(metadata=_stored("normal load P per unit thickness", "time", "load"))
+    time: Array = field(metadata=_array_metadata("time of the load path", "time"))
+    normal_load: Array = field(
+        metadata=_array_metadata("normal load P per unit thickness", "time", "load")
+    )
     tangential_load: Array = field(
-        metadata=_stored("tangential load Q per unit thickness", "time", "load")
+        metadata=_array_metadata("tangential load Q per unit thickness", "time", "load")
     )
     x: Array = field(
-        metadata=_stored("position along the surface of the lower body", "x", "length")
+        metadata=_array_metadata("position along the surface of the lower body", "x", "length")
     )
-    pressure: Array = field(metadata=_stored("contact pressure p", "time x", "stress"))
-    shear: Array = field(metadata=_stored("shear traction q on the lower body", "time x", "stress"))
+    pressure: Array = field(metadata=_array_metadata("contact pressure p", "time x", "stress"))
+    shear: Array = field(
+        metadata=_array_metadata("shear traction q on the lower body", "time x", "stress")
+    )
     slip: Array = field(
-        metadata=_stored("slip of the upper body over the lower", "time x", "length")
+        metadata=_array_metadata("slip of the upper body over the lower", "time x", "length")
     )
     state: NDArray[np.int8] = field(
-        metadata=_stored("0 open, 1 stick, 2 forward slip, 3 reverse slip", "time x")
+        metadata=_array_metadata("0 open, 1 stick, 2 forward slip, 3 reverse slip", "time x")
     )
-    contact_edges: Array = field(metadata=_stored("edges of the contact", "time side", "length"))
-    stick_edges: Array = field(metadata=_stored("edges of the stick zone", "time side", "length"))
-    contact_half_width: Array = field(metadata=_stored("contact half-width a", "time", "length"))
-    stick_half_width: Array = field(metadata=_stored("stick half-width c", "time", "length"))
+    contact_edges: Array = field(
+        metadata=_array_metadata("edges of the contact", "time side", "length")
+    )
+    stick_edges: Array = field(
+        metadata=_array_metadata("edges of the stick zone", "time side", "length")
+    )
+    contact_half_width: Array = field(
+        metadata=_array_metadata("contact half-width a", "time", "length")
+    )
+    stick_half_width: Array = field(
+        metadata=_array_metadata("stick half-width c", "time", "length")
+    )
     tangential_displacement: Array = field(
-        metadata=_stored("relative tangential displacement U", "time", "length")
+        metadata=_array_metadata("relative tangential displacement U", "time", "length")
     )
-    normal_approach: Array = field(metadata=_stored("normal approach", "time", "length"))
+    normal_approach: Array = field(metadata=_array_metadata("normal approach", "time", "length"))
     dissipation_density: Array = field(
-        metadata=_stored("friction work per unit area of the last cycle", "x", "load")
+        metadata=_array_metadata("friction work per unit area of the last cycle", "x", "load")
     )
     dissipation: float
     cycle_dissipation: Array = field(
-        metadata=_stored("friction work of each cycle per unit thickness", "cycle", "energy")
+        metadata=_array_metadata(
+            "friction work of each cycle per unit thickness", "cycle", "energy"
+        )
     )
     permanent_stick_half_width: float
     steady_from: int | None
@@ -222,23 +236,29 @@ class ContactSolution:
     dissipation_uncertainty: float = float("nan")
     uncertainties: Mapping[str, float] = field(default_factory=dict)
     bulk_stress_lower: Array | None = field(
-        default=None, metadata=_stored("bulk stress of the lower body", "time", "stress")
+        default=None, metadata=_array_metadata("bulk stress of the lower body", "time", "stress")
     )
     bulk_stress_upper: Array | None = field(
-        default=None, metadata=_stored("bulk stress of the upper body", "time", "stress")
+        default=None, metadata=_array_metadata("bulk stress of the upper body", "time", "stress")
     )
-    tilt: Array | None = field(default=None, metadata=_stored("tilt of the upper body", "time"))
+    tilt: Array | None = field(
+        default=None, metadata=_array_metadata("tilt of the upper body", "time")
+    )
     moment: Array | None = field(
         default=None,
-        metadata=_stored("moment of the pressure about x = 0 per unit thickness", "time", "force"),
+        metadata=_array_metadata(
+            "moment of the pressure about x = 0 per unit thickness", "time", "force"
+        ),
     )
     shear_moment: Array | None = field(
         default=None,
-        metadata=_stored("integral of x times shear traction per unit thickness", "time", "force"),
+        metadata=_array_metadata(
+            "integral of x times shear traction per unit thickness", "time", "force"
+        ),
     )
     permanent_stick_edges: Array | None = field(
         default=None,
-        metadata=_stored("edges of what sticks through the whole cycle", "side", "length"),
+        metadata=_array_metadata("edges of what sticks through the whole cycle", "side", "length"),
     )
 
     @property
@@ -621,21 +641,21 @@ _NUMBER_NAMES = (
 )
 
 
-def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
+def range_of_slip(slip: Array, is_in_contact: NDArray[np.bool_]) -> Array:
     """Range of slip (largest minus least) of each of n points over k instants, those left out at
     which it is not in contact: (n,); 0 where it never is.
 
-    Out of contact the slip is a relative displacement, and nothing slips. `slip` and `touching` are
-    (k, n).
+    Out of contact the slip is a relative displacement, and nothing slips. `slip` [length] and
+    `is_in_contact` are (k, n).
 
     >>> range_of_slip(
     ...     np.array([[0.0, 1.0], [2.0, 5.0]]), np.array([[True, True], [True, False]])
     ... ).tolist()
     [2.0, 0.0]
     """
-    largest_slip = np.max(slip, axis=0, where=touching, initial=-np.inf)
-    least_slip = np.min(slip, axis=0, where=touching, initial=np.inf)
-    is_ever_in_contact = touching.any(axis=0)
+    largest_slip = np.max(slip, axis=0, where=is_in_contact, initial=-np.inf)
+    least_slip = np.min(slip, axis=0, where=is_in_contact, initial=np.inf)
+    is_ever_in_contact = is_in_contact.any(axis=0)
     slip_range = np.zeros(slip.shape[1])
     slip_range[is_ever_in_contact] = (largest_slip - least_slip)[is_ever_in_contact]
     return slip_range

@@ -92,13 +92,13 @@ class TextTable:
         of these columns in the file, empty where none stands there
     separator, decimal, encoding
         words
-    head
-        number of the line of headings, 0 where there is none
-    skipped
-        number of lines above it that are no comments
-    unused
+    heading_line
+        number (from 1) of the line of headings, 0 where there is none
+    n_lines_above
+        number of lines above it, or above the rows, that are no comments
+    unread_headings
         headings of the columns that were not read
-    left_out
+    lines_left_out
         lines that are no rows, in words: between headings and rows, behind the rows, headings
         that are repeated
     clock_start
@@ -113,10 +113,10 @@ class TextTable:
     separator: str
     decimal: str
     encoding: str
-    head: int
-    skipped: int
-    unused: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
+    heading_line: int
+    n_lines_above: int
+    unread_headings: tuple[str, ...] = ()
+    lines_left_out: tuple[str, ...] = ()
     clock_start: str = ""
 
     def column(self, name: str) -> Array:
@@ -298,7 +298,7 @@ def _table_in_lines(
     if request.kind.numbered and not request.quantities:
         layout = _layout_of_bare_rows(first_lines)
     if layout is None:
-        layout = _layout(request, first_lines)
+        layout = _layout_of_table(request, first_lines)
     has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
     rows = _read_rows(request, read_lines, layout, has_decimal_comma)
     headings = tuple(layout.names[k] for k in layout.columns_read)
@@ -313,10 +313,10 @@ def _table_in_lines(
         separator=SEPARATORS[layout.separator],
         decimal="comma" if has_decimal_comma else "point",
         encoding=encoding_in_words,
-        head=layout.heading_line,
-        skipped=layout.n_lines_above,
-        unused=_headings_of_unread_columns(layout),
-        left_out=(*_skipped_lines_in_words(layout), *rows.left_out),
+        heading_line=layout.heading_line,
+        n_lines_above=layout.n_lines_above,
+        unread_headings=_headings_of_unread_columns(layout),
+        lines_left_out=(*_skipped_lines_in_words(layout), *rows.lines_left_out),
         clock_start=rows.clock_start,
     )
 
@@ -324,7 +324,8 @@ def _table_in_lines(
 def _encodings_of(first_bytes: bytes) -> list[str]:
     """Character encodings, likeliest first, that a text file with these first bytes may have.
 
-    UTF-16 has a byte-order mark at its start, or a zero in most of every second byte.
+    UTF-16 has a byte-order mark at its start, or a zero in most of every second byte. Other bytes
+    with zeros are tried as UTF-8 alone.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
@@ -406,7 +407,7 @@ def _is_numeric(text: str, separator: str | None) -> bool:
     )
 
 
-def _headings(text: str, separator: str | None) -> list[list[str]]:
+def _possible_headings(text: str, separator: str | None) -> list[list[str]]:
     """Cells of a line of headings, one list for each way to cut it that gives other cells.
 
     Where blanks separate the cells, a heading may also hold single blanks.
@@ -444,13 +445,14 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
     return None
 
 
-def _layout(request: _Request, lines: list[Line]) -> _Layout:
+def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
     """Separator of a text table, and where its headings, units and rows stand, from the first
     `lines` of its file.
 
     The line of headings is the first one that has the headings of all quantities to be read. Where
     every column is read it is the first line with two headings that the kind of table expects, else
-    the first of two words or more. A table without headings has rows alone: see `_plain_layout`.
+    the first of two words or more. A table without headings has rows alone: see
+    `_layout_without_headings`.
 
     Raises
     ------
@@ -489,7 +491,7 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
         for layout in layouts_at_fault:
             if not cells_of_row or layout.separator == separator_of_rows:
                 return layout
-    return _plain_layout(request, lines_without_comments)
+    return _layout_without_headings(request, lines_without_comments)
 
 
 def _is_row(text: str, fewest_cells: int) -> bool:
@@ -522,7 +524,7 @@ def _layouts_with_headings_at(
     heading_text = text.lstrip("#*%/ ") if is_comment else text
     may_skip_lines = bool(request.quantities) or fewest_expected > 0
     for separator in SEPARATORS:
-        for headings in _headings(heading_text, separator):
+        for headings in _possible_headings(heading_text, separator):
             columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
@@ -530,7 +532,8 @@ def _layouts_with_headings_at(
                 n_expected = sum(map(request.kind.is_known, headings))
                 if is_comment or len(headings) < 2 or n_expected < fewest_expected:
                     continue
-            # Columns that are stated by number need no headings: `_plain_layout` finds their rows.
+            # Columns that are stated by number need no headings: `_layout_without_headings` finds
+            # their rows.
             if columns_read is None or request.takes_columns_by_number:
                 continue
             layout, first_row = _layout_with_headings(
@@ -792,7 +795,7 @@ def _candidate_columns(
     return []
 
 
-def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
+def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     """Layout of a text table in which no line of headings was recognised: rows of numbers with one
     cell for each quantity to be read, or columns that the user states by number.
 
@@ -967,14 +970,14 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
         (
             headings
             for separator in separators
-            for headings in _headings(likeliest_line[1], separator)
+            for headings in _possible_headings(likeliest_line[1], separator)
         ),
         key=len,
     )
     most_columns = 0
     for line in lines[:row_index]:
         for separator in separators:
-            for headings in _headings(line[1], separator):
+            for headings in _possible_headings(line[1], separator):
                 n_columns = sum(
                     _has_column(request, quantity, headings) for quantity in request.quantities
                 )
@@ -1032,7 +1035,7 @@ def _headings_above_rows(
     lines_with_all_cells = [
         (number, cells_of_line)
         for number, text in lines
-        for cells_of_line in _headings(text, separator)
+        for cells_of_line in _possible_headings(text, separator)
         if len(cells_of_line) == n_columns
     ]
     units = [""] * n_columns
@@ -1054,6 +1057,7 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     or a point in a column that is read; times of day do not count.
 
     In a cell with both signs the later one is the decimal sign; the other stands between thousands.
+    A point it is where no such row is.
     """
     for line_number, text in lines:
         if line_number < layout.first_row_line or not ("," in text or "." in text):
@@ -1078,7 +1082,7 @@ class _Rows:
 
     values: Array
     lines: NDArray[np.int64]
-    left_out: tuple[str, ...] = ()
+    lines_left_out: tuple[str, ...] = ()
     clock_start: str = ""
 
 

@@ -55,10 +55,10 @@ class _Amount(NamedTuple):
     unit: str
 
 
-def _parsed(text: str) -> _Amount | None:
+def _parsed_amount(text: str) -> _Amount | None:
     """A number with what stands behind it; None where no number begins the text.
 
-    >>> _parsed("5 %"), _parsed("0.1mm"), _parsed("about 3")
+    >>> _parsed_amount("5 %"), _parsed_amount("0.1mm"), _parsed_amount("about 3")
     (_Amount(number=5.0, unit='%'), _Amount(number=0.1, unit='mm'), None)
     """
     match = _QUANTITY.fullmatch(text)
@@ -80,7 +80,7 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
         raise ValueError(
             f"{shown(value)} is a bare number, which may be a share or an amount; {what_to_write}"
         )
-    amount = _parsed(value)
+    amount = _parsed_amount(value)
     if amount is None:
         raise ValueError(f"{shown(value)} does not begin with a number; {what_to_write}")
     if not amount.unit:
@@ -113,7 +113,7 @@ def share_of(text: str) -> float:
     >>> share_of("5 %")
     0.05
     """
-    amount = _parsed(text)
+    amount = _parsed_amount(text)
     assert amount is not None  # the text was checked
     return amount.number / 100
 
@@ -124,7 +124,7 @@ def _in_degrees(value: Any) -> Any:
     """
     if not isinstance(value, str):
         return value
-    amount = _parsed(value)
+    amount = _parsed_amount(value)
     rule = 'write degrees as a number, such as 3.0, or "0.05 rad"'
     if amount is None or not amount.unit:
         raise ValueError(f"{shown(value)} is no angle with its unit; {rule}")
@@ -245,7 +245,7 @@ class Uncertainty(Frozen):
 
     @field_validator("correlations")
     @classmethod
-    def _are_coefficients(
+    def _require_coefficients(
         cls, correlations: tuple[tuple[str, str, float], ...]
     ) -> tuple[tuple[str, str, float], ...]:
         for first_key, second_key, coefficient in correlations:
@@ -257,7 +257,7 @@ class Uncertainty(Frozen):
         return correlations
 
     @model_validator(mode="after")
-    def _correlates_what_is_stated(self) -> Uncertainty:
+    def _require_possible_correlations(self) -> Uncertainty:
         """Refuse correlations of inputs that have no standard uncertainty, of one input with
         itself, that are stated twice, or that no random numbers can have together (ValueError).
         """
@@ -458,7 +458,7 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
     ValueError
         For a unit that is not known, and for more than half of the value.
     """
-    amount = _parsed(stated_text)
+    amount = _parsed_amount(stated_text)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
         return share_of(stated_text)

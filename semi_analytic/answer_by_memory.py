@@ -265,7 +265,7 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
     """
     if not isinstance(scene.load, TimeSeriesLoad):
         path = scene.load.path()
-        if any(segment.most_turns for segment in (*path.initial_loading, *path.cycle)):
+        if any(segment.most_turning_points for segment in (*path.initial_loading, *path.cycle)):
             return history_of(path, scene.friction.coefficient, scene.cycles, time)
     return series_of(scene, time)
 

@@ -62,10 +62,10 @@ class OneCurve:
     path
         P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
         the memory curve is
-    bulk, turning
+    bulk, tilt_and_moment
         stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_given
-        whether `turning` states the moment
+        whether `tilt_and_moment` states the moment
     neglected
         loads below round-off that were left out, each over the load that makes an edge of
         contact slip or lift
@@ -74,7 +74,7 @@ class OneCurve:
     contact: TiltedProfile
     path: LoadPath
     bulk: LoadPath | None
-    turning: LoadPath | None
+    tilt_and_moment: LoadPath | None
     moment_given: bool
     neglected: Mapping[str, float] = field(default_factory=dict)
 
@@ -93,8 +93,8 @@ class OneCurve:
         if self.bulk is not None:
             stress_of_lower, stress_of_upper = self.bulk.at(path_time)
         tilt, moment = np.zeros((2, len(time)))
-        if self.turning is not None:
-            tilt, moment = self.turning.at(path_time)
+        if self.tilt_and_moment is not None:
+            tilt, moment = self.tilt_and_moment.at(path_time)
         if self.moment_given:
             tilt = contact.tilt_under(load, moment)
         m, c = contact.contact_under(load, tilt)
@@ -215,7 +215,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 
     n_segments_with_q = first_shearing_segment if is_strain_alone else len(segments)
     segments_of_curve: list[LoadSegment] = [
-        replace(segment, bulk=None, turning=None) for segment in segments[:n_segments_with_q]
+        replace(segment, bulk=None, tilt_and_moment=None)
+        for segment in segments[:n_segments_with_q]
     ]
     for segment in segments[n_segments_with_q:]:
         segment_of_curve = _segment_with_strain_for_shear(
@@ -231,7 +232,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         contact=contact,
         path=path_of_curve,
         bulk=path.companion("bulk"),
-        turning=path.companion("turning"),
+        tilt_and_moment=path.companion("tilt_and_moment"),
         moment_given=path.moment_given,
         neglected=neglected,
     )
@@ -504,7 +505,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         return None
     _, tangential_loads, bulk_strains, _ = np.concatenate(
         [
-            _loads_along(replace(segment, turning=None), None, strain_per_stress)
+            _loads_along(replace(segment, tilt_and_moment=None), None, strain_per_stress)
             for segment in path.cycle
         ],
         axis=1,
@@ -540,16 +541,18 @@ def steady_curve(scene: Scene) -> OneCurve | None:
                 middle_time, cycle_start, stresses_before, (stress_of_lower, stress_of_upper)
             ),
         )
-    if first_segment.turning is not None:
+    if first_segment.tilt_and_moment is not None:
         # Tilt or moment grows with P, and is constant while Q grows.
-        tilt, moment = map(float, first_segment.turning.loads(cycle_start))
+        tilt, moment = map(float, first_segment.tilt_and_moment.loads(cycle_start))
         pressing_segment = replace(
             pressing_segment,
-            turning=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment)),
+            tilt_and_moment=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment)),
         )
         shearing_segment = replace(
             shearing_segment,
-            turning=StraightSegment(middle_time, cycle_start, (tilt, moment), (tilt, moment)),
+            tilt_and_moment=StraightSegment(
+                middle_time, cycle_start, (tilt, moment), (tilt, moment)
+            ),
         )
     return one_curve(
         scene, LoadPath((pressing_segment, shearing_segment), path.cycle, path.moment_given)
@@ -662,7 +665,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     strain_per_stress = strain_of(scene.material)
     p, q, eps, _ = np.concatenate(
         [
-            _loads_along(replace(segment, turning=None), None, strain_per_stress)
+            _loads_along(replace(segment, tilt_and_moment=None), None, strain_per_stress)
             for segment in segments
         ],
         axis=1,
@@ -750,7 +753,7 @@ class PathLoads:
         time_in_path = time - completed_cycles
         p, q = segment.loads(time_in_path)
         stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_path)
-        tilt, moment = _companion_loads(segment.turning, time_in_path)
+        tilt, moment = _companion_loads(segment.tilt_and_moment, time_in_path)
         lower_compliance, upper_compliance = self.strain_per_stress
         eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
@@ -775,7 +778,9 @@ class PathLoads:
         times += segment.turning_points(TANGENTIAL_LOAD)
         if segment.bulk is not None:
             times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
-        tilt_and_moment = segment.turning  # tilt where others have P, moment where they have Q
+        tilt_and_moment = (
+            segment.tilt_and_moment
+        )  # tilt where others have P, moment where they have Q
         if tilt_and_moment is not None:
             times += tilt_and_moment.turning_points(NORMAL_LOAD)
             times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
@@ -812,11 +817,13 @@ def _loads_along(
     # notation: p, q values of P and Q
     """
     histories = [
-        history for history in (segment, segment.bulk, segment.turning) if history is not None
+        history
+        for history in (segment, segment.bulk, segment.tilt_and_moment)
+        if history is not None
     ]
     n_instants = 3
     if not all(history.is_straight for history in histories):
-        most_turning_points = max(history.most_turns for history in histories)
+        most_turning_points = max(history.most_turning_points for history in histories)
         n_instants = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
     even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_instants)
     # The turning points too: the extreme loads and strains are among them.
@@ -826,7 +833,7 @@ def _loads_along(
     time = np.unique(np.append(even_times, turning_times))
     p, q = segment.loads(time)
     stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time)
-    tilt, moment = _companion_loads(segment.turning, time)
+    tilt, moment = _companion_loads(segment.tilt_and_moment, time)
     if contact_under_moment is not None and np.any(moment):
         tilt_under_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
         tilt = np.where(p > 0, tilt_under_moment, np.nan)
@@ -839,7 +846,7 @@ def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array,
     """Both loads that a segment has besides P and Q, in the shape of `time`; 0 where it has none.
 
     They are the bulk stresses of the lower and the upper body, or tilt and moment: `bulk` and
-    `turning` of the segment, the `companion`.
+    `tilt_and_moment` of the segment, the `companion`.
     """
     if companion is None:
         return np.zeros(np.shape(time)), np.zeros(np.shape(time))

@@ -269,7 +269,7 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     """Ascending times between which the motion of each actuator of a rig is monotonic: turning
     points, ends of segments of the path, and instants at which the bodies separate or touch.
     """
-    segments = list(path.legs(cycles))
+    segments = list(path.segments(cycles))
     times = [segments[0].start]
     for segment in segments:
         normal_turning_times = segment.turning_points(NORMAL_LOAD)

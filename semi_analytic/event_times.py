@@ -306,7 +306,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
     }
     times = {"A": history.ellipse_of_cycle.start}
     for letter, extreme in extreme_by_letter.items():
-        time = ellipse.largest_at(load_combinations[extreme[:-1]])
+        time = ellipse.time_of_largest(load_combinations[extreme[:-1]])
         if extreme.endswith("-"):
             time += math.pi  # half a revolution from the maximum to the minimum
         revolutions_needed = math.ceil((max(times.values()) - time) / revolution - 1e-12)

@@ -429,7 +429,7 @@ def _monotonic_parts(
         first_cycle = math.floor((start - path.cycle_start) / path.period + _AT_EDGE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _AT_EDGE)
         for number in range(max(first_cycle, 0), last_cycle):
-            segments += path.cycle_legs(number)
+            segments += path.segments_of_cycle(number)
     least_duration = _AT_EDGE * (end - start)
     parts = []
     for segment in segments:

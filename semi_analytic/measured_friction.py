@@ -35,7 +35,7 @@ from scenes import (
     Profile,
     Scene,
     freeze,
-    sampled,
+    sampled_times,
 )
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
@@ -350,7 +350,8 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
 
     path = scene.load.path()
     loads_of_segments = [
-        segment.loads(sampled(segment, 513)) for segment in (*path.initial_loading, *path.cycle)
+        segment.loads(sampled_times(segment, 513))
+        for segment in (*path.initial_loading, *path.cycle)
     ]
     with np.errstate(divide="ignore", invalid="ignore"):
         least_friction = max(

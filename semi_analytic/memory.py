@@ -395,7 +395,7 @@ def _load_of_slip_zone_on_arc(
     combination = slip_combination(direction, friction)
     arc_segment = piece.anchor.segment
     if arc_segment is segment:
-        mirrored_time = segment.mirrored(combination, time, (arc_begin + arc_end) / 2)
+        mirrored_time = segment.mirrored_time(combination, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
     change_since_anchor = combination_change(piece.anchor, segment, combination, time)

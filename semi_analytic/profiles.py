@@ -44,7 +44,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series
-from scenes.profiles import first_fall
+from scenes.profiles import place_of_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
@@ -233,7 +233,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     if not np.any(coefficients_of_squares[1:]):
         return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
     k = np.arange(1.0, len(coefficients_of_squares) + 1)
-    squared_ratio_at_fall = first_fall(k * (2 * k - 1) * coefficients_of_squares)
+    squared_ratio_at_fall = place_of_fall(k * (2 * k - 1) * coefficients_of_squares)
     if squared_ratio_at_fall is not None:
         raise _bends_down_error(length * math.sqrt(squared_ratio_at_fall))
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
@@ -511,7 +511,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * power) for power in k])
     )
     # dP/da over a is a polynomial in a^2.
-    squared_ratio_at_fall = first_fall(loads_of_terms * k)
+    squared_ratio_at_fall = place_of_fall(loads_of_terms * k)
     if squared_ratio_at_fall is not None:
         half_width = length * float(np.sqrt(squared_ratio_at_fall))
         raise InputError(

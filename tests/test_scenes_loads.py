@@ -196,7 +196,7 @@ def test_all_turning_points_are_found_and_nothing_else(segment, combination):
     rates[np.abs(rates) < 1e-13 * max(size, 1.0)] = 0
     changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
     turns = segment.turning_points(combination)
-    assert len(turns) == len(changes) <= segment.most_turns
+    assert len(turns) == len(changes) <= segment.most_turning_points
     for moment, k in zip(turns, changes, strict=True):
         assert t[k] - 1e-12 <= moment <= t[k + 1] + 1e-12
         assert abs(segment.rate_of(combination, moment)) < 1e-12 * size
@@ -248,7 +248,7 @@ def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time()
     top = ELLIPSE.turning_points(combination)[0]
     distances = np.array([1e-3, 1e-5, 1e-7])
     expected = (
-        -ELLIPSE.wave(combination)[0]
+        -ELLIPSE.amplitude_and_lead(combination)[0]
         * 2
         * np.sin(distances / 2) ** 2
         * np.sign(ELLIPSE.change_of(combination, top, top + 1.0))
@@ -258,11 +258,11 @@ def test_one_wave_keeps_its_digits_next_to_an_extremum_and_has_a_mirrored_time()
     )
     for combination in COMBINATIONS:
         for moment in (4.2, 6.0, 9.9):
-            mirror_time = float(ELLIPSE.mirrored(combination, moment, 7.0))
+            mirror_time = float(ELLIPSE.mirrored_time(combination, moment, 7.0))
             assert abs(mirror_time - 7.0) <= math.pi
             assert abs(ELLIPSE.change_of(combination, mirror_time, moment)) < 1e-14
     assert all(
-        segment.mirrored(NORMAL_LOAD, 1.0, 1.0) is None
+        segment.mirrored_time(NORMAL_LOAD, 1.0, 1.0) is None
         for segment in SEGMENTS.values()
         if segment.ellipse is None
     )
@@ -301,7 +301,7 @@ PERIODIC = {
 def test_a_path_starts_from_nothing_is_continuous_and_repeats(load):
     """`at` agrees with the segments at any revolution and keeps the shape of its times."""
     path = load.path()
-    segments = list(path.legs(3))
+    segments = list(path.segments(3))
     assert segments[0].start == path.start
     np.testing.assert_allclose(segments[0].loads(path.start), (0.0, 0.0), atol=1e-15)
     for before, after in pairwise(segments):
@@ -358,7 +358,7 @@ def test_ways_to_the_cycle():
 def test_a_path_that_just_ends():
     path = PolygonLoad(initial_loading=[(2, 0), (2, 1)]).path()
     assert (path.period, path.cycle) == (None, ())
-    assert [segment.last for segment in path.legs(5)] == [(2, 0), (2, 1)]
+    assert [segment.last for segment in path.segments(5)] == [(2, 0), (2, 1)]
     assert [float(v) for v in path.at(2.0)] == [2.0, 1.0]
     with pytest.raises(ValueError, match=r"runs from 0\.0 to 2\.0"):
         path.at(2.1)
@@ -603,16 +603,18 @@ def test_stresses_and_tilt_follow_the_loads_in_every_cycle(kind: str) -> None:
         False,
         False,
     )
-    for leg, bare in zip(path.legs(3), plain.legs(3), strict=True):
+    for leg, bare in zip(path.segments(3), plain.segments(3), strict=True):
         time = np.linspace(leg.start, leg.end, 7)
         assert leg.bulk is not None
-        assert leg.turning is not None
+        assert leg.tilt_and_moment is not None
         assert (leg.bulk.start, leg.bulk.end) == (leg.start, leg.end)
         p, q = leg.loads(time)
         assert np.array_equal((p, q), bare.loads(time))
-        assert bare.bulk is bare.turning is None
+        assert bare.bulk is bare.tilt_and_moment is None
         np.testing.assert_allclose(leg.bulk.loads(time), (q / 2, 2 * p), rtol=0, atol=3e-14)
-        np.testing.assert_allclose(leg.turning.loads(time), (0.1 * p, 0 * p), rtol=0, atol=3e-15)
+        np.testing.assert_allclose(
+            leg.tilt_and_moment.loads(time), (0.1 * p, 0 * p), rtol=0, atol=3e-15
+        )
         np.testing.assert_allclose(
             leg.bulk.rates(time),
             (leg.rates(time)[1] / 2, 2 * leg.rates(time)[0]),
@@ -637,15 +639,15 @@ def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(
     path: LoadPath = load.path()
     assert path.moment_given
     end = float(path.initial_loading[-1].loads(path.cycle_start)[0])
-    for leg in path.legs(2):
+    for leg in path.segments(2):
         assert leg.bulk is not None
-        assert leg.turning is not None
+        assert leg.tilt_and_moment is not None
         time = np.linspace(leg.start, leg.end, 5)
         p, q = leg.loads(time)
         stress = 50 * p / end if leg.end <= path.cycle_start else np.full(5, 50.0)
         np.testing.assert_allclose(leg.bulk.loads(time), (0 * p, stress), rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(
-            leg.turning.loads(time), (0 * p, 0.2 * p + 3 * q), rtol=1e-12, atol=1e-12
+            leg.tilt_and_moment.loads(time), (0 * p, 0.2 * p + 3 * q), rtol=1e-12, atol=1e-12
         )
 
 

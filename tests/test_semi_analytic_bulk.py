@@ -146,7 +146,8 @@ def on_grid(scene, legs, per_leg, cells, extent=(-2.8, 2.8)):
     for leg, time in zip(legs, times, strict=True):
         nothing = np.zeros((2, len(time)))
         stresses, turns = (
-            part.loads(time) if part is not None else nothing for part in (leg.bulk, leg.turning)
+            part.loads(time) if part is not None else nothing
+            for part in (leg.bulk, leg.tilt_and_moment)
         )
         columns.append([*leg.loads(time), (np.asarray(stresses[0]) - stresses[1]) / 2, turns[0]])
     p, q, eps, tilt = (np.concatenate(column) for column in zip(*columns, strict=True))
@@ -747,7 +748,7 @@ def test_constant_bulk_and_tilt_change_nothing_in_the_steady_cycle(name):
     scene = make_scene(EllipseLoad(**PAPER, **CONSTANT[name]))
     plain = make_scene(EllipseLoad(**PAPER))
     assert one_curve(scene) is None
-    moved = -scene.load.path().cycle[0].turning.loads(5.0)[0] if "tilt" in name else 0.0
+    moved = -scene.load.path().cycle[0].tilt_and_moment.loads(5.0)[0] if "tilt" in name else 0.0
     x = np.linspace(-2, 2, 9)
     fields = ("pressure", "state", "dissipation", "dissipation_density")
     solution = solve(scene, x=x + moved, cycles="steady", fields=fields)

@@ -204,7 +204,7 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
     """
     from reports.field_output.files import instant_of
 
-    segments = list(scene.load.path().legs(scene.cycles)) if words else []
+    segments = list(scene.load.path().segments(scene.cycles)) if words else []
     for word in words:
         if word != "events":
             instant_of(word, option, float(segments[0].start), float(segments[-1].end))

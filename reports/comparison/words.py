@@ -30,7 +30,7 @@ from reports.comparison.verdicts import Verdict
 from reports.comparison.work_of_loads import normal_work
 from reports.measured import load_cycles
 from reports.units import energy_unit, load_unit, minus, number, signed, units
-from scenes import ContactSolution, Scene, TimeSeriesLoad, Wave, sampled
+from scenes import ContactSolution, Scene, TimeSeriesLoad, Wave, sampled_times
 from scenes.measured import ReadAs
 
 SUPPORT_WORDS = {
@@ -111,7 +111,7 @@ def _load_in_words(
     ----------
     name_of_pair, index
         attribute of a load segment that holds a pair of loads, and 0 or 1 for the load in it:
-        "bulk" (stresses of the lower and the upper body) or "turning" (tilt or moment)
+        "bulk" (stresses of the lower and the upper body) or "tilt_and_moment" (tilt or moment)
     value
         the load as the scene states it: a number, a cosine (`Wave`), or values over time
     preposition
@@ -129,7 +129,7 @@ def _load_in_words(
     segments = [getattr(segment, name_of_pair) for segment in path.cycle or path.initial_loading]
     values = np.concatenate(
         [
-            np.ravel(segment.loads(sampled(segment, 65))[index])
+            np.ravel(segment.loads(sampled_times(segment, 65))[index])
             for segment in segments
             if segment is not None
         ]

@@ -29,7 +29,7 @@ from reports.charts.templating import Table
 from reports.comparison.words import bodies_in_words, bulk_and_tilt
 from reports.profile_fit import fit_of
 from reports.units import load_unit, number, units
-from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled
+from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled_times
 from scenes.array_types import Array
 from scenes.bodies import face_of
 from scenes.profiles import Fitted
@@ -520,7 +520,7 @@ def _tangential_loads(scene: Scene) -> Array:
 
 def _instants(scene: Scene) -> Array:
     """Many instants of initial loading and first cycle."""
-    return np.concatenate([sampled(leg, 181) for leg in scene.load.path().legs(1)])
+    return np.concatenate([sampled_times(leg, 181) for leg in scene.load.path().segments(1)])
 
 
 def _range_in_words(loads: Array) -> str:

@@ -40,7 +40,7 @@ from reports.page.cycle_view import (
     slip_points,
 )
 from reports.units import energy_unit, load_unit, minus, signed, units
-from scenes import Scene, sampled
+from scenes import Scene, sampled_times
 from scenes.array_types import Array
 from scenes.scene import OWN_TOLERANCES
 
@@ -377,7 +377,7 @@ def _parts_of_path(scene: Scene) -> list[_PathPart]:
     parts = []
     for name, line_css, segments in named_parts:
         if segments:
-            time = np.concatenate([sampled(segment, 257) for segment in segments])
+            time = np.concatenate([sampled_times(segment, 257) for segment in segments])
             normal_load, tangential_load = path.at(time)
             parts.append(
                 _PathPart(

@@ -265,7 +265,7 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
     """Times of instants, put on the ends of legs of the load path (where loads turn, where cycles
     end) that they miss by less than the digits of a printed time, 1e-5 of a cycle.
     """
-    ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
+    ends = np.array([path.start, *(leg.end for leg in path.segments(scene.cycles))])
     largest_miss = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
     end_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
     nearest_end = np.where(
@@ -401,7 +401,7 @@ def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
 
 def _samples(path: LoadPath, cycles: int) -> Array:
     """Times of the initial loading and of so many cycles, ascending."""
-    legs = list(path.legs(cycles if path.period is not None else 1))
+    legs = list(path.segments(cycles if path.period is not None else 1))
     count = max(_SAMPLES * (cycles + 1) // len(legs), 8)
     return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
 

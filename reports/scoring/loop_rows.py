@@ -144,7 +144,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
         Where there is no column for U or Q, or one for both.
     """
     names = table.names
-    has_two_nameless_columns = not table.head and len(names) == 2
+    has_two_nameless_columns = not table.heading_line and len(names) == 2
     load_name = find_column(
         mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
     )

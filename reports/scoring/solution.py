@@ -373,9 +373,9 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
     imposed_series: dict[str, Any] = {}
     for companion_name, field_names in (
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
-        ("turning", ("tilt",)),
+        ("tilt_and_moment", ("tilt",)),
     ):
-        if companion_name == "turning" and path.moment_given:
+        if companion_name == "tilt_and_moment" and path.moment_given:
             continue
         # history of these loads along the path; None where the scene has none of them
         companion = path.companion(companion_name)

@@ -23,7 +23,7 @@ from reports.studies.sweep.solving import Question, check_figures, check_rig
 from reports.studies.sweep.store import PlannedPoint
 from scenes import InputError, Scene, load_scene
 from scenes.files import keys_of
-from scenes.frozen import Frozen, checked, neglected
+from scenes.frozen import Frozen, checked, reason_of_unknown_key
 
 if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
@@ -437,7 +437,7 @@ def _set_value(content: dict[str, Any], key: str, value: Value) -> None:
                 known_parts = ", ".join(table)
             elif isinstance(table, list):
                 known_parts = f"numbers up to {len(table) - 1}"
-            cause = neglected(outer_key) or f" known there: {known_parts}"
+            cause = reason_of_unknown_key(outer_key) or f" known there: {known_parts}"
             raise InputError(f"{key}: the scene has no {'.'.join(outer_keys[: depth + 1])};{cause}")
     if isinstance(table, list) and last_key.isdigit() and int(last_key) < len(table):
         table[int(last_key)] = value

@@ -340,7 +340,7 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
     histories: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
         histories["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
-    if (tilt_and_moment := path.companion("turning")) is not None:
+    if (tilt_and_moment := path.companion("tilt_and_moment")) is not None:
         tilt, moment = tilt_and_moment.at(time)
         if path.moment_given:
             histories["moment"] = freeze(moment)
@@ -360,7 +360,8 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
     initial_increments = max(_INITIAL_INCREMENTS * steps_per_cycle, 4.0)
     parts_of_path = [(path.initial_loading, initial_increments)]
     parts_of_path += [
-        (path.cycle_legs(cycle_number), float(steps_per_cycle)) for cycle_number in range(n_cycles)
+        (path.segments_of_cycle(cycle_number), float(steps_per_cycle))
+        for cycle_number in range(n_cycles)
     ]
     instants = [path.start]
     for segments, increments_of_part in parts_of_path:
