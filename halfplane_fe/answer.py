@@ -73,12 +73,12 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     """
     scene = task.scene
     scales = task.scales
-    states = [run.states[index] for index in run.stored]
+    states = [run.states[index] for index in run.stored_indices]
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
     weights = problem.interface.weights * scales.half_width
     # (n_cycles, n) friction work of each node in each load cycle
-    cycle_works = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
+    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(weights)) * work_unit
     work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
     # (n_steps, n) open, stick or slip at all instants, stored or not
     surface_states = reported_states(problem, run.states, run.cycle_starts)
@@ -96,7 +96,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "normal_approach": freeze(approaches * displacement_unit),
         "x": freeze(problem.interface.x * scales.half_width),
         **_nodal_arrays(problem, states, scales),
-        "state": freeze(surface_states[run.stored], np.int8),
+        "state": freeze(surface_states[run.stored_indices], np.int8),
         **{name: freeze(values) for name, values in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
@@ -113,7 +113,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     }
     if not scene.unsymmetric:
         return arrays
-    return arrays | _tilt_arrays(problem, states, scales)
+    return arrays | _arrays_of_stress_and_tilt(problem, states, scales)
 
 
 def _edges_of_run(
@@ -121,8 +121,9 @@ def _edges_of_run(
 ) -> tuple[dict[str, Array], Edges]:
     """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
 
-    Between like bodies without bulk stress and tilt, the permanent stick zone is known by the loads
-    at the turning points of slip. Its ends then bound the stick edges of the last cycle.
+    The permanent stick zone sticks all through the last cycle. Between like bodies without bulk
+    stress and tilt, the loads at the turning points of slip place its ends. These then bound the
+    stick edges of the last cycle.
 
     Parameters
     ----------
@@ -139,41 +140,41 @@ def _edges_of_run(
         ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip places
         them, else NaN
     """
-    states = [run.states[index] for index in run.stored]
+    states = [run.states[index] for index in run.stored_indices]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
         has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
     elif scene.material.alike:
         has_no_slip_zone = _shear_grows_within_cone(run.states, scene.friction.coefficient)
-    edges = _edges_of_all(
+    edges = _edges_in_blocks(
         problem,
         states,
-        surface_states[run.stored],
-        has_no_slip_zone[run.stored],
-        EdgesByLoad.joined(run.contact_edges).at(run.stored),
-        EdgesByLoad.joined(run.stick_edges).at(run.stored),
+        surface_states[run.stored_indices],
+        has_no_slip_zone[run.stored_indices],
+        EdgesByLoad.joined(run.contact_edges).at(run.stored_indices),
+        EdgesByLoad.joined(run.stick_edges).at(run.stored_indices),
         scene,
     )
-    by_slip = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
-    permanent_edges = by_slip.places
-    is_by_slip = np.isfinite(by_slip.uncertainty)
+    ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
+    permanent_edges = ends.places
+    is_by_slip = np.isfinite(ends.uncertainty)
     if edges_are_sharp(scene, problem):
         zone = zone_by_nodes(run)
-        confined = zone.confine(permanent_edges)
+        confined_ends = zone.confine(permanent_edges)
         if scene.bodies.half_planes:
             # of half-planes the loads are nearer; of thin layers slip is, up to 40 times
-            is_by_slip &= confined != zone.places_by_load
-        permanent_edges = np.where(is_by_slip, by_slip.places, confined)
+            is_by_slip &= confined_ends != zone.places_by_load
+        permanent_edges = np.where(is_by_slip, ends.places, confined_ends)
         permanent_uncertainty = np.where(
-            is_by_slip, by_slip.uncertainty, zone.uncertainty(confined, np.full(2, np.inf))
+            is_by_slip, ends.uncertainty, zone.uncertainty(confined_ends, np.full(2, np.inf))
         )
         time = np.array([state.time for state in states])
-        in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
+        in_cycle = in_last_cycle(scene, time, loads[run.stored_indices, 0])
         _hold_permanent_stick(
             edges, Edges(permanent_edges, permanent_uncertainty), zone, time, in_cycle
         )
-    return edges, Edges(permanent_edges, np.where(is_by_slip, by_slip.uncertainty, np.nan))
+    return edges, Edges(permanent_edges, np.where(is_by_slip, ends.uncertainty, np.nan))
 
 
 def _nodal_arrays(
@@ -206,7 +207,7 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
     return float(run.column("loop_work")[run.cycle_starts[-1] :].sum())
 
 
-def _tilt_arrays(
+def _arrays_of_stress_and_tilt(
     problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
 ) -> dict[str, Array]:
     """Series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk stresses of
@@ -277,7 +278,7 @@ def _shear_grows_within_cone(states: Sequence[InterfaceState], friction: float) 
     return sticks_in_full
 
 
-def _edges_of_all(
+def _edges_in_blocks(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     surface_states: States,
@@ -289,7 +290,7 @@ def _edges_of_all(
     """Left and right edge of the contact and of the stick zone at k instants, and the uncertainty
     of each: four arrays by name, (k, 2), scaled.
 
-    Blocks of a few hundred instants bound the memory. `_edges` does the work.
+    They are found for a few hundred instants at a time, which bounds the memory.
 
     Parameters
     ----------
@@ -308,7 +309,7 @@ def _edges_of_all(
     for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
         block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
         blocks.append(
-            _edges(
+            _edges_at_instants(
                 problem,
                 states[block],
                 surface_states[block],
@@ -324,7 +325,7 @@ def _edges_of_all(
     return edges
 
 
-def _edges(
+def _edges_at_instants(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     surface_states: States,
@@ -337,7 +338,8 @@ def _edges(
     the uncertainty of each: four arrays by name, (n_steps, 2), scaled.
 
     The loads at which nodes touch or slide place them, where they can. Elsewhere the tractions
-    near them do. Without normal load they are the outermost nodes that touch, or 0.
+    near them do. Without normal load they are the outermost nodes that touch, or 0 where none does,
+    with the uncertainty 0.
 
     Parameters
     ----------
@@ -433,12 +435,14 @@ def _permanent_stick(
         return nowhere
     x = problem.interface.x
     # Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
-    dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
+    dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored_indices)
     states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
         x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere=scene.unsymmetric
     )
-    left_edges, right_edges = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
+    left_edges, right_edges = np.concatenate(
+        [edges[in_cycle[run.stored_indices]], zones_of_dropped]
+    ).T
     # NaN where nothing sticks at some instant
     common_zone = np.array([left_edges.max(), right_edges.min()])
     permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
@@ -457,10 +461,11 @@ def _permanent_stick(
 
 def zone_by_nodes(run: PathRun) -> StickZone:
     """Ends of the permanent stick zone in the last load cycle, by its nodes and by the loads at the
-    turning points of slip, scaled; `NO_ZONE` (all NaN) where no cycle was completed.
+    turning points of slip, scaled; `NO_ZONE` (all NaN) where the run failed or no cycle was
+    completed.
     """
-    is_whole = run.failure is None and bool(run.excess)
-    return run.excess[-1].stick_zone if is_whole else NO_ZONE
+    has_last_cycle = run.failure is None and bool(run.excess)
+    return run.excess[-1].stick_zone if has_last_cycle else NO_ZONE
 
 
 def _hold_permanent_stick(
@@ -506,8 +511,8 @@ def creeping_zone(
     """Ends (2,) of the zone whose nodes stay closed all through a cycle and slip by next to nothing
     (creep), scaled; NaN if no node does.
 
-    A node creeps if the range of its slip over the cycle is a small part of the largest range of
-    any node.
+    A node creeps if the range of its slip over the cycle is at most a small part of the largest
+    range of any node: 3e-4 under bulk stress or tilt, else 3e-5, times `range_factor`.
 
     Parameters
     ----------
@@ -516,7 +521,7 @@ def creeping_zone(
     slip, is_closed
         (m, n) slip of the nodes, and whether they touch, at the m instants of the cycle
     range_factor
-        on that small part: larger than 1 counts more nodes as creeping
+        of that small part: larger than 1 counts more nodes as creeping
     """
     largest_creep = _LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED
     creeps = _creeping(slip, is_closed, range_factor * largest_creep)
@@ -527,14 +532,23 @@ def creeping_zone(
     return np.asarray(zones[0])
 
 
-def _zones_by_nodes(x: Array, stick: Mask, is_closed: Mask, anywhere: bool) -> Array:
-    """(m, 2) stick edges half-way between nodes; where all of the contact sticks, its outermost
-    nodes.
+def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> Array:
+    """Left and right edge (m, 2) of the stick zone at m instants, half-way between the nodes that
+    stick and those that do not; NaN where none sticks, the outermost closed nodes where all do.
+
+    Parameters
+    ----------
+    x
+        (n,) places of the nodes
+    sticks, is_closed
+        (m, n) whether each node sticks, and touches
+    anywhere
+        whether the stick zone may be beside x = 0
     """
     first_node = np.argmax(is_closed, axis=1)
     last_node = len(x) - 1 - np.argmax(is_closed[:, ::-1], axis=1)
     contact = np.stack([x[first_node], x[last_node]], axis=1)
-    return stick_edges(x, stick, is_closed, contact, anywhere=anywhere)
+    return stick_edges(x, sticks, is_closed, contact, anywhere=anywhere)
 
 
 def _creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
@@ -547,8 +561,9 @@ def _creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
 
 @dataclass(frozen=True)
 class PenaltyAudit:
-    """The layer and what it does; without one (the law met exactly) the stiffnesses are infinite
-    and the rest is zero or rounding.
+    """Error of the elastic layer that the penalty method puts between the faces: overlap, elastic
+    slip and creep. Without a layer (the law met exactly) the stiffnesses are infinite and the rest
+    is zero or rounding.
 
     Attributes
     ----------
@@ -601,7 +616,7 @@ class PenaltyAudit:
         )
 
 
-class _LayerCost(NamedTuple):
+class _LayerDeflection(NamedTuple):
     """Stiffness of a layer [stress/length], infinite without one, and its largest deflection
     [length].
     """
@@ -610,7 +625,7 @@ class _LayerCost(NamedTuple):
     deflection: float
 
     @classmethod
-    def of(cls, compliance: Array, tractions: Array) -> _LayerCost:
+    def by_tractions(cls, compliance: Array, tractions: Array) -> _LayerDeflection:
         """By the layer's compliance at the n nodes, one and the same everywhere [length/stress],
         and its tractions (n_steps, n) [stress].
         """
@@ -632,7 +647,8 @@ def penalty_audit(
     faces, elastic slip, and creep of nodes that stick through the last cycle.
 
     Overlap is compared with the rise of the profile over the largest contact, the others with the
-    largest slip of the last cycle.
+    largest slip of the last cycle: NaN where nothing slips. Where the path does not repeat, all of
+    it is the cycle.
 
     Parameters
     ----------
@@ -646,8 +662,12 @@ def penalty_audit(
         half-width and modulus that lengths and compliances are scaled by
     """
     length_per_force = problem.interface.weights * scales.half_width / scales.modulus
-    normal_cost = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
-    tangential_cost = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])
+    normal_deflection = _LayerDeflection.by_tractions(
+        problem.layer.normal * length_per_force, arrays["pressure"]
+    )
+    tangential_deflection = _LayerDeflection.by_tractions(
+        problem.layer.tangential * length_per_force, arrays["shear"]
+    )
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
@@ -666,15 +686,16 @@ def penalty_audit(
     largest_slip = float(np.max(slip_range[slips_once], initial=0.0))
 
     def share_of(part: float, reference: float) -> float:
+        """Part over the reference; NaN where that is 0."""
         return part / reference if reference else float("nan")
 
     return PenaltyAudit(
-        normal_stiffness=normal_cost.stiffness,
-        tangential_stiffness=tangential_cost.stiffness,
-        penetration=normal_cost.deflection,
-        penetration_share=share_of(normal_cost.deflection, profile_rise),
-        elastic_slip=tangential_cost.deflection,
-        elastic_slip_share=share_of(tangential_cost.deflection, largest_slip),
+        normal_stiffness=normal_deflection.stiffness,
+        tangential_stiffness=tangential_deflection.stiffness,
+        penetration=normal_deflection.deflection,
+        penetration_share=share_of(normal_deflection.deflection, profile_rise),
+        elastic_slip=tangential_deflection.deflection,
+        elastic_slip_share=share_of(tangential_deflection.deflection, largest_slip),
         creep=largest_creep,
         creep_share=share_of(largest_creep, largest_slip),
     )
@@ -700,7 +721,7 @@ def record_of(
         further sentences for the reader
     """
     note_of_layer = audit.note()
-    first_increments = run.stored[:-1]  # the first one after each stored instant
+    first_increments = run.stored_indices[:-1]  # the first one after each stored instant
 
     def at_stored_instants(
         reduction: np.ufunc, values: ArrayLike, dtype: Any = float

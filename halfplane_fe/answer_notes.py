@@ -128,7 +128,7 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     """A sentence where a run along a long path was thinned out: how many instants the solution
     leaves out, and which of its values still rest on all of them.
     """
-    n_dropped = len(run.states) - len(run.stored)
+    n_dropped = len(run.states) - len(run.stored_indices)
     if n_dropped:
         yield (
             f"{n_dropped} of {len(run.states)} instants of this long path are left out of the"
@@ -147,7 +147,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     """
     if not run.cycle_change:
         return
-    works = [float(density.sum()) for density in run.cycle_density]  # W of each revolution, scaled
+    works = [float(work.sum()) for work in run.nodal_work_by_cycle]  # W of each revolution, scaled
     last_work = works[-1]
     work_unit = scales.load**2 / scales.modulus
     trend_of_work = run.trend  # limit that W tends to, and what is left of the way there
@@ -275,10 +275,10 @@ def _skipped_along_path(
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
-    n_dropped = len(run.states) - len(run.stored)
+    n_dropped = len(run.states) - len(run.stored_indices)
     if n_dropped:
         skipped["instants"] = (
             n_dropped,
-            f"stored at {len(run.stored)} instants: more would take gigabytes",
+            f"stored at {len(run.stored_indices)} instants: more would take gigabytes",
         )
     return skipped

@@ -32,7 +32,7 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     ]
     initial_loading = tuple(points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
-    if run.cycle_density and run.cycle_starts:
+    if run.nodal_work_by_cycle and run.cycle_starts:
         first_of_cycle = run.cycle_starts[-1]
         initial_loading = tuple(points[1 : first_of_cycle + 1])
         cycle = tuple(points[first_of_cycle + 1 : -1])

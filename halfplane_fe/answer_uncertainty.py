@@ -81,7 +81,9 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     friction_unit = task.friction_unit  # A f^2 P^2, scaled
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
-    cycle_works = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
+    cycle_works = (
+        run.nodal_work_by_cycle[:COARSE_CYCLES] if scene.unsymmetric else run.nodal_work_by_cycle
+    )
     dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
     edges_are_known = bool(run.excess) and not task.has_plain_errors and not scene.unsymmetric
@@ -143,7 +145,7 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     under_load = np.flatnonzero(_under_load(scene, arrays))
     if scene.profile.kind != "flat_rounded" or not len(under_load):
         return 0.0
-    works = np.add.reduceat(run.column("dissipation"), run.stored[:-1])
+    works = np.add.reduceat(run.column("dissipation"), run.stored_indices[:-1])
     work_at_instants = np.maximum(np.append(0.0, works)[under_load], 0.0)
     if not work_at_instants.any():
         return 0.0
@@ -478,7 +480,7 @@ def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolu
     scene = task.scene
     first_step = 1
     if run.cycle_starts:
-        first_step = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
+        first_step = int(np.searchsorted(run.stored_indices, run.cycle_starts[-1])) + 1
     load = arrays["normal_load"][first_step:]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     work_unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2

@@ -294,8 +294,10 @@ def increment_energies(
 def _without_idle_onsets(
     friction: float, states_before: States, states_after: States, slip: Array
 ) -> States:
-    """(...) states after; of nodes that are to start sliding and have not moved those before: at
-    the Coulomb limit a node is marked either way, by the last digit of its shear.
+    """States (...) of the nodes after increments, but those before of nodes that are to start to
+    slide and have not moved: at the Coulomb limit the last digit of the shear decides between them.
+
+    `slip` (...) is that in the increment, `friction` the coefficient f.
     """
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
     is_idle_onset = _slip_onsets(states_before, states_after) & ~has_moved
@@ -402,7 +404,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     friction = problem.friction
     increments = increments._replace(states_before=_states_with_rates(increments))
     sense = slip_sign(increments.states_after)
-    # as if the states before, or those after, held throughout the increment
+    # As if the states before, or those after, held throughout the increment.
     changes_before = _changes_at_constant_states(problem, increments, increments.states_before)
     changes_after = _changes_at_constant_states(problem, increments, increments.states_after)
     slip_change_before, p_change_before, _, _ = changes_before
@@ -483,8 +485,9 @@ def _first_and_last_onset(
 
 
 def _states_with_rates(increments: _Increments) -> States:
-    """(k, n) states before, but a node that has just touched slides from there on; unless it is the
-    last to stick: then no set has rates.
+    """States (k, n) of the nodes before k increments, in which they have rates. A node that has
+    just touched and starts to slide counts as sliding already, unless no node would stick then:
+    such states have no rates.
     """
     is_onset = _slip_onsets(increments.states_before, increments.states_after)
     has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
@@ -496,7 +499,8 @@ def _states_with_rates(increments: _Increments) -> States:
 
 
 def _longest_run(is_onset: Mask) -> Indices:
-    """(k,) number of nodes in the longest run of neighbours that are True.
+    """Number (k,) of nodes in the longest run of neighbours that are True in each row of a mask
+    (k, n).
 
     >>> _longest_run(np.array([[True, False, True, True, False]])).tolist()
     [2]
@@ -538,9 +542,10 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     """Violations (m,) of the laws of contact and friction, and of equilibrium, at the ends of the m
     increments between m + 1 states; 0 where they are met.
 
-    Forces, and forces times displacements, are over the largest nodal force; that is taken for a
-    tenth of the mean one at the largest load or more, since at the very first touch there is only
-    round-off. Equilibrium is over the normal load at the instant. Displacements are over P/E*.
+    Forces, and forces times displacements, are over the largest nodal pressure at the instant; that
+    is taken for a tenth of the mean one at the largest load or more, since at the very first touch
+    there is only round-off. Equilibrium, the imbalance of loads or of actuators' movements, is over
+    the normal load at the instant. Displacements are over P/E*.
 
     Returns
     -------
@@ -561,14 +566,14 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
         violation_by_name[name] = violation_by_name[name] / largest_force
 
     normal_resultant, tangential_resultant = problem.interface.resultants(pressure.T, shear.T)
-    reached = [normal_resultant, tangential_resultant]
+    loads_reached = [normal_resultant, tangential_resultant]
     # An actuator's movement in the place of a load is the rigid motion of the upper body (approach,
     # or U) and what the rig gives way.
     for number, rig_compliance in enumerate(problem.actuators):
         if rig_compliance is not None:
             rigid_motion = values[1:, number]
-            reached[number] = rigid_motion + rig_compliance * reached[number]
-    imbalance = np.abs(np.array(reached) - loads[:, :2].T).max(axis=0)
+            loads_reached[number] = rigid_motion + rig_compliance * loads_reached[number]
+    imbalance = np.abs(np.array(loads_reached) - loads[:, :2].T).max(axis=0)
     if problem.has_given_moment:
         moment = -problem.interface.work_of_unit_offsets(pressure, shear)[:, 2]
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))

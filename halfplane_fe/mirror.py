@@ -165,7 +165,7 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     return replace(
         run,
         states=[unfolded_state(state) for state in run.states],
-        cycle_density=[density[images.place] * images.share for density in run.cycle_density],
+        nodal_work_by_cycle=[work[images.place] * images.share for work in run.nodal_work_by_cycle],
         excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
         contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
         stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],

@@ -134,7 +134,7 @@ def trend(values: Sequence[float]) -> Trend:
 
 def ratchets(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
-    revolution, instead of less and less.
+    revolution, instead of less and less. False after a single revolution.
 
     Parameters
     ----------
@@ -220,16 +220,16 @@ class PathRun:
         segment, or of straight ones
     iterations
         (n_steps), of each increment
-    density
+    nodal_work
         (n,) friction work of each node in the revolution so far
     cycle_starts
         index of the state at which each revolution starts
-    cycle_density
+    nodal_work_by_cycle
         per revolution, (n,) friction work of each node; one for the whole path where it is not
         periodic
     excess
         per revolution, the friction work that the mesh adds, since edges of contact and stick
-        jump from node to node
+        jump from node to node; with the permanent stick zone
     steady_from
         index of the first revolution that ended as it started, with a friction work closer to its
         limit than it is uncertain
@@ -248,9 +248,9 @@ class PathRun:
     may_thin: bool = False
     increment_records: list[dict[str, Array]] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
-    density: Array = field(default_factory=lambda: np.zeros(0))
+    nodal_work: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
-    cycle_density: list[Array] = field(default_factory=list)
+    nodal_work_by_cycle: list[Array] = field(default_factory=list)
     excess: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
@@ -271,8 +271,8 @@ class PathRun:
     def trend(self) -> Trend:
         """How the friction work of the revolutions goes on, and the limit that it tends to."""
         if self.cycle_change and self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
-            return Trend("steady", 0.0, float(self.cycle_density[-1].sum()))
-        return trend([float(density.sum()) for density in self.cycle_density])
+            return Trend("steady", 0.0, float(self.nodal_work_by_cycle[-1].sum()))
+        return trend([float(work.sum()) for work in self.nodal_work_by_cycle])
 
     @property
     def ratchets(self) -> bool:
@@ -293,7 +293,7 @@ class PathRun:
         return ratchets(drifts, travel)
 
     @property
-    def stored(self) -> Indices:
+    def stored_indices(self) -> Indices:
         """Indices of the states with pressure, shear and gap, the first and the last among them."""
         return np.flatnonzero([state.is_complete for state in self.states])
 
@@ -343,7 +343,7 @@ class PathRun:
             states=self.states + states[1:],
             increment_records=[*self.increment_records, record],
             iterations=self.iterations + [increment.iterations for increment in increments],
-            density=self.density + nodal_work.sum(axis=0),
+            nodal_work=self.nodal_work + nodal_work.sum(axis=0),
             contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
             stick_edges=[*self.stick_edges, stick_by_load(problem, states, slips_since_stop)],
             slip_since_stop=slips_since_stop[-1],
@@ -365,7 +365,7 @@ class PathRun:
         `edge_excess.value` to that of edges between the nodes. The work of all increments and of
         all nodes of the revolution is reduced by one factor.
         """
-        nodal_work = self.density
+        nodal_work = self.nodal_work
         work = float(nodal_work.sum())
         factor = 1 - edge_excess.value / work if work > 0 else 1.0
         first_increment_of_cycle = self.cycle_starts[-1]
@@ -378,7 +378,7 @@ class PathRun:
             # friction work, and its integral Q dU
             corrected_works = {name: record[name] * factor for name in ("dissipation", "loop_work")}
             self.increment_records[record_number] = record | corrected_works
-        self.cycle_density.append(nodal_work * factor)
+        self.nodal_work_by_cycle.append(nodal_work * factor)
         self.excess.append(edge_excess)
 
     def _thin(self, first_index: int, last_index: int) -> None:
@@ -399,7 +399,9 @@ class PathRun:
             thinning.n_stored += 1
             while thinning.n_stored > MOST_INSTANTS and thinning.can_double(len(self.states)):
                 thinning.double_a_stride()
-                complete_before = [int(stored) for stored in self.stored[:-1] if stored <= index]
+                complete_before = [
+                    int(stored) for stored in self.stored_indices[:-1] if stored <= index
+                ]
                 thinning.n_stored -= sum(map(self._drop_forces_and_gap, complete_before))
 
     def _drop_forces_and_gap(self, index: int) -> bool:
@@ -434,8 +436,8 @@ class Pace:
     half_width, modulus
         units of length and of stress; with `load` those of bulk stress, tilt and moment follow
     dissipation
-        expected friction work of a revolution, or of a path that does not repeat, scaled; 0 if
-        unknown
+        expected friction work of a revolution, or of a path that does not repeat, over
+        P^2/E*; 0 if unknown
     bounded_by_kinks
         whether the step error is taken for the friction work that nodes add which start to slide
         within an increment, see `stepping.StepTolerance`
@@ -499,12 +501,12 @@ def run_path(
     # Thinned only where straight lines between the stored instants, on which theory is evaluated,
     # are the path itself, whichever instants are stored.
     is_straight = all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([_at_rest(problem, path, pace)], may_thin=is_straight and not keep_all)
+    run = PathRun([_initial_state(problem, path, pace)], may_thin=is_straight and not keep_all)
     follower = _Follower(problem, run, pace, progress)
     try:
         follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
         if path.period is None:
-            run.cycle_density.append(run.density)  # work of each node on the whole path
+            run.nodal_work_by_cycle.append(run.nodal_work)  # work of each node on the whole path
             return run
         for number in range(cycles):
             follower.follow_revolution(path.segments_of_cycle(number), number)
@@ -528,13 +530,15 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
         return False
     allowed_error = uncertainty(run)
     if np.isnan(allowed_error):
-        allowed_error = REPEATS * float(run.density.sum())
+        allowed_error = REPEATS * float(run.nodal_work.sum())
     return abs(run.trend.left) <= allowed_error
 
 
-def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
-    """The unloaded state. Where the moment M is given, the line of action of P is at x = M/P of an
-    instant soon after the start: M = P = 0 at the start gives none.
+def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
+    """State of the contact at the start of a path, where it carries no load.
+
+    Where the moment M is given, the line of action of P is at x = M/P of an instant soon after the
+    start, since M = P = 0 at the start; at x = 0 where P is not positive there.
     """
     leg = path.initial_loading[0]
     load_units = pace.units(problem)
@@ -574,7 +578,9 @@ class _Follower:
         self.follow_segments(legs, self.pace.steps_per_cycle, f"revolution {number + 1}")
         states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
         self.run.close_cycle(excess(self.problem, states_of_cycle))
-        change = _change(start_of_cycle, self.run.states[-1], self.problem.friction)
+        change = _relative_change_of_forces(
+            start_of_cycle, self.run.states[-1], self.problem.friction
+        )
         self.run.cycle_change.append(change)
 
     def follow_segments(
@@ -595,7 +601,7 @@ class _Follower:
         stretches_of_legs = self._stretches(legs, n_increments_of_longest)
         n_stretches = len(stretches_of_legs)
         load_units = self.pace.units(self.problem)
-        self.run.density = np.zeros_like(self.problem.height)  # friction work of each node
+        self.run.nodal_work = np.zeros_like(self.problem.height)  # friction work of each node
         tolerance = self._step_tolerance(duration=legs[-1].end - legs[0].start)
         batch = _Batch(self.problem, self.run, load_units)
         try:
@@ -719,14 +725,18 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
     the same increments at any f. `friction` is f.
     """
     friction_squared = max(friction**2, 1e-300)  # without friction there is no step error
-    expected_work = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
+    expected_work = (
+        float(run.nodal_work_by_cycle[-1].sum()) if run.nodal_work_by_cycle else pace.dissipation
+    )
     power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / friction_squared, 1e-300)))
     return float(max(power_of_two, _LEAST_DISSIPATION) * friction_squared)
 
 
-def _change(state_before: InterfaceState, state_after: InterfaceState, friction: float) -> float:
-    """Largest change of a nodal force between two states, over the largest nodal p: of p, or of q
-    over f (over 1 if f > 1), since with little friction all of q is small.
+def _relative_change_of_forces(
+    state_before: InterfaceState, state_after: InterfaceState, friction: float
+) -> float:
+    """Largest change of a nodal force between two states, over the largest nodal p of the later
+    one: of p, or of q over f (over 1 if f > 1), since with little friction all of q is small.
     """
     change_of_pressure = np.abs(state_after.pressure - state_before.pressure).max()
     change_of_shear = np.abs(state_after.shear - state_before.shear).max()

@@ -365,7 +365,7 @@ def _scales_of_run(
         load=load * state_at_largest_load.normal_load if scene.load.states_approach else load,
         modulus=modulus,
         element=1 / (_N_ELEMENTS * half_width),
-        dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
+        dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load**2 / modulus,
         largest_pressure=float(np.max(state_at_largest_load.pressure / problem.interface.weights))
         * load
         / face_half_width,

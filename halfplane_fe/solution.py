@@ -219,8 +219,8 @@ def solve(
 
 
 def _without_meshes(answer: FiniteElementSolution, kernels: KernelPair) -> KernelSolution:
-    """What of an answer by kernels is that of the bodies: all but the meshes, which are those of
-    half-planes.
+    """The answer of a solve by kernels as a KernelSolution: without its meshes, which are those of
+    half-planes and not of the bodies.
     """
     names = [item.name for item in fields(ContactSolution)]
     return KernelSolution(**{name: getattr(answer, name) for name in names}, kernels=kernels)
@@ -293,7 +293,7 @@ def _solve(
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
     answer = _solution(task, condensed, problem, run, stopwatch.seconds)
     if by_kernels:
-        answer = _of_kernels(answer, kernels)
+        answer = _with_error_of_kernels(answer, kernels)
     if scene.load.is_driven:
         answer = _with_closed_cycle(answer, notes_on_rig)
     answer_without_meshes = _without_meshes(answer, kernels) if by_kernels else answer
@@ -303,8 +303,12 @@ def _solve(
     return answer_without_meshes
 
 
-def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteElementSolution:
-    """The answer with what the kernels are uncertain by, and a note of what it is."""
+def _with_error_of_kernels(
+    answer: FiniteElementSolution, kernels: KernelPair
+) -> FiniteElementSolution:
+    """The answer with the uncertainty of its kernels added to that of W, a note on what it is, and
+    "kernel" in its settings.
+    """
     relative_error = kernels.relative_work_error(answer.x, answer.scales.modulus)
     record = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
     return replace(
@@ -358,14 +362,14 @@ def _with_closed_cycle(
 
 class _Faces(NamedTuple):
     """Contact compliance of both bodies, as their meshes give it, and without the error that the
-    mesh adds between nearby nodes; None where that error cannot be told apart.
+    mesh adds between nearby nodes: `corrected`, None where that error cannot be told apart.
     """
 
     as_meshed: Interface
     corrected: Interface | None
 
     def with_kernels(self, kernels: KernelPair) -> _Faces:
-        """Those of half-planes, with the compliance that the size of the bodies adds."""
+        """These, of half-planes, with the compliance that the size of the bodies adds."""
         corrected = None if self.corrected is None else kernels.interface_of_bodies(self.corrected)
         return _Faces(kernels.interface_of_bodies(self.as_meshed), corrected)
 
@@ -373,7 +377,8 @@ class _Faces(NamedTuple):
 def _solve_path(
     task: Task, faces: _Faces, datum_length: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
-    """Follow the load path of a scene on its meshed bodies; the contact problem and its states.
+    """Follow the load path of a scene on its meshed bodies; returned are the contact problem on the
+    whole faces and the run along the path, which may have failed.
 
     The compliance of the faces is tried first without the error that the mesh adds between nearby
     nodes. Where that error cannot be told apart, or the contact does not converge without it, the
@@ -504,7 +509,9 @@ def _contact_problem(
 
 
 def _check_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
-    """The contact must end before the last node that may touch."""
+    """Refuse an answer whose contact reaches the last node that may touch (ConvergenceError with
+    the answer).
+    """
     if any(state.is_closed[0] or state.is_closed[-1] for state in run.states):
         raise ConvergenceError(
             f"the contact reached the end of the meshed side at |x| = {answer.x[-1]:.6g}: the"
@@ -550,12 +557,12 @@ def _solution(
             uncertainty_at_jumps(
                 Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
                 arrays["contact_edges"],
-                run.stored,
+                run.stored_indices,
                 spacing=task.element * scales.half_width / task.mesh.order,
             ),
         )
     )
-    states = tuple(run.states[index] for index in run.stored)
+    states = tuple(run.states[index] for index in run.stored_indices)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     notes = notes_of_answer(task, condensed, problem, run, arrays, work_uncertainty)
     grading = condensed[0].body.grading

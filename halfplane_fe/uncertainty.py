@@ -357,8 +357,8 @@ def run_values(
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
     work_of_nodes = np.zeros_like(weights)
-    if run.cycle_density:
-        work_of_nodes = run.cycle_density[number - 1]
+    if run.nodal_work_by_cycle:
+        work_of_nodes = run.nodal_work_by_cycle[number - 1]
     return RunValues(
         since_start=time - time[0],
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,

@@ -172,7 +172,9 @@ def mindlin_errors(elements, order=2):
             ((left, right),) = stick_edges(sides.x, stick, closed, np.array([[-1.0, 1.0]]))
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
             edge_error.append((right - left) / 2 - c)
-        dissipation = run.cycle_density[-1].sum() / mindlin_dissipation(1.0, q, FRICTION, 1.0) - 1
+        dissipation = (
+            run.nodal_work_by_cycle[-1].sum() / mindlin_dissipation(1.0, q, FRICTION, 1.0) - 1
+        )
         errors.append((rms(shear_error), rms(edge_error), dissipation))
     return dict(
         zip(
@@ -362,7 +364,7 @@ def moving_edges(elements, cured=True):
         )
         run = run_path(contact, load.path(), Pace(1.0, 32, np.inf), 2, lambda *_: None)
         exact = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",)).dissipation
-        errors.append(run.cycle_density[-1].sum() / exact - 1)
+        errors.append(run.nodal_work_by_cycle[-1].sum() / exact - 1)
     return rms(errors)
 
 

@@ -128,7 +128,7 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
     after = []
     scatter = []
     for run, square, unit in at_many_places(name):
-        work = float(run.cycle_density[-1].sum()) * unit
+        work = float(run.nodal_work_by_cycle[-1].sum()) * unit
         excess = run.excess[-1]
         assert excess.edges == 2  # of stick and of contact, on the half that is solved
         assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
@@ -179,7 +179,7 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
         return excess(problem, states)
 
     def closing(run: PathRun, edge_excess: Excess) -> None:
-        works.append(float(run.density.sum()))
+        works.append(float(run.nodal_work.sum()))
         excesses.append(edge_excess)
         close_cycle(run, edge_excess)
 

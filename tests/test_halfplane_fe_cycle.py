@@ -214,7 +214,7 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
     def revolve(follower, _legs, _n_increments, title):
         run = follower.run
         if title.startswith("revolution"):
-            run.density = np.array([float(series(np.float64(title.split()[1])))])
+            run.nodal_work = np.array([float(series(np.float64(title.split()[1])))])
         moved = run.states[-1].pressure + 1e-6  # nodal forces that all but repeat
         run.states.append(run.states[-1].changed(pressure=np.where(moved > 1e-5, moved, 1.0)))
 
@@ -228,7 +228,7 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
         lambda *_: None,
         uncertainty=lambda _run: uncertainty,
     )
-    assert len(outcome.cycle_density) == revolutions
+    assert len(outcome.nodal_work_by_cycle) == revolutions
     assert outcome.steady_from == (revolutions - 1 if revolutions < 30 else None)
 
 
@@ -266,7 +266,7 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     )
     assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
     assert run.ratchets == (drift > 0)
-    work = run.cycle_density[-1].sum()
+    work = run.nodal_work_by_cycle[-1].sum()
     assert work == pytest.approx(run.column("loop_work")[run.cycle_starts[-1] :].sum(), abs=1e-9)
     assert (work > 0) == (drift > 0)
 
