@@ -122,7 +122,7 @@ def rough(x: np.ndarray, height: np.ndarray, size: float | None = None) -> np.nd
 def off_centre() -> Iterator[None]:
     """The profile h/10 off along x, and solved whole: a mirrored half would hide it."""
     moved = gap(lambda x, height: np.interp(x + element(x) / 10, x, height))
-    with mock.patch("halfplane_fe.scales.mirrored", return_value=False), moved:
+    with mock.patch("halfplane_fe.scales.is_mirrored", return_value=False), moved:
         yield
 
 

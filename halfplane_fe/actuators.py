@@ -23,13 +23,12 @@ from scenes import HalfPlane, LoadPath, Scene
 
 
 class Actuators(NamedTuple):
-    """Which of the first two loads are movements.
+    """Which of the first two loads, P and Q, are replaced by movements of actuators.
 
     Attributes
     ----------
     normal, tangential
-        compliance between actuator and contact, scaled (E* over that of a load per thickness);
-        None where P or Q is given
+        compliance between actuator and contact, times E*; None where P or Q is given
     """
 
     normal: float | None = None
@@ -72,14 +71,15 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
 
 
 def compliance_beyond(scene: Scene, ratio: float) -> float:
-    """What half-planes give way, per load, between their datum and `ratio` times that distance
-    [1 / stress]: (2/pi) (1 - nu^2)/E ln(ratio) each. Other bodies stand on something.
+    """Compliance of the half-planes of a scene between their datum and `ratio` times that distance
+    from the contact [1 / stress]: (2/pi) (1 - nu^2)/E ln(ratio) each. Other bodies stand on
+    supports, and add nothing.
     """
     return 2 / math.pi * _compliance(scene, half_planes_alone=True) * math.log(ratio)
 
 
 def _compliance(scene: Scene, *, half_planes_alone: bool) -> float:
-    """Sum of (1 - nu^2)/E of the bodies."""
+    """Sum of (1 - nu^2)/E of both bodies, or of the half-planes among them [1 / stress]."""
     bodies = (
         (scene.bodies.lower, scene.material.lower),
         (scene.bodies.upper, scene.material.upper),

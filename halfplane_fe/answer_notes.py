@@ -57,7 +57,7 @@ def notes_of_answer(
     task
         the scene, its meshes, settings, and the scales of its variables
     condensed
-        stiffness of the lower and upper body, condensed to the nodes of their faces
+        compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
         the contact problem, and its states along the load path
     arrays
@@ -198,7 +198,7 @@ def work_done(
     problem, run
         the contact problem, with its counters, and its states along the load path
     condensed
-        stiffness of the lower and upper body, condensed to the nodes of their faces
+        compliance of the lower and upper body, condensed to the nodes of their faces
     seconds
         name of a stage -> its time [s]
     """

@@ -136,7 +136,7 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
         slide_distance = sum(abs(slide.distance) for slide in slides) * displacement_unit
         work = sum(slide.work for slide in slides) * scales.load * displacement_unit
         slides_in_words = "; ".join(
-            _in_words(slide, displacement_unit, length_unit)
+            _slide_in_words(slide, displacement_unit, length_unit)
             for slide in slides[:_MOST_SLIDES_NAMED]
         )
         rest_text = (
@@ -152,16 +152,17 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:
         in_words = "; ".join(
-            _in_words(slide, displacement_unit, length_unit) for slide in slides_before[:2]
+            _slide_in_words(slide, displacement_unit, length_unit) for slide in slides_before[:2]
         )
         yield f"gross sliding: before it {in_words}"
 
 
-def _in_words(slide: _Slide, movement: float, length: str) -> str:
+def _slide_in_words(slide: _Slide, displacement_unit: float, length_unit: str) -> str:
+    """When, in which direction and how far the bodies slide, as part of a sentence."""
     direction = "forward" if slide.distance > 0 else "back"
     return (
         f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by"
-        f" {abs(slide.distance) * movement:.6g} {length}"
+        f" {abs(slide.distance) * displacement_unit:.6g} {length_unit}"
     )
 
 

@@ -486,8 +486,8 @@ def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolu
     work_unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
     return Revolution(
         load=load,
-        contact=arrays["contact_half_width"][first_step:],
-        stick=arrays["stick_half_width"][first_step:],
+        contact_half_width=arrays["contact_half_width"][first_step:],
+        stick_half_width=arrays["stick_half_width"][first_step:],
         dissipation=float(arrays["dissipation"] / work_unit) if work_unit > 0 else 0.0,
-        sheared=needs_shear(scene),
+        has_shear=needs_shear(scene),
     )

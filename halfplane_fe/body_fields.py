@@ -43,7 +43,7 @@ from halfplane_fe.face_stress import (
 from halfplane_fe.interface import body_forces
 from halfplane_fe.kernel_bodies import BodyKernels, body_kernels
 from halfplane_fe.path import has_bulk_stress
-from halfplane_fe.remainder import require_flat
+from halfplane_fe.remainder import require_known_effects
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
 from halfplane_fe.supports import shapes_alike
@@ -562,7 +562,7 @@ def _flat_body_kernels(scene: Scene, body_number: int, reach: float) -> BodyKern
     name = _BODY_NAMES[body_number]
     datum_length = max(scene.profile.datum_length, reach)
     try:
-        require_flat(name, getattr(scene.bodies, name), scene)
+        require_known_effects(name, getattr(scene.bodies, name), scene)
         return body_kernels(scene, name, reach, datum_length, Counter())
     except InputError:
         return None

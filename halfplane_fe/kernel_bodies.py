@@ -44,7 +44,7 @@ from halfplane_fe.remainder import (
     nearest_end,
     odd_exponents,
     remainder_kernels,
-    require_flat,
+    require_known_effects,
 )
 from halfplane_fe.supports import shapes_alike
 from meshes import MeshSettings, Solid, SurfaceGrading, build
@@ -384,11 +384,11 @@ class KernelPair:
         return _on_middle_line(interface_along_axes, *self.faces)
 
     def relative_work_error(self, x: Array, modulus: float) -> float:
-        """Estimate of the relative error of the friction work W by the mesh error of the kernels:
-        by how much the compliance that they add differs between a fine and a coarse mesh.
+        """Estimate of the relative error of the friction work W by the mesh error of the kernels.
 
-        A compliance that is constant over the contact does not change W: half the range of the
-        difference counts. `x` are the contact nodes, `modulus` is E* [stress].
+        It is 4 E* times the compliance error: of N, T and K each half the range of the difference
+        between a fine and a coarse mesh, since a compliance that is constant over the contact does
+        not change W. `x` (n,) are places of the contact nodes, `modulus` is E* [stress].
         """
         compliance_error = 0.0
         for fine, coarse in zip(
@@ -515,7 +515,7 @@ def check_kernels(scene: Scene) -> None:
                 f"bodies.{name}: kernels are known of flat faces, arcs and flats between arcs; the"
                 f" face of this {shape.kind} is none: solve the scene with finite elements"
             )
-        require_flat(name, shape, scene)
+        require_known_effects(name, shape, scene)
     if scene.bodies.faces_are_true and scene.load.has_bulk_or_tilt:
         raise InputError(
             "load: kernels of curved faces take P and Q alone, no bulk stress, tilt or moment:"
@@ -535,9 +535,9 @@ def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[s
     """Kernels of both bodies of a scene over |x| <= `reach` [length]: what their finite size adds
     to the displacement of the face by unit forces, as polynomials.
 
-    Bodies alike are computed once. `datum_length` is the distance from a force at which a
-    half-plane's surface has no displacement [length]. `work` counts linear systems and their
-    unknowns; they are added to it.
+    Bodies that mirror each other have one set of kernels, computed once. `datum_length` is the
+    distance from a force at which a half-plane's surface has no displacement [length]. Linear
+    systems and their unknowns are added to the counts in `work`.
     """
     kernels_by_body: dict[str, BodyKernels | None] = {}
     for name in ("lower", "upper"):
@@ -568,15 +568,15 @@ def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
     InputError
         For a body so thin that its depth needs more than the largest degree.
     """
-    digits = -math.log(_MISSING_SHARE)
-    degree_by_depth = digits / math.asinh(2 * shape.least_depth / reach)
+    decay = -math.log(_MISSING_SHARE)  # degree times ln rho at which the coefficients are so small
+    degree_by_depth = decay / math.asinh(2 * shape.least_depth / reach)
     if degree_by_depth > _LARGEST_DEGREE:
         raise InputError(
             f"bodies.{name}: kernels over |x| <= {reach:.6g} are known of bodies of a sixth of that"
             f" depth and more; this {shape.kind} is thinner: solve the scene with finite elements"
         )
     log_rho_of_corners = math.acosh(max(shape.face_half_width / reach, 1.0))
-    degree_by_width = min(digits / max(log_rho_of_corners, 1e-9), _LARGEST_DEGREE)
+    degree_by_width = min(decay / max(log_rho_of_corners, 1e-9), _LARGEST_DEGREE)
     return max(_LEAST_DEGREE, 2 * math.ceil(max(degree_by_depth, degree_by_width) / 2))
 
 
@@ -596,6 +596,11 @@ def body_kernels(
         distance from a force at which a half-plane's surface has no displacement [length]
     work
         counts of linear systems and of their unknowns, added to here
+
+    Raises
+    ------
+    InputError
+        For a body so thin that polynomials of the largest degree do not serve.
     """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):

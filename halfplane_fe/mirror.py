@@ -30,19 +30,19 @@ from scenes.array_types import Array, Indices
 _MIRROR_ROUNDING = 1e-9
 
 
-def mirrored(faces: Interface, sheared: bool) -> bool:
+def is_mirrored(faces: Interface, has_tangential_load: bool) -> bool:
     """Whether the solution of a contact problem is its own mirror image in x = 0, so that one half
     of the nodes is enough. `faces` is the contact compliance with the places of its nodes.
 
     A node has to lie on x = 0, and places, gap and compliances have to be mirror images. Where
-    pressure and shear are coupled (unlike bodies), there must be no tangential load; `sheared` says
-    whether there is one. Where they are not coupled, the faces must be flat.
+    pressure and shear are coupled (unlike bodies), there must be no tangential load. Where they are
+    not coupled, the faces must be flat.
     """
     if len(faces.x) % 2 == 0:
         return False
     if faces.coupling is None and not faces.is_flat:
         return False
-    if faces.coupling is not None and sheared:
+    if faces.coupling is not None and has_tangential_load:
         return False
     values_and_images = [
         (faces.x, -faces.x[::-1]),
@@ -61,7 +61,7 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
     )
 
 
-def half(faces: Interface) -> Interface:
+def half_interface(faces: Interface) -> Interface:
     """Contact compliance of mirror-symmetric bodies, reduced to the nodes at x >= 0, for a solution
     that is its own mirror image in x = 0.
 
@@ -132,9 +132,9 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
     )
 
 
-def unfolded(run: PathRun, faces: Interface) -> PathRun:
-    """Solution along a load path at all nodes, from a run that was solved on those at x >= 0: the
-    left half is the mirror image.
+def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
+    """Solution along a load path at all nodes of `faces`, from a `run` that was solved on those at
+    x >= 0: the left half is the mirror image.
 
     A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Each is
     that of the mirror image times a factor. It is 1/2 for p and q, which are forces of a node and
@@ -152,8 +152,8 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     )
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
-    def unfolded_state(state: InterfaceState) -> InterfaceState:
-        # Long runs drop forces and gap of most states, and keep the slip.
+    def state_at_all_nodes(state: InterfaceState) -> InterfaceState:
+        """The state at all nodes; without forces and gap where a long run has dropped them."""
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.place)
         values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
@@ -164,7 +164,7 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     middle = len(faces.x) // 2
     return replace(
         run,
-        states=[unfolded_state(state) for state in run.states],
+        states=[state_at_all_nodes(state) for state in run.states],
         nodal_work_by_cycle=[work[images.place] * images.share for work in run.nodal_work_by_cycle],
         excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
         contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],

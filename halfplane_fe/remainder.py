@@ -609,12 +609,12 @@ def _body_numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbe
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return OF_HALF_PLANE
-    require_flat(name, shape, scene)
+    require_known_effects(name, shape, scene)
     material = getattr(scene.material, name)
     return body_numbers(name, shape, scene.profile, material, scene.profile.datum_length)
 
 
-def require_flat(name: str, shape: Shape, scene: Scene) -> None:
+def require_known_effects(name: str, shape: Shape, scene: Scene) -> None:
     """Refuse a body, or loads on it, for which the effects of a finite size are not derived: these
     need a flat face, supports that hold a tangential load, and no bulk stress.
 

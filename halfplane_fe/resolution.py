@@ -63,7 +63,8 @@ def tip_power(profile: Profile, distance: float) -> float:
     """Exponent n of the power |x|^n by which the initial gap rises near x = 0, from its values at
     `distance` and at twice that [length].
 
-    Of the two sides the smaller exponent counts, the sharper tip. Infinite where the gap is flat.
+    Of the two sides the smaller exponent counts, the sharper tip. It is infinite on a side where
+    the gap does not rise all the way.
 
     >>> from scenes import PowerLaw
     >>> tip_power(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
@@ -90,7 +91,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
 
     Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
     the tip goes with the element size to the power n - 1. Elements are halved until 1/64 of that
-    error is left, or until two halvings within a rounded tip.
+    error is left, or until two halvings within a rounded tip, 16 times at most.
 
     >>> from scenes import PowerLaw
     >>> [
@@ -118,31 +119,33 @@ class Revolution:
     ----------
     load
         (n,) normal load [force per thickness]
-    contact, stick
-        (n,) half-widths [length]; stick NaN where nothing sticks
+    contact_half_width, stick_half_width
+        (n,) [length]; that of stick NaN where nothing sticks
     dissipation
         friction work of the revolution over A f^2 P^2, A = 2/E*, P the largest load
-    sheared
+    has_shear
         whether the contact can carry shear
     """
 
     load: Array
-    contact: Array
-    stick: Array
+    contact_half_width: Array
+    stick_half_width: Array
     dissipation: float
-    sheared: bool
+    has_shear: bool
 
-    def least_contact(self) -> float:
+    def least_half_width(self) -> float:
         """Least half-width of contact at instants with more than 0.3 of the largest load [length];
         in a contact that carries next to nothing the error of the tractions does not matter.
         """
         is_loaded = self.load > _LEAST_LOAD_RATIO * np.max(self.load)
-        return float(np.min(self.contact[is_loaded], initial=np.inf))
+        return float(np.min(self.contact_half_width[is_loaded], initial=np.inf))
 
     def widest_slip_zone(self) -> float:
-        """Largest width of a slip zone, half-width of contact minus that of stick [length]."""
-        stick_half_width = np.where(np.isfinite(self.stick), self.stick, 0.0)
-        return float(np.max(self.contact - stick_half_width, initial=0.0))
+        """Largest width of a slip zone, half-width of contact minus that of stick [length]; where
+        nothing sticks, the half-width of contact.
+        """
+        stick_half_width = np.where(np.isfinite(self.stick_half_width), self.stick_half_width, 0.0)
+        return float(np.max(self.contact_half_width - stick_half_width, initial=0.0))
 
 
 class Flank(NamedTuple):
@@ -220,11 +223,10 @@ def resolution_notes(
         settings of the mesh, from which the advice starts
     """
     expected_errors = _ExpectedErrors(
-        _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.sheared
+        _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.has_shear
     )
     enough_elements = expected_errors.enough_elements()
-    least_half_width = revolution.least_contact()
-    elements_in_least = least_half_width / element_size
+    elements_in_least = revolution.least_half_width() / element_size
     if expected_errors.call_for_note(elements_in_least):
         yield (
             f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
@@ -249,7 +251,7 @@ def resolution_notes(
                 f" {expected_errors.in_words(flank.resolved_by)};"
                 f" {_advice_on_mesh(mesh, flank.resolved_by / enough_elements)}"
             )
-    if revolution.sheared:
+    if revolution.has_shear:
         yield from _slip_notes(revolution, element_size, mesh)
 
 
@@ -262,12 +264,12 @@ class _ExpectedErrors:
     ----------
     factor
         of these errors over those of quadratic elements
-    sheared
+    has_shear
         whether the contact can carry shear
     """
 
     factor: float
-    sheared: bool
+    has_shear: bool
 
     def of_shear(self, n_elements: float) -> float:
         """Expected error of the shear, over f p."""
@@ -281,11 +283,8 @@ class _ExpectedErrors:
         """Whether there is to be a note: the error of the shear is above 0.05, or that of the
         pressure where the contact carries no shear.
         """
-        if self.sheared:
-            return self.of_shear(n_elements) > _NOTED_ERROR
-        return (
-            self.of_shear(n_elements) > _NOTED_ERROR and self.of_pressure(n_elements) > _NOTED_ERROR
-        )
+        error = self.of_shear(n_elements) if self.has_shear else self.of_pressure(n_elements)
+        return error > _NOTED_ERROR
 
     def enough_elements(self) -> float:
         """Number of elements from which on the error of the shear needs no note."""
@@ -295,9 +294,9 @@ class _ExpectedErrors:
         """Sentence part on the errors of the tractions to expect."""
         shear_error = self.of_shear(n_elements)
         pressure_error = self.of_pressure(n_elements)
-        if (shear_error if self.sheared else pressure_error) > 0.5:
+        if (shear_error if self.has_shear else pressure_error) > 0.5:
             return "expect errors of tractions and dissipation of half their size and more"
-        of_shear = f"of {shear_error:.0%} of f p in the shear and " if self.sheared else ""
+        of_shear = f"of {shear_error:.0%} of f p in the shear and " if self.has_shear else ""
         return f"expect an error {of_shear}of {pressure_error:.0%} in the pressure (L2)"
 
 
@@ -327,7 +326,7 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
     """
     dissipation = revolution.dissipation  # over A f^2 P^2, A = 2/E*, P the largest load
     elements_in_slip = revolution.widest_slip_zone() / element_size
-    largest_half_width = float(np.max(revolution.contact, initial=element_size))
+    largest_half_width = float(np.max(revolution.contact_half_width, initial=element_size))
     dissipation_by_mesh = _DISSIPATION_BY_MESH * (element_size / largest_half_width) ** 2
     if not dissipation > 0:
         yield (

@@ -118,8 +118,8 @@ class ReturnMapping:
     _systems: dict[int, Systems] = field(default_factory=dict, init=False)
 
     def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
-        """Nodal values and states of the contact at the end of an increment, by return mapping;
-        None where it converges with no penalty. Penalties are tried from the stiffest one on.
+        """Nodal values and states of the contact at the end of an increment, by return mapping.
+        Penalties are tried from the stiffest one on; None where it converges with none of them.
 
         Parameters
         ----------
@@ -326,7 +326,7 @@ class _Iteration:
 
     def _over_tolerance(self, pressure_changes: Array, shear_changes: Array) -> float:
         """Largest of some changes (n,) of nodal forces, over the tolerated one: 1e-10 of the
-        largest nodal pressure.
+        largest nodal pressure; infinite where no node bears pressure.
         """
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         largest_change = float(np.abs(pressure_changes).max())
@@ -399,7 +399,8 @@ class _Iteration:
     def _tilt_to_moment(self, derivatives_by_tilt: Array, moment: float) -> None:
         """Tilt the upper body until the nodal forces have the given moment; scaled.
 
-        `derivatives_by_tilt` (3 + 4 n,) are those of `values` at constant node states.
+        `derivatives_by_tilt` (3 + 4 n,) are those of `values` at constant node states. SingularSet
+        where a tilt does not change the moment.
         """
         moment_by_tilt = self._moment(derivatives_by_tilt)
         if not moment_by_tilt < -1e-12:

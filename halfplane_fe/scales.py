@@ -31,11 +31,11 @@ from halfplane_fe.interface import (
     meshed_pair,
     without_mesh_error,
 )
-from halfplane_fe.mirror import half, mirrored, unfolded
+from halfplane_fe.mirror import half_interface, is_mirrored, run_at_all_nodes
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import Pace, PathRun, run_path
-from halfplane_fe.supports import face_room, shapes_alike, sheared
+from halfplane_fe.supports import face_room, has_tangential_load, shapes_alike
 from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import RunValues, run_values
 from meshes import MeshSettings, SurfaceGrading
@@ -179,7 +179,7 @@ def needs_shear(scene: Scene) -> bool:
     """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike
     bodies.
     """
-    has_shear = sheared(scene) or has_bulk_stress(path_of(scene))
+    has_shear = has_tangential_load(scene) or has_bulk_stress(path_of(scene))
     return scene.friction.coefficient > 0 and (has_shear or not shapes_alike(scene))
 
 
@@ -195,7 +195,7 @@ def is_plain_record(scene: Scene) -> bool:
 
 def on_half(scene: Scene, faces: Interface) -> bool:
     """Whether faces and loads are their own mirror image, so that one half is solved for both."""
-    return not scene.unsymmetric and mirrored(faces, sheared(scene))
+    return not scene.unsymmetric and is_mirrored(faces, has_tangential_load(scene))
 
 
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
@@ -612,7 +612,7 @@ def _coarse_run(
     problem = pair.problem(face_half_width, faces, needs_tangential, actuators)
     is_halved = on_half(pair.scene, faces)
     solved_problem = (
-        pair.problem(face_half_width, half(faces), needs_tangential, actuators)
+        pair.problem(face_half_width, half_interface(faces), needs_tangential, actuators)
         if is_halved
         else problem
     )
@@ -628,7 +628,7 @@ def _coarse_run(
     )
     if run.failure is not None:
         raise run.failure
-    return problem, unfolded(run, faces) if is_halved else run
+    return problem, run_at_all_nodes(run, faces) if is_halved else run
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
@@ -697,7 +697,7 @@ def _contact_fraction(pair: _CoarsePair, size: float) -> float:
 def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
     """The faces at the largest load, without shear."""
     faces = pair.faces(size)
-    solved_faces = half(faces) if on_half(pair.scene, faces) else faces
+    solved_faces = half_interface(faces) if on_half(pair.scene, faces) else faces
     problem = pair.problem(size, solved_faces, has_shear=False)
     return problem, problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))[0]
 

@@ -36,7 +36,7 @@ from halfplane_fe.interface import (
     meshed_pair,
     without_mesh_error,
 )
-from halfplane_fe.mirror import half, unfolded
+from halfplane_fe.mirror import half_interface, run_at_all_nodes
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
     Scales,
@@ -421,7 +421,9 @@ def _solve_path(
         problem = _contact_problem(task, interface, datum_length, work)
         is_half = on_half(scene, interface)
         solved_problem = (
-            _contact_problem(task, half(interface), datum_length, work) if is_half else problem
+            _contact_problem(task, half_interface(interface), datum_length, work)
+            if is_half
+            else problem
         )
         run = run_path(
             solved_problem,
@@ -437,7 +439,7 @@ def _solve_path(
         work[CORRECTED_FACES] += 1
     elif faces.corrected is not None:
         work[REPEATED_RUNS] += 1
-    return problem, unfolded(run, interface) if is_half else run
+    return problem, run_at_all_nodes(run, interface) if is_half else run
 
 
 class _Stopwatch:

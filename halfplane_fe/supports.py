@@ -44,7 +44,9 @@ def check_bulk_stress(scene: Scene) -> None:
 
 
 def has_ends(body: Shape) -> bool:
-    """Whether it is a block with free sides, which a bulk stress can pull."""
+    """Whether a body is a block with free sides: these are its ends, which a bulk stress can
+    pull.
+    """
     return isinstance(body, Block) and body.sides == "free"
 
 
@@ -59,9 +61,9 @@ def check_supports(scene: Scene) -> None:
     InputError
         For such a body; the message names supports that would hold it.
     """
-    is_sheared = sheared(scene)
+    is_pushed = has_tangential_load(scene)
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
-        if not is_sheared or not isinstance(body, Block | Pad):
+        if not is_pushed or not isinstance(body, Block | Pad):
             continue
         held_by_ends = has_ends(body) and has_bulk_stress(path_of(scene))
         if body.base == "rollers" and body.sides == "free" and not held_by_ends:
@@ -72,8 +74,8 @@ def check_supports(scene: Scene) -> None:
             )
 
 
-def sheared(scene: Scene) -> bool:
-    """Whether there is a tangential load, or a movement in its place."""
+def has_tangential_load(scene: Scene) -> bool:
+    """Whether a tangential load other than 0 is on the path, or a movement in its place."""
     return any(
         np.any(leg.loads(sampled_times(leg, _N_INSTANTS))[1] != 0)
         for leg in path_of(scene).segments(1)

@@ -93,7 +93,7 @@ def surface_grading(
         edge_size=mesh.edge_element_size * a * ratio,
         radius=max(mesh.far_radius * a, _LEAST_RADIUS_RATIO * outer_end),
     )
-    return replace(grading, halvings=tip_halvings(profile, grading.innermost))
+    return replace(grading, halvings=tip_halvings(profile, grading.size_at_middle))
 
 
 def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:

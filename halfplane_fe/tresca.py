@@ -49,30 +49,37 @@ def pressure_at_known_shear(
     height
         (n,) initial gap, with what known tangential forces and displacement add to it
     load
-        normal load that the nodal normal forces carry, as scaled as these: P less what the known
+        normal load that the nodal normal forces carry, as scaled as these: P minus what the known
         tangential forces carry on an inclined face
     is_closed
         (n,) nodes that are assumed to touch first
     rounding
         size of a negative p or g that counts as round-off
 
+    Raises
+    ------
+    SingularSet
+        If no node is left that touches.
+    ConvergenceError
+        If the set of touching nodes does not settle.
+
     Examples
     --------
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
-    >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
+    >>> springs, zeros = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
     >>> flat = Interface(
     ...     np.array([0.0, 1.0]),
     ...     np.ones(2),
     ...     np.array([[0.0, 0.0], [1.0, 1.0]]),
-    ...     none,
+    ...     zeros,
     ...     springs,
     ...     springs,
     ...     None,
     ... )
     >>> height, start = np.array([0.0, 1.0]), np.array([True, False])
     >>> pressure, approach, closed = pressure_at_known_shear(
-    ...     Systems(flat, Layer(none, none), 0.5), height, 3.0, start, 1e-12
+    ...     Systems(flat, Layer(zeros, zeros), 0.5), height, 3.0, start, 1e-12
     ... )
     >>> pressure.tolist(), approach, closed.tolist()  # approach 2, the second node meets after 1
     ([2.0, 1.0], 2.0, [True, True])
@@ -126,28 +133,34 @@ def shear_at_known_pressure(
     pressure
         (n,) known normal forces p
     known_slip
-        (n,) slip at the start of the increment minus the slip at its end by p and imposed loads
+        (n,) slip at the start of the increment minus the slip at its end by p, bulk stresses and
+        tilt
     load
-        tangential load, scaled; None where U = 0 is prescribed instead
+        tangential load, scaled, below f times the sum of p; None where U = 0 is prescribed instead
     rounding
         size of a violation that counts as round-off
+
+    Raises
+    ------
+    ConvergenceError
+        If the states of the nodes do not settle.
 
     Examples
     --------
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
-    >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
+    >>> springs, zeros = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
     >>> flat = Interface(
     ...     np.array([0.0, 1.0]),
     ...     np.ones(2),
     ...     np.array([[0.0, 0.0], [1.0, 1.0]]),
-    ...     none,
+    ...     zeros,
     ...     springs,
     ...     springs,
     ...     None,
     ... )
-    >>> systems, pressure = Systems(flat, Layer(none, none), 0.5), np.array([0.2, 1.0])
-    >>> shear, shift, states = shear_at_known_pressure(systems, pressure, none, 0.5, 1e-12)
+    >>> systems, pressure = Systems(flat, Layer(zeros, zeros), 0.5), np.array([0.2, 1.0])
+    >>> shear, shift, states = shear_at_known_pressure(systems, pressure, zeros, 0.5, 1e-12)
     >>> (
     ...     shear.round(12).tolist(),
     ...     round(shift, 12),
@@ -184,11 +197,13 @@ def shear_at_known_pressure(
 
 @dataclass(eq=False)
 class _ShearAtShift:
-    """Nodal tangential forces q (n,) at a given tangential shift U; each solve starts from the
-    states of friction at which the one before ended.
+    """Nodal tangential forces q (n,) as a function of the tangential displacement U (`shift`); each
+    solve starts from the states of friction at which the one before ended.
 
     Attributes
     ----------
+    systems
+        compliances of the contact nodes
     limit
         (n,) f p of the nodes
     known_slip
@@ -206,6 +221,7 @@ class _ShearAtShift:
     states: States
 
     def __call__(self, shift: float) -> Array:
+        """The forces at U = `shift`; `states` become those of friction there."""
         n_y = self.systems.interface.normals[1]
         known_slip = self.known_slip - n_y * shift
         shear, self.states = _shear_within_limits(
@@ -220,7 +236,7 @@ def _shear_within_limits(
     """Friction with known limits |q| <= f p at a known tangential displacement (Tresca): nodal
     tangential forces q (n,) and the nodes' states open, stick or slip, scaled.
 
-    Active-set method, from given `states`. With the slip increment s = -T q - known_slip:   s = 0
+    Active-set method, from given `states`. With the slip increment s = -T q - known_slip: s = 0
     where |q| < limit, s >= 0 at q = limit, s <= 0 at q = -limit. T is the tangential compliance
     `systems.tangential`.
 
@@ -252,7 +268,7 @@ def _shear_within_limits(
                 systems.tangential[np.ix_(is_sticking, is_sticking)], slip_to_cancel, assume_a="pos"
             )
         slip = -systems.tangential @ shear - known_slip
-        violation = np.full(len(slip), -np.inf)  # nothing is asked of an open node
+        violation = np.full(len(slip), -np.inf)  # an open node has no inequality
         violation[is_sticking] = (np.abs(shear) - limit)[is_sticking]
         violation[slips_forward] = -slip[slips_forward]
         violation[slips_back] = slip[slips_back]

@@ -148,7 +148,7 @@ class SurfaceGrading:
     halvings: int = 0
 
     @property
-    def innermost(self) -> float:
+    def size_at_middle(self) -> float:
         """Size of the elements at x = 0 [length], before they are halved towards a tip."""
         end, size = (self.inner, self.size) if self.inner > 0 else (self.outer, self.edge_size)
         return end / max(round(end / size), 1)
@@ -156,17 +156,15 @@ class SurfaceGrading:
     @property
     def tip_size(self) -> float:
         """Size of the elements at x = 0 [length]."""
-        return self.innermost / 2**self.halvings
+        return self.size_at_middle / 2**self.halvings
 
-    def drawn_for(self, cells: Cells) -> SurfaceGrading:
-        """What is drawn before elements are cut: for quadrilaterals twice the size, which cutting
-        in four halves again.
+    def as_drawn(self, cells: Cells) -> SurfaceGrading:
+        """Sizes at which gmsh draws the surface elements: these for triangles, twice these for
+        quadrilaterals, since gmsh cuts each of its elements in four at the end.
         """
-        return (
-            self
-            if cells == "triangles"
-            else replace(self, size=2 * self.size, edge_size=2 * self.edge_size)
-        )
+        if cells == "triangles":
+            return self
+        return replace(self, size=2 * self.size, edge_size=2 * self.edge_size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +181,7 @@ class BodyMesh:
     grading
         the surface as it was asked for
     quality
-        figure by name; see `mesh_quality`
+        name -> measure, see `mesh_quality`
     supports
         boundary -> "half_plane" (follows the displacement of the half-plane around it),
         "fixed", "rollers" (moves along x only), "guided" (along y only) or "pulled" (free ends
@@ -207,15 +205,15 @@ _TIP_GROWTH = 0.5
 _FAR_RADIUS = 1000.0
 
 
-def contact_nodes(grading: SurfaceGrading, order: int) -> int:
-    """Number of surface nodes that may touch, on |x| <= outer."""
+def number_of_contact_nodes(grading: SurfaceGrading, order: int) -> int:
+    """Number of surface nodes that may touch, on |x| <= outer, to a few nodes."""
     elements = 2 * (
         grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size
     )
     return round(elements + 2 * grading.halvings) * order + 1
 
 
-def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
+def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
     """Estimate, within a factor of two, of the number of nodes in the mesh of a half-disc.
 
     Triangles have size h at the surface, and h + g d at distance d from it. Their number is the
@@ -272,13 +270,13 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
         With the number of nodes and its limit: of those on the contact, or of all in the body.
     """
     advice = "make element_size and edge_element_size larger"
-    n_contact_nodes = contact_nodes(grading, order)
+    n_contact_nodes = number_of_contact_nodes(grading, order)
     if n_contact_nodes > MOST_CONTACT_NODES:
         raise InputError(
             f"mesh: the {name} body would have some {n_contact_nodes:,}"
             f" nodes on its contact, and the limit is {MOST_CONTACT_NODES:,}; {advice}"
         )
-    n_nodes = body_nodes(grading, growth, order)
+    n_nodes = number_of_body_nodes(grading, growth, order)
     if n_nodes > MOST_NODES:
         raise InputError(
             f"mesh: the {name} body would have about {n_nodes:,} nodes, and the limit is"
@@ -294,7 +292,7 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
 _CORNER_REFINEMENT = 64
 
 
-def rounded(values: ArrayLike) -> Array:
+def rounded_lengths(values: ArrayLike) -> Array:
     """Lengths to twelve digits, any shape: on the last digit gmsh makes another mesh, and the
     answer would depend on the units.
     """
@@ -302,11 +300,11 @@ def rounded(values: ArrayLike) -> Array:
 
 
 def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
-    """The grading in other units of length, rounded."""
+    """The grading with all its lengths times a factor, to twelve digits."""
     values = np.array(
         [grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius]
     )
-    inner, outer, size, edge_size, radius = rounded(values * factor).tolist()
+    inner, outer, size, edge_size, radius = rounded_lengths(values * factor).tolist()
     return SurfaceGrading(inner, outer, size, edge_size, radius, grading.halvings)
 
 
@@ -377,7 +375,7 @@ def size_formula(
         )
         # No larger than the corner's distances from the axis and from the contact side.
         surrounding_size = min(size_without_corner, x, depth)
-        corner_size = float(rounded(surrounding_size / _CORNER_REFINEMENT))
+        corner_size = float(rounded_lengths(surrounding_size / _CORNER_REFINEMENT))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
             f" + {depth!r})^2))"

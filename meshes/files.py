@@ -83,6 +83,7 @@ def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
 
 
 def _three_components(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors (n, 2) with a third component, 0; all other values as they are."""
     if values.ndim == 2 and values.shape[1] == 2:
         return np.column_stack([values, np.zeros(len(values))])
     return values

@@ -129,7 +129,7 @@ def mirrored_mesh(
     size: str,
     order: int,
     cells: Cells = "triangles",
-    settle: Callable[[Array, dict[str, Indices]], Array] | None = None,
+    points_on_true_face: Callable[[Array, dict[str, Indices]], Array] | None = None,
 ) -> skfem.Mesh:
     """Mesh of a mirror-symmetric body: gmsh meshes its half x >= 0, which is then reflected in
     x = 0, so that the mesh is symmetric to the last bit.
@@ -146,7 +146,7 @@ def mirrored_mesh(
         1 or 2, polynomial order of elements and geometry
     cells
         shape of the elements: "triangles" or "quadrilaterals"
-    settle
+    points_on_true_face
         function that moves nodes of the half onto the true face: from points (n, 2) and
         boundary name -> numbers of its nodes to points (n, 2). None: nodes stay where gmsh put them
 
@@ -156,9 +156,9 @@ def mirrored_mesh(
         MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
     """
     half_mesh = _mesh_of_half(draw, size, order, cells)
-    if settle is not None:
+    if points_on_true_face is not None:
         half_mesh = _ReadMesh(
-            settle(half_mesh.points, half_mesh.boundary_points),
+            points_on_true_face(half_mesh.points, half_mesh.boundary_points),
             half_mesh.elements,
             half_mesh.boundary_points,
         )
@@ -247,7 +247,7 @@ def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _ReadMesh:
     each named boundary.
 
     `curves` maps the name of a boundary to the gmsh tags of its curves. gmsh's tags of nodes may
-    have gaps; here nodes are numbered from 0.
+    have gaps; here nodes are numbered from 0. ValueError where elements are of more than one kind.
     """
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
     node_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)

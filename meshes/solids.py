@@ -20,7 +20,7 @@ from meshes.bodies import (
     MeshSettings,
     SurfaceGrading,
     check_count,
-    rounded,
+    rounded_lengths,
     scaled_grading,
     size_formula,
     surface_points,
@@ -73,15 +73,15 @@ def half_disc(
     """
     # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
-    unit_grading = scaled_grading(grading, 1 / length_unit).drawn_for(cells)
+    unit_grading = scaled_grading(grading, 1 / length_unit).as_drawn(cells)
     element_size = size_formula(unit_grading, growth)
-    unit_mesh = mirrored_mesh(lambda: _quarter(unit_grading), element_size, order, cells)
+    unit_mesh = mirrored_mesh(lambda: _draw_quarter(unit_grading), element_size, order, cells)
     mesh = unit_mesh.scaled(float(length_unit))
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
 
 
-def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
+def _draw_quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     """Draw the quarter x >= 0, y <= 0 of a disc into gmsh's current model, with one line for each
     element on the contact.
 
@@ -150,7 +150,7 @@ def solid(
     face = face_of(shape, profile)
     # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
-    unit_grading = scaled_grading(grading, 1 / length_unit).drawn_for(cells)
+    unit_grading = scaled_grading(grading, 1 / length_unit).as_drawn(cells)
     outline = _Outline(shape, face, length_unit)
     element_size = size_formula(unit_grading, growth, outline.sharp_corners)
     unit_mesh = mirrored_mesh(
@@ -158,7 +158,7 @@ def solid(
         element_size,
         order,
         cells,
-        outline.settle,
+        outline.points_on_true_face,
     )
     mesh = unit_mesh.scaled(float(length_unit))
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
@@ -200,6 +200,9 @@ def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGradin
 
 
 def _supports(shape: Solid) -> Mapping[str, str]:
+    """Supports of a body, boundary -> kind as in `BodyMesh`: those that a block or pad states, and
+    a fixed base of every other shape.
+    """
     if isinstance(shape, Block | Pad):
         return {"base": shape.base} | ({"sides": "guided"} if shape.sides == "guided" else {})
     return {"base": "fixed"}
@@ -228,7 +231,9 @@ def _area(shape: Solid, face: Face) -> float:
 
 
 class _Outline:
-    """The half x >= 0 of a body in units of its contact side's half-width."""
+    """Outline of the half x >= 0 of a body, in units of the half-width of the fine part of its
+    contact face, as gmsh draws it.
+    """
 
     def __init__(self, shape: Solid, face: Face, length: float) -> None:
         """Sizes of a body over a `length`: half-width and height, drop of its face at the end,
@@ -250,7 +255,7 @@ class _Outline:
         # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
         # with the root of the width.
         face_drop = float(self._true_depth(np.array(half_width)))
-        self._half_width, self._height, self._drop = rounded(
+        self._half_width, self._height, self._drop = rounded_lengths(
             [half_width, height, face_drop]
         ).tolist()
         self._foot = (self._half_width, -self._height)  # lower end of the side
@@ -258,7 +263,7 @@ class _Outline:
         self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
         self._at_step: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            step_depth, half_width_below = rounded(np.array(shape.step) / length).tolist()
+            step_depth, half_width_below = rounded_lengths(np.array(shape.step) / length).tolist()
             self._at_step = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
             self._foot = (half_width_below, -self._height)
 
@@ -270,10 +275,12 @@ class _Outline:
         corners = [self._foot] if self._is_sharp_at_base else []
         return corners + sorted(self._at_step)[:1]
 
-    def _depth(self, x: Array) -> Array:
-        return rounded(self._true_depth(x))
+    def _rounded_depth(self, x: Array) -> Array:
+        """Depth of the face at x, to the twelve digits that are drawn; any shape."""
+        return rounded_lengths(self._true_depth(x))
 
     def _true_depth(self, x: Array) -> Array:
+        """Depth of the face at x below its highest point; any shape."""
         return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
 
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
@@ -297,7 +304,7 @@ class _Outline:
         surface_x = surface_points(grading)
         surface_points_drawn = [
             geometry.addPoint(float(x), -float(y), 0)
-            for x, y in zip(surface_x, self._depth(surface_x), strict=True)
+            for x, y in zip(surface_x, self._rounded_depth(surface_x), strict=True)
         ]
         contact = [
             geometry.addLine(first_point, second_point)
@@ -305,7 +312,7 @@ class _Outline:
         ]
         for line in contact:
             geometry.mesh.setTransfiniteCurve(line, 2)
-        free_line, face_end = self._rest_of_face(
+        free_line, face_end = self._draw_rest_of_face(
             float(surface_x[-1]), surface_points_drawn[-1], grading.edge_size, growth
         )
         axis_end = geometry.addPoint(0, -self._height, 0)
@@ -326,7 +333,7 @@ class _Outline:
             {"sides": sides} if sides else {}
         )
 
-    def _rest_of_face(
+    def _draw_rest_of_face(
         self, start: float, first_point: int, size: float, growth: float
     ) -> tuple[list[int], int]:
         """Draw the free part of the face, between contact and side, into gmsh's current model: one
@@ -349,17 +356,17 @@ class _Outline:
         geometry = gmsh.model.geo
         face_end = self._half_width
         if self._face.arc is not None:
-            arc_begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
+            arc_begin, radius = rounded_lengths(np.array(self._face.arc) / self._length).tolist()
             if start >= arc_begin:
                 last_point = geometry.addPoint(face_end, -self._drop, 0)
                 centre = geometry.addPoint(arc_begin, -radius, 0)
                 return [geometry.addCircleArc(first_point, centre, last_point)], last_point
         face_x = np.array([face_end])  # a flat face is one straight line
         if not self._face.is_flat:
-            face_x = self._places(start, face_end, size, growth)
+            face_x = self._graded_abscissae(start, face_end, size, growth)
         face_points = [first_point] + [
             geometry.addPoint(float(x), -float(y), 0)
-            for x, y in zip(face_x, self._depth(face_x), strict=True)
+            for x, y in zip(face_x, self._rounded_depth(face_x), strict=True)
         ]
         polygon = [
             geometry.addLine(line_begin, line_end)
@@ -367,32 +374,44 @@ class _Outline:
         ]
         return polygon, face_points[-1]
 
-    def _places(self, start: float, end: float, size: float, growth: float) -> Array:
-        """Points up to the face's end, as far apart as the elements are large."""
-        places = [start]
-        while places[-1] < end:
-            distance_from_start = float(
-                np.hypot(places[-1] - start, self._depth(np.array(places[-1])))
-            )
-            places.append(places[-1] + size + growth * distance_from_start)
-        return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
-
-    def settle(self, points: Array, named_nodes: dict[str, Indices]) -> Array:
-        """Nodes (n, 2) with those on the face moved in y onto its true profile: gmsh puts mid-side
-        nodes on the chord between two corners.
+    def _graded_abscissae(self, start: float, end: float, size: float, growth: float) -> Array:
+        """Abscissae x (n,) of points on the face beyond `start`, the last one at `end`: as far
+        apart as elements there are large, `size` plus `growth` times the distance from the start.
         """
-        settled_points = points.copy()
+        abscissae = [start]
+        while abscissae[-1] < end:
+            distance_from_start = float(
+                np.hypot(abscissae[-1] - start, self._rounded_depth(np.array(abscissae[-1])))
+            )
+            abscissae.append(abscissae[-1] + size + growth * distance_from_start)
+        return start + (np.array(abscissae[1:]) - start) * (end - start) / (abscissae[-1] - start)
+
+    def points_on_true_face(self, points: Array, named_nodes: dict[str, Indices]) -> Array:
+        """Points (n, 2) of the nodes, those on the face moved in y onto its true profile: gmsh puts
+        mid-side nodes on the chord between two corners.
+
+        `named_nodes` maps the name of a boundary to the numbers of its nodes. Beside the contact
+        nothing is moved where gmsh has drawn the face as an arc.
+        """
+        true_points = points.copy()
         nodes = named_nodes["contact"]
         if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
             nodes = np.union1d(nodes, named_nodes["free"])
-        settled_points[nodes, 1] = -self._true_depth(points[nodes, 0])
-        return settled_points
+        true_points[nodes, 1] = -self._true_depth(points[nodes, 0])
+        return true_points
 
 
 def check(
     name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
 ) -> None:
-    """InputError for all that `build` refuses, before gmsh is asked."""
+    """Refuse a mesh that `build` would refuse, without making it.
+
+    Raises
+    ------
+    InputError
+        For a mesh too large for memory, a face shorter than the contact, or a pad whose face goes
+        below its base or shoulder.
+    """
     check_count(name, grading, mesh.growth, mesh.order)
     if not isinstance(shape, HalfPlane):
         check_face(name, shape, profile, grading)

@@ -29,7 +29,7 @@ from command_line import forked, raising, refused, sentence
 from fuzzing import APART, DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from meshes.bodies import body_nodes, check_count, contact_nodes
+from meshes.bodies import check_count, number_of_body_nodes, number_of_contact_nodes
 from refusals import refused_for, require_facts
 from reports.console import say, show_table
 from reports.folder import default_folder, replace_text, results_folder, usable_folder
@@ -348,8 +348,11 @@ def test_the_count_taken_before_meshing_is_right(
 ) -> None:
     """Within a factor of 1.5 (measured: 0.83 to 1.33)."""
     mesh = half_disc("lower", grading, growth, order).mesh
-    assert 1 / 1.5 < body_nodes(grading, growth, order) / mesh.p.shape[1] < 1.5
-    assert abs(contact_nodes(grading, order) - (len(mesh.boundaries["contact"]) * order + 1)) <= 4
+    assert 1 / 1.5 < number_of_body_nodes(grading, growth, order) / mesh.p.shape[1] < 1.5
+    assert (
+        abs(number_of_contact_nodes(grading, order) - (len(mesh.boundaries["contact"]) * order + 1))
+        <= 4
+    )
 
 
 def test_the_limit_on_memory_is_lifted_again(tmp_path: Path) -> None:

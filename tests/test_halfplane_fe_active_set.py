@@ -20,7 +20,7 @@ from halfplane_fe.elasticity import condense
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.law import project, slip_sign, violations
-from halfplane_fe.mirror import mirrored
+from halfplane_fe.mirror import is_mirrored
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from meshes import MeshSettings, SurfaceGrading, half_disc
 from problems import fe_run
@@ -412,7 +412,7 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
     scene = load_scene(name)
     halved = halfplane_fe.solve(scene, COARSER, settings)
     assert "contact nodes" in halved.work.skipped
-    monkeypatch.setattr(scales, "mirrored", lambda *_: False)
+    monkeypatch.setattr(scales, "is_mirrored", lambda *_: False)
     full = halfplane_fe.solve(scene, COARSER, settings)
     for field in (
         "time",
@@ -447,5 +447,5 @@ def test_half_the_nodes_give_the_answer_of_all(name, settings, monkeypatch):
 )
 def test_faces_that_are_no_mirror_images_are_left_alone(spoil):
     interface = couple(*fe_run(load_scene("hertz-paper")).condensed)
-    assert mirrored(interface, sheared=False)
-    assert not mirrored(replace(interface, **spoil(interface)), sheared=False)
+    assert is_mirrored(interface, has_tangential_load=False)
+    assert not is_mirrored(replace(interface, **spoil(interface)), has_tangential_load=False)

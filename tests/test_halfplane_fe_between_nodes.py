@@ -19,7 +19,7 @@ from halfplane_fe.answer import _hold_permanent_stick
 from halfplane_fe.between_nodes import Edge, Excess, StickZone, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import Edges
-from halfplane_fe.mirror import half
+from halfplane_fe.mirror import half_interface
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings
 from scenes import STICK, Elastic, Materials, Scene, load_scene
@@ -45,7 +45,7 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
     with mock.patch.object(scales, "_N_ELEMENTS", 40):
         pair = coarse_pair(load_scene("hertz-normal"))
         size = scales._fitting_size(pair)
-        problem = pair.problem(size, half(pair.faces(size)), has_shear=False)
+        problem = pair.problem(size, half_interface(pair.faces(size)), has_shear=False)
     loads = np.linspace(0.5, 1.0, 400)
     states = [problem.at_rest()]
     for load in loads:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfplane_fe.interface import meshed_pair
 from halfplane_fe.path import has_bulk_stress, stretches
 from halfplane_fe.scales import Scales, find_scales
-from halfplane_fe.supports import check_bulk_stress, check_supports, sheared
+from halfplane_fe.supports import check_bulk_stress, check_supports, has_tangential_load
 from halfplane_fe.task import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
@@ -288,7 +288,7 @@ def build_deck(
     check_bulk_stress(scene)
     path = scene.load.path()
     on_rollers = getattr(scene.bodies.upper, "base", "") == "rollers"
-    if has_bulk_stress(path) and on_rollers and sheared(scene):
+    if has_bulk_stress(path) and on_rollers and has_tangential_load(scene):
         raise InputError(
             "bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take"
             " base = 'fixed'"
