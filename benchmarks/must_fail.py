@@ -42,7 +42,7 @@ from scenes import (
 from semi_analytic import driven
 from semi_analytic.corrected_memory import MemoryCurve, Row, State
 from semi_analytic.corrected_memory import Step as MemoryStep
-from semi_analytic.driven import Driven
+from semi_analytic.driven import DrivenPath
 
 SOLVE = import_module("halfplane_fe.solution")
 EQUILIBRIUM = ContactProblem.equilibrium
@@ -239,12 +239,12 @@ FAULTS = (
 def slide_not_counted() -> Planted:
     """The work of gross sliding is left out."""
     nothing = property(lambda self: np.zeros(len(self.time)))
-    return mock.patch.object(Driven, "slide_work", nothing)
+    return mock.patch.object(DrivenPath, "slide_work", nothing)
 
 
 def spring_left_in() -> Planted:
     """U of the contact is taken for that of the actuator."""
-    return mock.patch.object(Driven, "displacement", property(lambda self: self.actuator))
+    return mock.patch.object(DrivenPath, "displacement", property(lambda self: self.actuator))
 
 
 def limit_of_the_wrong_sign() -> Planted:

@@ -91,7 +91,12 @@ from semi_analytic.stated_errors import (
     error_of_work,
     errors_of_sums,
 )
-from semi_analytic.steady_ellipse import Ellipses, digits_of_loop, ellipses_of, works_over_time
+from semi_analytic.steady_ellipse import (
+    Ellipses,
+    ellipses_of,
+    error_by_digits_of_loads,
+    works_over_time,
+)
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.int64]
@@ -906,7 +911,7 @@ def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _
     """Friction work of a steady ellipse of P and Q, given as an array of one, and its relative
     error by round-off; 0 where that is within what closed forms promise.
     """
-    roundoff_error = float(digits_of_loop(ellipses)[0])
+    roundoff_error = float(error_by_digits_of_loads(ellipses)[0])
     work_forward, work_reverse = works_over_time(ellipses, request.contact)  # times pi E*/(2 f^2)
     scaled_work = float(work_forward[0] + work_reverse[0])
     work = request.unit_compliance * friction**2 * scaled_work

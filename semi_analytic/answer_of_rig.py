@@ -33,7 +33,7 @@ from semi_analytic.corrected import (
     certificates_of,
     curvatures_of,
     fields_at,
-    instants_of,
+    instants_and_row_numbers,
     notes_of_effects,
     odd_part_on_grids,
     permanent_stick_half_width,
@@ -45,7 +45,7 @@ from semi_analytic.corrected_memory import Curvatures, PunchTable, follow
 from semi_analytic.driven import (
     ActuatorRows,
     Compliance,
-    Driven,
+    DrivenPath,
     actuator_rows,
     follow_actuator,
     loads_of_approach,
@@ -99,14 +99,14 @@ class RiggedScene:
     effects: BodyEffects
     compliance: Compliance
 
-    def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> Driven:
+    def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> DrivenPath:
         """Loads and gross sliding along the path of the actuators over so many cycles, by
         `refinement` times the least number of steps; also at `extra_times` (k,).
         """
         path = self.scene.load.path_of_actuators()
         return self.follow_rows(actuator_rows(path, cycles, refinement, extra_times))
 
-    def follow_rows(self, rows: ActuatorRows) -> Driven:
+    def follow_rows(self, rows: ActuatorRows) -> DrivenPath:
         """Loads and gross sliding along a path of given steps. InputError where the bodies never
         touch, or where the displacement of an actuator does not determine its load.
         """
@@ -195,7 +195,7 @@ class _Slide(NamedTuple):
     work: float  # f P times the way [energy / thickness]
 
 
-def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
+def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
     """Intervals of gross sliding, in which the bodies slide as a whole, within some rows of a path
     driven by an actuator: begin, end, distance and friction work of each.
 
@@ -203,19 +203,19 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
     count. Neighbouring steps that slide in one direction make one interval. A slide below a tiny
     share of the actuator's range counts as none.
     """
-    row_numbers = np.arange(len(driven.time))[rows]
-    actuator_range = float(np.ptp(driven.actuator)) or 1.0
-    slide_direction = np.sign(driven.slide)
-    slide_direction[np.abs(driven.slide) <= _ROUND_OFF_SLIDE_SHARE * actuator_range] = 0
+    row_numbers = np.arange(len(driven_path.time))[rows]
+    actuator_range = float(np.ptp(driven_path.actuator)) or 1.0
+    slide_direction = np.sign(driven_path.slide)
+    slide_direction[np.abs(driven_path.slide) <= _ROUND_OFF_SLIDE_SHARE * actuator_range] = 0
     slides: list[_Slide] = []
     for row_before, row in pairwise(row_numbers.tolist()):
         if not slide_direction[row]:
             continue
         slide_in_step = _Slide(
-            float(driven.time[row_before]),
-            float(driven.time[row]),
-            float(driven.slide[row]),
-            float(driven.slide_work[row]),
+            float(driven_path.time[row_before]),
+            float(driven_path.time[row]),
+            float(driven_path.slide[row]),
+            float(driven_path.slide_work[row]),
         )
         if (
             slides
@@ -265,14 +265,14 @@ def findings_of_rig(question: Question) -> Findings:
     if x is None:
         x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
     distance, distance_index = folded(x)
-    time, row_numbers = instants_of(question, loads_up_to_end, last_cycle)
+    time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
     fields = fields_at(question, point_fields, distance, row_numbers)
     cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
     errors = cycle_energy.errors
     density = np.full(len(distance), np.nan)
     if question.wants("dissipation_density"):
-        density = point_fields.work(last_cycle)
+        density = point_fields.work_density(last_cycle)
     wants_work = question.wants("dissipation")
     values_over_time = series_at(question, corrected_path, row_numbers)
     # The rig prescribes displacements at its own datum length, the answer counts from another.
@@ -307,7 +307,7 @@ def findings_of_rig(question: Question) -> Findings:
         counts={
             "points_evaluated": len(distance),
             "rows": len(fine_path.time),
-            "pieces": len(fine_path.followed.pieces.top),
+            "pieces": len(fine_path.followed_path.pieces.top),
         },
         seconds={
             "history": history_done - started,
@@ -340,8 +340,8 @@ class _Energy(NamedTuple):
 
 def _energy_of(
     rig: RiggedScene,
-    fine_path: Driven,
-    coarse_path: Driven,
+    fine_path: DrivenPath,
+    coarse_path: DrivenPath,
     corrected_path: PathSeries,
     steady_from: int | None,
 ) -> _Energy:
@@ -412,19 +412,19 @@ class _BodiesAtSameLoads(NamedTuple):
     work_uncertainty: float = 0.0
 
     @classmethod
-    def of(cls, rig: RiggedScene, driven: Driven, rows: slice) -> _BodiesAtSameLoads:
+    def of(cls, rig: RiggedScene, driven_path: DrivenPath, rows: slice) -> _BodiesAtSameLoads:
         """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
         path, against half-planes under the same P and Q.
 
         The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
-        order, x^4. `driven` holds the loads, which were found with curvatures alone. All zero for
-        half-planes, where the bodies slide as a whole, and where half-planes would do no work.
+        order, x^4. `driven_path` holds the loads, which were found with curvatures alone. All zero
+        for half-planes, where the bodies slide as a whole, and where half-planes would do no work.
         """
-        if rig.scene.bodies.half_planes or _reason_without_next_order(driven, rows):
+        if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, rows):
             return cls()
-        followed = driven.followed
-        loads = (followed.normal_load, followed.tangential_load)
-        table_and_loads = (followed.table, followed.friction, *loads)
+        followed_path = driven_path.followed_path
+        loads = (followed_path.normal_load, followed_path.tangential_load)
+        table_and_loads = (followed_path.table, followed_path.friction, *loads)
         half_planes = PathSeries(
             follow(*table_and_loads, Curvatures()), rig.contact, rig.modulus, None
         )
@@ -432,12 +432,12 @@ class _BodiesAtSameLoads(NamedTuple):
         if not work_of_half_planes > 0:
             return cls()
         memory_of_bodies = follow(
-            *table_and_loads, curvatures_of(rig.effects), half_planes.followed
+            *table_and_loads, curvatures_of(rig.effects), half_planes.followed_path
         )
         bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
         work_of_bodies = bodies.work(rows)
         # The first of the rows ends the step before them.
-        work_with_curvatures_alone = float(np.sum(driven.slip_work[rows][1:]))
+        work_with_curvatures_alone = float(np.sum(driven_path.slip_work[rows][1:]))
         relative_uncertainty = work_uncertainty_by_bodies(bodies, half_planes, rows, rig.effects)
         return cls(
             relative_change=work_of_bodies / work_of_half_planes - 1,
@@ -448,7 +448,7 @@ class _BodiesAtSameLoads(NamedTuple):
 
 def _tilt_and_strain_of(
     rig: RiggedScene,
-    driven: Driven,
+    driven_path: DrivenPath,
     last_cycle: slice,
     steady_from: int | None,
     bodies_and_half_planes: _BodiesAtSameLoads,
@@ -462,7 +462,7 @@ def _tilt_and_strain_of(
 
     Parameters
     ----------
-    driven
+    driven_path
         loads and displacements that were found, step by step
     last_cycle
         the rows of the last cycle
@@ -476,10 +476,12 @@ def _tilt_and_strain_of(
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
     try:
-        tilt_and_strain = OddPart(odd_answer_of_rig(rig.scene, rig.effects, driven, last_cycle))
+        tilt_and_strain = OddPart(
+            odd_answer_of_rig(rig.scene, rig.effects, driven_path, last_cycle)
+        )
     except Declined as reason:
-        tilt_and_strain = _tilt_and_strain_on_grids(rig, driven, last_cycle, str(reason))
-    half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
+        tilt_and_strain = _tilt_and_strain_on_grids(rig, driven_path, last_cycle, str(reason))
+    half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
@@ -489,7 +491,7 @@ def _tilt_and_strain_of(
 
 
 def _tilt_and_strain_on_grids(
-    rig: RiggedScene, driven: Driven, last_cycle: slice, reason: str
+    rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice, reason: str
 ) -> OddPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
     [energy per thickness]: a numerical solution on grids under the loads that were found.
@@ -498,20 +500,20 @@ def _tilt_and_strain_on_grids(
     Where the contact slides as a whole, or grids do not take the loads, the work is left out, and
     the result states why.
     """
-    if np.any(driven.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide[last_cycle][1:] != 0):
         return OddPart(left_out=reason)
     try:
-        scene_of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
+        scene_of_loads = loads_of_cycle(rig.scene, driven_path, last_cycle, _STEPS_ON_GRIDS)
     except (Declined, InputError) as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    return odd_part_on_grids(scene_of_loads, rig.effects, driven.work(last_cycle), reason)
+    return odd_part_on_grids(scene_of_loads, rig.effects, driven_path.work(last_cycle), reason)
 
 
-def _reason_without_next_order(driven: Driven, last_cycle: slice) -> str:
+def _reason_without_next_order(driven_path: DrivenPath, last_cycle: slice) -> str:
     """Why the terms of the bodies' effects beyond their curvatures are left out of the friction
     work; empty where they are in it.
     """
-    if np.any(driven.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide[last_cycle][1:] != 0):
         return "the bodies slide as a whole"
     return ""
 
@@ -529,15 +531,19 @@ def _compliance_to_answer_datum(rig: RiggedScene) -> float:
     return rig.compliance.unit_compliance * math.log(ratio)
 
 
-def _corrected_path(rig: RiggedScene, driven: Driven) -> PathSeries:
+def _corrected_path(rig: RiggedScene, driven_path: DrivenPath) -> PathSeries:
     """Half-widths, displacements and work along a path of a rig, with the curvatures that its
     bodies give to the faces; the loads were found with the same curvatures.
     """
     effects = without_next_order(rig.effects)
-    return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.rigid_displacement)
+    return PathSeries(
+        driven_path.followed_path, rig.contact, rig.modulus, effects, driven_path.rigid_displacement
+    )
 
 
-def _followed_paths(rig: RiggedScene, time: Array | None) -> tuple[Driven, Driven, int | None]:
+def _followed_paths(
+    rig: RiggedScene, time: Array | None
+) -> tuple[DrivenPath, DrivenPath, int | None]:
     """Loads and gross sliding of a rig by fine steps and by steps twice as long, and the index of
     the first steady cycle; None without one.
 
@@ -568,7 +574,7 @@ def _followed_paths(rig: RiggedScene, time: Array | None) -> tuple[Driven, Drive
     return fine_path, coarse_path, steady_from if has_cycle else None
 
 
-def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
+def _steady_in_both(fine_path: DrivenPath, coarse_path: DrivenPath) -> int | None:
     """Index of the first cycle that is steady on the fine and on the coarse path; None where one of
     them has no steady cycle.
     """
@@ -579,20 +585,20 @@ def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
     return max(fine_cycle, coarse_cycle)
 
 
-def _times_near_slide_ends(driven: Driven) -> Array:
+def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     """Times (k,) around each end of gross sliding while P varies, which the path needs as further
     rows: `_ROWS_AT_END` of them over the last step with a slide and the step after it.
 
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
     f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
     """
-    is_sliding = driven.slide != 0
-    load = driven.followed.normal_load
+    is_sliding = driven_path.slide != 0
+    load = driven_path.followed_path.normal_load
     last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
     load_varies = load[last_sliding_rows + 1] != load[last_sliding_rows]
     last_sliding_rows = last_sliding_rows[load_varies][:_MOST_ENDS]
-    begin_times = driven.time[last_sliding_rows - 1]
-    end_times = driven.time[last_sliding_rows + 1]
+    begin_times = driven_path.time[last_sliding_rows - 1]
+    end_times = driven_path.time[last_sliding_rows + 1]
     shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
     return (begin_times + shares_of_two_steps * (end_times - begin_times)).ravel()
 
@@ -613,7 +619,7 @@ def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
     return np.concatenate([time[time < path.cycle_start], times_in_cycles.ravel()])
 
 
-def steady_cycle(driven: Driven) -> int | None:
+def steady_cycle(driven_path: DrivenPath) -> int | None:
     """Index, from 0, of the first cycle that ends in the friction state it started from; None where
     none does.
 
@@ -621,12 +627,14 @@ def steady_cycle(driven: Driven) -> int | None:
     half-width. The curves at the begin and end of the cycle must agree at 200 punches to 1e-9 of
     f P.
     """
-    followed = driven.followed
+    followed_path = driven_path.followed_path
     # s is the coordinate of the half-width in the table of punches.
-    s_of_punches = np.linspace(0.0, followed.table.largest_s, _SAMPLED_PLACES)
-    force_tolerance = _STEADY_TOLERANCE * followed.friction * float(np.max(followed.normal_load))
+    s_of_punches = np.linspace(0.0, followed_path.table.largest_s, _SAMPLED_PLACES)
+    force_tolerance = (
+        _STEADY_TOLERANCE * followed_path.friction * float(np.max(followed_path.normal_load))
+    )
     # `ends` are the rows at which the initial loading ends, and each cycle.
-    forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in driven.ends]
+    forces_at_ends = [followed_path.locked_in_force(row, s_of_punches) for row in driven_path.ends]
     for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
         if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
             return cycle
@@ -634,7 +642,7 @@ def steady_cycle(driven: Driven) -> int | None:
 
 
 def _rows_of_answer(
-    driven: Driven, scene: Scene, steady_from: int | None
+    driven_path: DrivenPath, scene: Scene, steady_from: int | None
 ) -> tuple[slice, PathRows]:
     """Rows, the ends of load steps, that the answer to a rig covers, as a slice; and P and Q at all
     rows of the path up to the last of these.
@@ -643,21 +651,21 @@ def _rows_of_answer(
     path where no cycle is steady.
     """
     period = scene.load.path_of_actuators().period
-    followed = driven.followed
+    followed_path = driven_path.followed_path
     first_row = 0
-    last_row = len(driven.time) - 1
+    last_row = len(driven_path.time) - 1
     rows_at_ends: tuple[int, ...] = (last_row,)
     if steady_from is None:
         period = None
     else:
         # `ends` are the rows at which the initial loading ends, and each cycle.
-        first_row = driven.ends[steady_from]
-        last_row = driven.ends[steady_from + 1]
+        first_row = driven_path.ends[steady_from]
+        last_row = driven_path.ends[steady_from + 1]
         rows_at_ends = (first_row, last_row)
     loads_up_to_end = PathRows(
-        driven.time[: last_row + 1],
-        followed.normal_load[: last_row + 1],
-        followed.tangential_load[: last_row + 1],
+        driven_path.time[: last_row + 1],
+        followed_path.normal_load[: last_row + 1],
+        followed_path.tangential_load[: last_row + 1],
         rows_at_ends,
         period,
     )
@@ -681,7 +689,7 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
 
 
 def _errors_of_steps(
-    fine_path: Driven, coarse_path: Driven, steady_from: int | None
+    fine_path: DrivenPath, coarse_path: DrivenPath, steady_from: int | None
 ) -> dict[str, float]:
     """Relative errors of friction work and of Q by the length of the load steps: differences
     between a path by fine steps and one by steps twice as long.
@@ -698,14 +706,14 @@ def _errors_of_steps(
     work = fine_path.work(fine_rows)
     if work > 0:
         errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work - 1)
-    force = fine_path.followed.tangential_load
+    force = fine_path.followed_path.tangential_load
     largest_force = float(np.max(np.abs(force)))
     if largest_force > 0:
         _, rows_in_fine, rows_in_coarse = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
         force_difference = (
-            force[rows_in_fine] - coarse_path.followed.tangential_load[rows_in_coarse]
+            force[rows_in_fine] - coarse_path.followed_path.tangential_load[rows_in_coarse]
         )
         errors["tangential_load"] = float(np.max(np.abs(force_difference))) / largest_force
     return errors
@@ -725,7 +733,7 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 # ---------------------------------------------------------------------------------------- the words
 def _notes(
     rig: RiggedScene,
-    driven: Driven,
+    driven_path: DrivenPath,
     last_cycle: slice,
     errors: dict[str, float],
     tilt_and_strain: OddPart,
@@ -735,7 +743,7 @@ def _notes(
 
     Parameters
     ----------
-    driven
+    driven_path
         loads and displacements that were found, step by step
     last_cycle
         the rows of the last cycle
@@ -758,42 +766,42 @@ def _notes(
             "rig: the displacements are prescribed at the bases of the bodies; corrected theory is"
             " implied"
         )
-        half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
+        half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
-            yield _note_of_next_order(rig, driven, last_cycle)
+            yield _note_of_next_order(rig, driven_path, last_cycle)
         yield from notes_of_effects(
             rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
         )
     spring = rig.compliance.tangential_spring
     if spring:
-        actuator_range = float(np.ptp(driven.actuator[last_cycle]))
-        contact_range = float(np.ptp(driven.displacement[last_cycle]))
+        actuator_range = float(np.ptp(driven_path.actuator[last_cycle]))
+        contact_range = float(np.ptp(driven_path.displacement[last_cycle]))
         yield (
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"
             f" takes {contact_range:.6g}, the spring the rest"
         )
-    largest_force = float(np.max(np.abs(driven.followed.tangential_load)))
+    largest_force = float(np.max(np.abs(driven_path.followed_path.tangential_load)))
     yield (
         "rig: P and Q follow from the displacements, at constant P without an error of the steps;"
         f" here Q is uncertain by {errors.get('tangential_load', 0.0) * largest_force:.2g} of at"
         f" most {largest_force:.6g} {force_unit}/{length_unit}"
     )
-    yield from notes_of_slides(scene, driven, last_cycle)
-    if np.any(driven.followed.normal_load[1:] <= 0):
+    yield from notes_of_slides(scene, driven_path, last_cycle)
+    if np.any(driven_path.followed_path.normal_load[1:] <= 0):
         yield "separation: the bodies part, and nothing is remembered after it"
 
 
-def _note_of_next_order(rig: RiggedScene, driven: Driven, last_cycle: slice) -> str:
+def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice) -> str:
     """A sentence on the terms in x^4 of the finite bodies' effects, the next order after the
     curvatures, x^2: whether W has them, and how much they would change the largest p and a.
 
-    `driven` holds the loads that were found along the path of the `rig`, `last_cycle` its rows of
-    the last cycle. The two changes are those at the largest P of the path, without Q.
+    `driven_path` holds the loads that were found along the path of the `rig`, `last_cycle` its rows
+    of the last cycle. The two changes are those at the largest P of the path, without Q.
     """
-    reason_without = _reason_without_next_order(driven, last_cycle)
+    reason_without = _reason_without_next_order(driven_path, last_cycle)
     place_text = f"left out: {reason_without}" if reason_without else "in the dissipation"
-    normal_load = np.array([0.0, np.max(driven.followed.normal_load)])
+    normal_load = np.array([0.0, np.max(driven_path.followed_path.normal_load)])
     without_tangential_load = 0 * normal_load
     any_friction = 1.0  # without Q nothing slips
     effects_without = without_next_order(rig.effects)
@@ -801,7 +809,7 @@ def _note_of_next_order(rig: RiggedScene, driven: Driven, last_cycle: slice) -> 
     half_widths = []
     for effects in (rig.effects, effects_without):
         memory = follow(
-            driven.followed.table,
+            driven_path.followed_path.table,
             any_friction,
             normal_load,
             without_tangential_load,
@@ -820,18 +828,20 @@ def _note_of_next_order(rig: RiggedScene, driven: Driven, last_cycle: slice) -> 
     )
 
 
-def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator[str]:
+def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) -> Iterator[str]:
     """Sentences on gross sliding, when the bodies slide as a whole: how far, when and with what
     friction work in the last cycle, and when before it.
 
-    Along all of a path without cycles. `driven` holds slide and work of each step of the path,
+    Along all of a path without cycles. `driven_path` holds slide and work of each step of the path,
     `last_cycle` the rows of the last cycle.
     """
     force_unit, length_unit, _ = scene.unit_words
     energy_unit = f"{force_unit}·{length_unit}/{length_unit}"
     span_text = "the last cycle" if last_cycle.start else "the path"
-    slides = slides_of(driven, last_cycle)
-    slides_before = slides_of(driven, slice(0, last_cycle.start + 1)) if last_cycle.start else []
+    slides = slides_of(driven_path, last_cycle)
+    slides_before = (
+        slides_of(driven_path, slice(0, last_cycle.start + 1)) if last_cycle.start else []
+    )
     if not slides:
         yield f"gross sliding: none in {span_text}"
     else:

@@ -23,9 +23,9 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.grid import INCREMENTS, FollowedOnGrids, GridRequest, edges_along, follow_on_grid
+from semi_analytic.grid import INCREMENTS, GridRequest, PathOnGrids, edges_along, follow_on_grid
 
-OF_WORK = frozenset(("dissipation", "dissipation_density"))
+WORK_FIELDS = frozenset(("dissipation", "dissipation_density"))
 """Fields that are taken from a method without grids where one holds for the steady cycle."""
 
 _VALUES_OF_STEADY_CYCLE = (
@@ -46,7 +46,7 @@ class GridAnswer:
         what was asked for
     x
         (k,) points of the answer [length]
-    followed
+    path_on_grids
         loads, fields and friction work of all cycles: means over the grids
     """
 
@@ -65,7 +65,7 @@ class GridAnswer:
         self.question = question
         self.x = x
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
-        self.followed: FollowedOnGrids = follow_on_grid(
+        self.path_on_grids: PathOnGrids = follow_on_grid(
             self._path_loads,
             self._tilted_contact,
             scene.profile.height,
@@ -89,46 +89,46 @@ class GridAnswer:
         from the steady one.
         """
         question = self.question
-        followed = self.followed
+        path_on_grids = self.path_on_grids
         path = question.scene.load.path()
-        is_steady = followed.steady_from is not None
+        is_steady = path_on_grids.steady_from is not None
         values = self._values()
-        work_of_last_cycle = float(followed.works[-1])
+        work_of_last_cycle = float(path_on_grids.works[-1])
         errors = self._errors_on_grids()
         if steady_cycle is not None:
             cycle_works = values["cycle_dissipation"]
-            is_before_steady = np.arange(len(cycle_works)) < (followed.steady_from or 0)
+            is_before_steady = np.arange(len(cycle_works)) < (path_on_grids.steady_from or 0)
             steady_work = steady_cycle.values["dissipation"]
             values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
             for name in _VALUES_OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
-            errors |= dict.fromkeys(question.fields & OF_WORK, 0.0)
+            errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
             # `unsteady_work` estimates how far the last cycle's work is from the steady one.
-            unsteady_share = followed.unsteady_work / work_of_last_cycle
+            unsteady_share = path_on_grids.unsteady_work / work_of_last_cycle
             notes.append(
-                f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
-                f" dissipation is within {unsteady_share:.1e} of the steady one"
+                f"the last cycle, number {len(path_on_grids.works)}, is not steady: by the trend"
+                f" its dissipation is within {unsteady_share:.1e} of the steady one"
             )
         termination = "end of path"
         message = "the path was followed to its end"
-        if followed.steady_from is not None:
+        if path_on_grids.steady_from is not None:
             termination = "steady"
             message = (
-                f"cycle {followed.steady_from + 1} repeats the one before to"
-                f" {followed.steady_tolerance:.0e} of its work"
+                f"cycle {path_on_grids.steady_from + 1} repeats the one before to"
+                f" {path_on_grids.steady_tolerance:.0e} of its work"
             )
         return Findings(
-            time=followed.time[self._rows()],
+            time=path_on_grids.time[self._rows()],
             x=self.x,
             values=values,
             termination=termination,
             message=message,
             notes=tuple(notes),
             errors=errors,
-            counts={"cycles_solved": len(followed.works), **followed.counts},
+            counts={"cycles_solved": len(path_on_grids.works), **path_on_grids.counts},
             seconds={"history": clock.perf_counter() - self._start_of_clock},
         )
 
@@ -136,11 +136,11 @@ class GridAnswer:
         """Relative errors of the fields that were asked for, by name. That of the work of a steady
         cycle contains its difference from the closed integral of Q dU.
         """
-        followed = self.followed
-        errors = dict(followed.errors)
-        work_of_last_cycle = float(followed.works[-1])
-        if followed.steady_from is not None and work_of_last_cycle > 0:
-            errors["dissipation"] += abs(followed.loop_work / work_of_last_cycle - 1)
+        path_on_grids = self.path_on_grids
+        errors = dict(path_on_grids.errors)
+        work_of_last_cycle = float(path_on_grids.works[-1])
+        if path_on_grids.steady_from is not None and work_of_last_cycle > 0:
+            errors["dissipation"] += abs(path_on_grids.loop_work / work_of_last_cycle - 1)
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
     def _note(self, steady_cycle: Findings | None) -> str:
@@ -149,10 +149,10 @@ class GridAnswer:
 
         With `steady_cycle` it states that W does not come from grids.
         """
-        followed = self.followed
-        cells = followed.counts["cells"]
-        n_stick_zones = followed.counts["pieces"]
-        error_of_work = f"dissipation to {followed.errors['dissipation']:.1e}, "
+        path_on_grids = self.path_on_grids
+        cells = path_on_grids.counts["cells"]
+        n_stick_zones = path_on_grids.counts["pieces"]
+        error_of_work = f"dissipation to {path_on_grids.errors['dissipation']:.1e}, "
         note_of_zones = ""
         if n_stick_zones > 1:
             note_of_zones = f"; they are the outer ones of up to {n_stick_zones} zones"
@@ -176,9 +176,9 @@ class GridAnswer:
         path = self.question.scene.load.path()
         if not self.question.wants_last_cycle_alone or path.period is None:
             return slice(None)
-        start_of_last_cycle = path.cycle_start + (len(self.followed.works) - 1) * path.period
+        start_of_last_cycle = path.cycle_start + (len(self.path_on_grids.works) - 1) * path.period
         return slice(
-            int(np.searchsorted(self.followed.time, start_of_last_cycle * (1 + 1e-12))), None
+            int(np.searchsorted(self.path_on_grids.time, start_of_last_cycle * (1 + 1e-12))), None
         )
 
     def _values(self) -> dict[str, Any]:
@@ -189,39 +189,39 @@ class GridAnswer:
         (A/pi) Q ln(L) is added.
         """
         question = self.question
-        followed = self.followed
+        path_on_grids = self.path_on_grids
         scene = question.scene
         rows = self._rows()
-        time = followed.time[rows]
-        normal_load, tangential_load, _, tilt = followed.loads[:, rows]
-        contact_edges = followed.contact_edges[rows]
-        stick_edges = followed.stick_edges[rows]
+        time = path_on_grids.time[rows]
+        normal_load, tangential_load, _, tilt = path_on_grids.loads[:, rows]
+        contact_edges = path_on_grids.contact_edges[rows]
+        stick_edges = path_on_grids.stick_edges[rows]
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
         stress_of_lower, stress_of_upper = self._path_loads.stresses(time)
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
-        works = followed.works[-1:] if self._steady_only else followed.works
+        works = path_on_grids.works[-1:] if self._steady_only else path_on_grids.works
         values: dict[str, Any] = {
-            "tangential_displacement": followed.displacement[rows] + datum_shift,
+            "tangential_displacement": path_on_grids.displacement[rows] + datum_shift,
             "normal_approach": self._tilted_contact.approach(
                 contact_middle, contact_half_width, normal_load, tilt
             ),
-            "pressure": followed.pressure[rows],
-            "shear": followed.shear[rows],
-            "slip": followed.slip[rows],
-            "dissipation_density": followed.density,
+            "pressure": path_on_grids.pressure[rows],
+            "shear": path_on_grids.shear[rows],
+            "slip": path_on_grids.slip[rows],
+            "dissipation_density": path_on_grids.density,
         }
         for name, array in values.items():
             if not question.wants(name):
                 values[name] = np.full_like(array, np.nan)
-        values["state"] = followed.state[rows]
+        values["state"] = path_on_grids.state[rows]
         if not question.wants("state"):
-            values["state"] = np.full_like(followed.state[rows], OPEN)
+            values["state"] = np.full_like(path_on_grids.state[rows], OPEN)
         if question.wants("dissipation"):
-            is_steady = followed.steady_from is not None
+            is_steady = path_on_grids.steady_from is not None
             values["dissipation"] = float(works[-1])
-            values["loop_work"] = followed.loop_work if is_steady else math.nan
+            values["loop_work"] = path_on_grids.loop_work if is_steady else math.nan
             values["cycle_dissipation"] = works
         else:
             values["dissipation"] = math.nan
@@ -230,7 +230,7 @@ class GridAnswer:
         # A path without cycles begins unloaded, where nothing sticks.
         permanent_stick_edges = np.full(2, math.nan)
         if scene.load.path().period is not None:
-            permanent_stick_edges = followed.permanent_stick_edges
+            permanent_stick_edges = path_on_grids.permanent_stick_edges
         return values | {
             "normal_load": normal_load,
             "tangential_load": tangential_load,
@@ -241,10 +241,10 @@ class GridAnswer:
             "permanent_stick_half_width": float(permanent_stick_edges[1] - permanent_stick_edges[0])
             / 2,
             "permanent_stick_edges": permanent_stick_edges,
-            "steady_from": followed.steady_from,
+            "steady_from": path_on_grids.steady_from,
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
-            "moment": followed.moment[rows],
-            "shear_moment": followed.shear_moment[rows],
+            "moment": path_on_grids.moment[rows],
+            "shear_moment": path_on_grids.shear_moment[rows],
         }

@@ -51,7 +51,7 @@ from semi_analytic.memory import LAST_DIGITS, PROMISED_ERROR
 from semi_analytic.phases import accepts_phase, phase_in_radians
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.steady_ellipse import (
-    LEAST_LOAD,
+    LEAST_LOAD_SHARE,
     Ellipses,
     LamTable,
     careful_power_law_kernel,
@@ -784,7 +784,7 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
             tangential_amplitude=loads_of_group.tangential_amplitude,
             phase=loads_of_group.phase,
             friction=loads_of_group.friction,
-        ).over(load_units)
+        ).divided_by(load_units)
         # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
         contact_modulus = members.modulus if members.contact is not None else 1.0
         scaled_curvatures = CurvatureColumns.of(
@@ -905,7 +905,7 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
     of the flat, R radius of the edges, so that one table serves all such faces.
     """
-    scaled_ellipses = ellipses.over(load_unit)
+    scaled_ellipses = ellipses.divided_by(load_unit)
     works = np.empty((3, len(load_unit)))
     for numbers, first_octave, last_octave in groups_by_largest_load(scaled_ellipses):
         table = _kernel_table(first_octave, last_octave)
@@ -914,7 +914,7 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
         careful_kernel = table.careful_kernel  # to round-off of itself
         largest_log_half_width = table.largest_log_half_width
         forward_work, reverse_work = works_by_lam(
-            ellipses_of_table, quick_kernel, careful_kernel, _DEEP_SLIP_ON_TABLE, LEAST_LOAD
+            ellipses_of_table, quick_kernel, careful_kernel, _DEEP_SLIP_ON_TABLE, LEAST_LOAD_SHARE
         )
         works[0, numbers] = forward_work
         works[1, numbers] = reverse_work
@@ -1014,7 +1014,7 @@ class Members:
             self.kind, self.parameters
         ):
             load_unit = self.modulus * height_unit
-            ellipses = self.ellipses.take(numbers).over(load_unit)
+            ellipses = self.ellipses.take(numbers).divided_by(load_unit)
             yield ShapeGroup(
                 numbers, _contact_in_own_units(self.kind, ratios), ellipses, load_unit, length_unit
             )

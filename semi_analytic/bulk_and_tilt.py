@@ -108,14 +108,14 @@ class OneCurve:
         }
 
 
-def strain_of(materials: Materials) -> tuple[float, float]:
+def strain_per_stress_of(materials: Materials) -> tuple[float, float]:
     """Bulk strain eps by a unit of bulk stress in the lower and in the upper body: 1/E' and -1/E',
     with E' = E/(1 - nu^2) (plane strain) [1/stress].
 
     eps is by how much the lower surface stretches more than the upper one.
 
     >>> from scenes import Elastic
-    >>> strain_of(
+    >>> strain_per_stress_of(
     ...     Materials(
     ...         lower=Elastic(young_modulus=0.91, poisson_ratio=0.3),
     ...         upper=Elastic(young_modulus=2, poisson_ratio=0),
@@ -156,7 +156,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     compliance = 2 / composite_modulus(scene.material)
     datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
-    strain_per_stress = strain_of(scene.material)
+    strain_per_stress = strain_per_stress_of(scene.material)
     contact_under_moment = None
     if path.moment_given:
         contact_under_moment = _contact_of_any_load(convex_shape, compliance, datum_length)
@@ -482,7 +482,7 @@ def cycle_samples(scene: Scene) -> Array:
             2 / composite_modulus(scene.material),
             scene.profile.datum_length,
         )
-    strain_per_stress = strain_of(scene.material)
+    strain_per_stress = strain_per_stress_of(scene.material)
     return np.concatenate(
         [_loads_along(segment, contact_under_moment, strain_per_stress) for segment in path.cycle],
         axis=1,
@@ -500,7 +500,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     zone does.
     """
     path = scene.load.path()
-    strain_per_stress = strain_of(scene.material)
+    strain_per_stress = strain_per_stress_of(scene.material)
     if not path.cycle:
         return None
     _, tangential_loads, bulk_strains, _ = np.concatenate(
@@ -662,7 +662,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     segments = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
-    strain_per_stress = strain_of(scene.material)
+    strain_per_stress = strain_per_stress_of(scene.material)
     p, q, eps, _ = np.concatenate(
         [
             _loads_along(replace(segment, tilt_and_moment=None), None, strain_per_stress)
@@ -884,4 +884,4 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
         shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
     )
     contact = TiltedProfile(intervals, scene.profile.datum_length)
-    return PathLoads(path, strain_of(scene.material), contact), contact
+    return PathLoads(path, strain_per_stress_of(scene.material), contact), contact

@@ -71,7 +71,7 @@ from semi_analytic.answer import (
 from semi_analytic.answer_by_memory import findings_by_memory, folded, path_of_question
 from semi_analytic.corrected_memory import (
     Curvatures,
-    Followed,
+    FollowedPath,
     PunchTable,
     area_of_loop,
     follow,
@@ -456,7 +456,7 @@ class _Route:
             instants = np.append(instants, np.clip(time_in_path, self.start, path_end))
         return self.rows(instants)
 
-    def with_turning_points(
+    def rows_with_turning_points(
         self, rows: PathRows, friction: float, curvatures: Curvatures, largest_parabola_load: float
     ) -> PathRows:
         """Straight steps of the load path, cut further at the instants at which slip reverses for
@@ -539,7 +539,7 @@ class PathSeries:
 
     Attributes
     ----------
-    followed
+    followed_path
         friction memory and slip zones along the path
     contact, modulus
         normal contact of half-planes, E* [stress]
@@ -549,7 +549,7 @@ class PathSeries:
         (n,) how far the bodies slid as a whole or moved while apart [length]; None: they never did
     """
 
-    followed: Followed
+    followed_path: FollowedPath
     contact: SymmetricContact
     modulus: float
     effects: BodyEffects | None
@@ -563,19 +563,21 @@ class PathSeries:
     @cached_property
     def half_width(self) -> Array:
         """Contact half-width a, (n,) [length]; while bodies are apart that of the flat, or 0."""
-        half_width = self.followed.table.half_width(self.followed.edge_s)
-        return np.where(self.followed.normal_load > 0, half_width, self.contact.least_half_width)
+        half_width = self.followed_path.table.half_width(self.followed_path.edge_s)
+        return np.where(
+            self.followed_path.normal_load > 0, half_width, self.contact.least_half_width
+        )
 
     @cached_property
     def stick_half_width(self) -> Array:
         """Half-width c of the stick zone, (n,) [length]; a in full stick and while bodies are
         apart, NaN in full slip and where a is 0.
         """
-        followed = self.followed
-        slips = followed.slip_direction != 0
-        half_width_of_slip = followed.table.half_width(followed.innermost_slip_s)
+        followed_path = self.followed_path
+        slips = followed_path.slip_direction != 0
+        half_width_of_slip = followed_path.table.half_width(followed_path.innermost_slip_s)
         stick_half_width = np.where(slips, half_width_of_slip, self.half_width)
-        is_full_slip = slips & (followed.innermost_slip_s <= 0)
+        is_full_slip = slips & (followed_path.innermost_slip_s <= 0)
         return np.where((stick_half_width <= 0) | is_full_slip, np.nan, stick_half_width)
 
     @cached_property
@@ -596,17 +598,18 @@ class PathSeries:
         if self.effects is None:
             return displacement
         curvatures = curvatures_of(self.effects)
-        followed = self.followed
+        followed_path = self.followed_path
         # T q_2 + N_Q p_2 + T_4 q_4/12
-        twice_by_moments = curvatures.tangential * followed.shear_second_moment
+        twice_by_moments = curvatures.tangential * followed_path.shear_second_moment
         twice_by_moments = (
-            twice_by_moments + curvatures.normal_under_shear * followed.pressure_second_moment
+            twice_by_moments + curvatures.normal_under_shear * followed_path.pressure_second_moment
         )
         if curvatures.tangential_fourth:
             twice_by_moments = (
-                twice_by_moments + curvatures.tangential_fourth * followed.shear_fourth_moment / 12
+                twice_by_moments
+                + curvatures.tangential_fourth * followed_path.shear_fourth_moment / 12
             )
-        by_compliance = self.effects.tangential_compliance.value * followed.tangential_load
+        by_compliance = self.effects.tangential_compliance.value * followed_path.tangential_load
         by_tilt, _ = self._displacements_by_tilt
         return np.asarray(displacement + by_compliance + twice_by_moments / 2 + by_tilt)
 
@@ -625,17 +628,19 @@ class PathSeries:
         if self.effects is None:
             return approach
         curvatures = curvatures_of(self.effects)
-        followed = self.followed
+        followed_path = self.followed_path
         # N p_2 + T_P q_2 + N_4 p_4/12
-        twice_by_moments = curvatures.normal * followed.pressure_second_moment
+        twice_by_moments = curvatures.normal * followed_path.pressure_second_moment
         twice_by_moments = (
-            twice_by_moments + curvatures.tangential_under_pressure * followed.shear_second_moment
+            twice_by_moments
+            + curvatures.tangential_under_pressure * followed_path.shear_second_moment
         )
         if curvatures.normal_fourth:
             twice_by_moments = (
-                twice_by_moments + curvatures.normal_fourth * followed.pressure_fourth_moment / 12
+                twice_by_moments
+                + curvatures.normal_fourth * followed_path.pressure_fourth_moment / 12
             )
-        by_compliance = self.effects.normal_compliance.value * followed.normal_load
+        by_compliance = self.effects.normal_compliance.value * followed_path.normal_load
         _, by_tilt = self._displacements_by_tilt
         return np.asarray(approach + by_compliance + twice_by_moments / 2 + by_tilt)
 
@@ -649,13 +654,15 @@ class PathSeries:
         alpha_Q m tangentially and alpha_P m normally. A tilted parabola is pressed in by R
         alpha^2/2 less.
         """
-        normal_load = self.followed.normal_load
+        normal_load = self.followed_path.normal_load
         no_displacement = np.zeros(len(normal_load))
         if self.effects is None or not isinstance(self.contact, HertzContact):
             return no_displacement, no_displacement
         tilt_per_normal = self.effects.tilt_under_pressure.value
         tilt_per_tangential = self.effects.tilt_under_shear.value
-        tilt = tilt_per_normal * normal_load + tilt_per_tangential * self.followed.tangential_load
+        tilt = (
+            tilt_per_normal * normal_load + tilt_per_tangential * self.followed_path.tangential_load
+        )
         moment = -self.contact.radius * tilt * normal_load
         approach_lost = self.contact.radius * tilt**2 / 2
         return tilt_per_tangential * moment, tilt_per_normal * moment - approach_lost
@@ -667,13 +674,15 @@ class PathSeries:
 
         P(c) and M(c) are the normal and the tangential force that punches up to c carry.
         """
-        followed = self.followed
+        followed_path = self.followed_path
         datum_length = (
             self.contact.datum_length if self.effects is None else self.effects.datum_length
         )
-        at_tops = followed.table.logarithm_integrals(followed.pieces.top, datum_length)
-        at_edge = followed.table.logarithm_integrals(followed.edge_s, datum_length)
-        return followed.pressure_integral(at_edge), followed.shear_integral(at_tops, at_edge)
+        at_tops = followed_path.table.logarithm_integrals(followed_path.pieces.top, datum_length)
+        at_edge = followed_path.table.logarithm_integrals(followed_path.edge_s, datum_length)
+        return followed_path.pressure_integral(at_edge), followed_path.shear_integral(
+            at_tops, at_edge
+        )
 
     @cached_property
     def _shear_signs_beyond_limit(self) -> Indices:
@@ -685,19 +694,19 @@ class PathSeries:
         more at suspect instants and at two instants on either side of them. An excess below 3e-7 of
         f times the largest pressure of the path counts as 0.
         """
-        followed = self.followed
-        directions = np.zeros(len(followed.edge_s), dtype=np.int64)
+        followed_path = self.followed_path
+        directions = np.zeros(len(followed_path.edge_s), dtype=np.int64)
         curvatures = (
-            followed.normal_curvature,
-            followed.tangential_curvature,
-            followed.normal_fourth,
-            followed.tangential_fourth,
+            followed_path.normal_curvature,
+            followed_path.tangential_curvature,
+            followed_path.normal_fourth,
+            followed_path.tangential_fourth,
         )
         if not np.any(curvatures):
             return directions
-        row_of_largest_load = np.array([np.argmax(followed.normal_load)])
+        row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
         largest_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
-        tolerance = _EXCESS_TOLERANCE * followed.friction * largest_pressure
+        tolerance = _EXCESS_TOLERANCE * followed_path.friction * largest_pressure
         # A few places may miss the largest excess: a hundredth of it is suspect.
         all_rows = np.arange(len(directions))
         excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
@@ -722,7 +731,7 @@ class PathSeries:
         for first in range(0, len(rows), _ROWS_AT_ONCE):
             chunk = slice(first, first + _ROWS_AT_ONCE)
             shear = fields_at_places.shear_of_memory(rows[chunk])
-            limit = self.followed.friction * fields_at_places.pressure(rows[chunk])
+            limit = self.followed_path.friction * fields_at_places.pressure(rows[chunk])
             excess = np.nan_to_num(np.abs(shear) - limit)
             place = np.argmax(excess, axis=1)[:, None]
             largest_excess[chunk] = np.take_along_axis(excess, place, axis=1)[:, 0]
@@ -752,20 +761,20 @@ class PathSeries:
         `inner_slip` finds the slip from q and f p, from the half-widths of contact and stick, and
         from those at which slip zones of the memory curve end.
         """
-        followed = self.followed
+        followed_path = self.followed_path
 
         def shear_and_limit(x: Array) -> tuple[Array, Array]:
             fields_at_x = PointFields(self, x)
             shear = fields_at_x.shear_at(row)
             pressure = fields_at_x.pressure(np.array([row]))[0]
-            return shear, followed.friction * pressure
+            return shear, followed_path.friction * pressure
 
         half_width = float(self.half_width[row])
-        ends_of_zones = followed.table.half_width(
-            [followed.stick_edge_s[row], *followed.inner_zone_s[row]]
+        ends_of_zones = followed_path.table.half_width(
+            [followed_path.stick_edge_s[row], *followed_path.inner_zone_s[row]]
         )
         # Without slip at the edge all of the contact sticks.
-        stick_half_width = ends_of_zones[0] if followed.direction[row] else half_width
+        stick_half_width = ends_of_zones[0] if followed_path.direction[row] else half_width
         direction = int(self._shear_signs_beyond_limit[row])
         return inner_slip(
             shear_and_limit, direction, half_width, ends_of_zones, stick_half_width, self.modulus
@@ -775,18 +784,18 @@ class PathSeries:
         """Work of the loads in a cycle, the closed integral of Q dU + P d(approach), for its
         instants `rows` [energy per thickness].
         """
-        followed = self.followed
+        followed_path = self.followed_path
         tangential_work = area_of_loop(
-            followed.tangential_load[rows], self.tangential_displacement[rows]
+            followed_path.tangential_load[rows], self.tangential_displacement[rows]
         )
-        normal_work = area_of_loop(followed.normal_load[rows], self.normal_approach[rows])
+        normal_work = area_of_loop(followed_path.normal_load[rows], self.normal_approach[rows])
         return tangential_work + normal_work
 
     def work(self, rows: slice) -> float:
         """Friction work of the steps of a cycle, or of the path, for its instants `rows` [energy
         per thickness].
         """
-        return self.unit_compliance * float(np.sum(self.followed.step_work[rows][1:]))
+        return self.unit_compliance * float(np.sum(self.followed_path.step_work[rows][1:]))
 
 
 class PointFields:
@@ -803,18 +812,18 @@ class PointFields:
 
     def __init__(self, series: PathSeries, x: Array) -> None:
         self.series = series
-        self._followed = series.followed
+        self._followed_path = series.followed_path
         self._x = x
         # The last slip (n, k) that was computed, and the numbers of its instants, ascending (n,).
         self._known_slip: tuple[Indices, Array] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 
     def pressure(self, rows: Indices) -> Array:
         """Pressure p at instants `rows`, at the points, (n, k) [stress]."""
-        followed = self._followed
-        profile_load = followed.table.load(followed.edge_s[rows])[:, None]
+        followed_path = self._followed_path
+        profile_load = followed_path.table.load(followed_path.edge_s[rows])[:, None]
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
-        curvature = followed.normal_curvature[rows]
-        fourth_coefficient = followed.normal_fourth[rows]
+        curvature = followed_path.normal_curvature[rows]
+        fourth_coefficient = followed_path.normal_fourth[rows]
         return profile_pressure + self._traction_of_curvature(
             self.series.half_width[rows], curvature, fourth_coefficient
         )
@@ -830,11 +839,11 @@ class PointFields:
         """Shear traction q at instants `rows`, at the points, (n, k) [stress], as the memory curve
         has it: without the extra slip inside the contact.
         """
-        followed = self._followed
+        followed_path = self._followed_path
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[rows],
-            followed.tangential_curvature[rows],
-            followed.tangential_fourth[rows],
+            followed_path.tangential_curvature[rows],
+            followed_path.tangential_fourth[rows],
         )
         return self._shear_of_memory_curves(rows) + shear_of_faces
 
@@ -847,21 +856,21 @@ class PointFields:
         the loads eta, G and G_4 of the punches. Each piece adds its slopes times the pressure of
         its punches. The curvature that the loads give to the faces adds the rest.
         """
-        followed = self._followed
-        pieces = followed.pieces
+        followed_path = self._followed_path
+        pieces = followed_path.pieces
         # The first one is the empty curve, which has no punches.
-        chain = pieces.chain(int(followed.uppermost_piece[row]))
+        chain = pieces.chain(int(followed_path.uppermost_piece[row]))
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
         parabola_pressures, fourth_pressures = self._pressures_of_curvature(
-            followed.table.half_width(pieces.top[chain])
+            followed_path.table.half_width(pieces.top[chain])
         )
         shear = pieces.slope[chain[1:]] @ np.diff(profile_pressures, axis=0)
         shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(parabola_pressures, axis=0)
         shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(fourth_pressures, axis=0)
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[[row]],
-            followed.tangential_curvature[[row]],
-            followed.tangential_fourth[[row]],
+            followed_path.tangential_curvature[[row]],
+            followed_path.tangential_fourth[[row]],
         )
         return np.asarray(shear + shear_of_faces[0])
 
@@ -884,11 +893,11 @@ class PointFields:
         the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
         the locked-in tangential force over the half-width of the flat punches.
         """
-        followed = self._followed
+        followed_path = self._followed_path
         slip = self._slip_of_memory_curves(rows)
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
-        curvature = followed.tangential_curvature[rows, None]
-        fourth_coefficient = followed.tangential_fourth[rows, None]
+        curvature = followed_path.tangential_curvature[rows, None]
+        fourth_coefficient = followed_path.tangential_fourth[rows, None]
         if np.any(curvature) or np.any(fourth_coefficient):
             parabola_integral, fourth_integral = self._slip_integrals(self.series.half_width[rows])
             slip = slip + curvature * (parabola_integral - self._x**2 / 2)
@@ -914,7 +923,7 @@ class PointFields:
         """Extra slip at the points by the number of its instant, as far as it was asked for."""
         return {}
 
-    def work(self, rows: slice) -> Array:
+    def work_density(self, rows: slice) -> Array:
         """Friction work per area W(x) of one cycle at the points, (k,) [force per length], for the
         instants `rows` of that cycle.
 
@@ -922,14 +931,14 @@ class PointFields:
         point inside the smaller stick zone of the step does not slip. A pressure that is not finite
         counts as 0.
         """
-        row_numbers = np.arange(len(self._followed.edge_s))[rows]
-        friction_limit = self._followed.friction * self.pressure(row_numbers)
+        row_numbers = np.arange(len(self._followed_path.edge_s))[rows]
+        friction_limit = self._followed_path.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
         mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
         slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
         stick_half_width = np.nan_to_num(self.series.stick_half_width[row_numbers])
         least_stick_half_width = np.minimum(stick_half_width[1:], stick_half_width[:-1])[:, None]
-        step_has_slip = self._followed.slip_direction[row_numbers[1:], None] != 0
+        step_has_slip = self._followed_path.slip_direction[row_numbers[1:], None] != 0
         point_slips = step_has_slip & (self._x >= least_stick_half_width)
         return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
 
@@ -942,13 +951,15 @@ class PointFields:
         the integral of the same with the pressure of each punch: of the profile, of x^2/2 and of
         x^4/24.
         """
-        followed = self._followed
-        pieces, uppermost_pieces = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
+        followed_path = self._followed_path
+        pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
+            followed_path.uppermost_piece[rows]
+        )
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
         slopes_and_pressures = [(pieces.slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_pressures, fourth_pressures = self._pressures_of_curvature(
-                followed.table.half_width(pieces.top)
+                followed_path.table.half_width(pieces.top)
             )
             slopes_and_pressures += [
                 (pieces.parabola_slope, parabola_pressures),
@@ -960,13 +971,15 @@ class PointFields:
         """Slip by the memory curves at instants `rows`, at the points, (n, k) [length]: as
         `_shear_of_memory_curves`, with the slip outside of each punch instead of its pressure.
         """
-        followed = self._followed
-        pieces, uppermost_pieces = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
+        followed_path = self._followed_path
+        pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
+            followed_path.uppermost_piece[rows]
+        )
         profile_integrals = self.series.contact.slip_integral(self._x, pieces.load[:, None])
         slopes_and_integrals = [(self.series.unit_compliance * pieces.slope, profile_integrals)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_integrals, fourth_integrals = self._slip_integrals(
-                followed.table.half_width(pieces.top)
+                followed_path.table.half_width(pieces.top)
             )
             slopes_and_integrals += [
                 (pieces.parabola_slope, parabola_integrals),
@@ -1084,10 +1097,10 @@ def findings_with_effects(question: Question) -> Findings:
     """
     _require_symmetric(question)
     with histories_kept():
-        return _answer(question)
+        return _findings_of_symmetric_scene(question)
 
 
-def _answer(question: Question) -> Findings:
+def _findings_of_symmetric_scene(question: Question) -> Findings:
     """Corrected half-plane answer to a question with a symmetric profile.
 
     The load path is followed with the finite bodies and with half-planes, by equal straight steps.
@@ -1105,7 +1118,7 @@ def _answer(question: Question) -> Findings:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
     # Fields are even or odd in x: they are evaluated once at each |x|.
     distance, index_of_distance = folded(x)
-    time, row_numbers = instants_of(question, paths.rows, paths.last_cycle)
+    time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     fields_at_distances = fields_at(question, points, distance, row_numbers)
     tilt_and_strain = _tilt_and_strain_of(paths)
@@ -1119,11 +1132,11 @@ def _answer(question: Question) -> Findings:
     )
     fields_done = clock.perf_counter()
 
-    friction_work = _work_of(paths, points, distance, tilt_and_strain)
+    friction_work = _works_and_density(paths, points, distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     seconds = {"history": history_done - started, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
-    termination, message = _ending(paths)
+    termination, message = _termination_and_message(paths)
     fields_at_points = {
         name: np.take(field, index_of_distance, axis=1)
         for name, field in fields_at_distances.items()
@@ -1153,7 +1166,7 @@ def _answer(question: Question) -> Findings:
         counts={
             "points_evaluated": len(distance),
             "rows": len(paths.rows.time),
-            "pieces": len(bodies.followed.pieces.top),
+            "pieces": len(bodies.followed_path.pieces.top),
             "cycles_solved": len(paths.rows.cycles),
         },
         seconds=seconds,
@@ -1177,8 +1190,8 @@ def _followed_paths(question: Question) -> _Paths:
     curvatures = curvatures_of(effects)
     table = table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
-    largest_parabola_load = float(table.parabola(table.largest_s))
-    rows = route.with_turning_points(rows, friction, curvatures, largest_parabola_load)
+    largest_parabola_load = float(table.parabola_load(table.largest_s))
+    rows = route.rows_with_turning_points(rows, friction, curvatures, largest_parabola_load)
     loads = (rows.normal_load, rows.tangential_load)
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
     # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
@@ -1247,10 +1260,10 @@ def table_of(
         largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         load_at_table_end = float(table.load(table.largest_s)) + least_curvature * float(
-            table.parabola(table.largest_s)
+            table.parabola_load(table.largest_s)
         )
         load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
-            table.fourth(table.largest_s)
+            table.fourth_load(table.largest_s)
         )
         if np.all(load_at_table_end >= rows.normal_load):
             break
@@ -1261,7 +1274,7 @@ def table_of(
             )
         largest_half_width *= _TABLE_MARGIN
     else:
-        raise splits()
+        raise split_error()
     _require_one_contact(table, contact, gap_curvature, least_curvature, gap_fourth_coefficient)
     return table
 
@@ -1291,19 +1304,19 @@ def _require_one_contact(
     first_s = 1.0 if contact.least_half_width else 0.0
     s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
     profile_load = table.load(s)
-    parabola_load = table.parabola(s)
-    fourth_load = table.fourth(s)
+    parabola_load = table.parabola_load(s)
+    fourth_load = table.fourth_load(s)
     least_curvature_of_path = min(float(np.min(gap_curvature)), 0.0)
     if np.any(np.diff(profile_load + least_curvature_of_path * parabola_load) < 0):
-        raise splits()
+        raise split_error()
     for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth_coefficient))}:
         carried_load = profile_load + least_curvature[row] * parabola_load
         carried_load = carried_load + gap_fourth_coefficient[row] * fourth_load
         if np.any(np.diff(carried_load) < 0):
-            raise splits()
+            raise split_error()
 
 
-def splits() -> InputError:
+def split_error() -> InputError:
     """Error where bodies bend the faces away from each other, so that the contact would split."""
     return InputError(
         "effects: the normal curvature is negative and larger than that of the profile: the contact"
@@ -1311,7 +1324,7 @@ def splits() -> InputError:
     )
 
 
-def _first_steady_cycle(followed: Followed, rows: PathRows) -> int | None:
+def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | None:
     """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
     neither does.
 
@@ -1321,7 +1334,7 @@ def _first_steady_cycle(followed: Followed, rows: PathRows) -> int | None:
 
     Parameters
     ----------
-    followed
+    followed_path
         memory curve at each instant
     rows
         the instants, with the loads there
@@ -1329,10 +1342,10 @@ def _first_steady_cycle(followed: Followed, rows: PathRows) -> int | None:
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
     # s is the coordinate of the table for the half-width.
-    s_of_punches = np.linspace(0.0, followed.table.largest_s, _PUNCHES_CHECKED)
-    tolerance = _STEADY_TOLERANCE * followed.friction * float(np.max(rows.normal_load))
+    s_of_punches = np.linspace(0.0, followed_path.table.largest_s, _PUNCHES_CHECKED)
+    tolerance = _STEADY_TOLERANCE * followed_path.friction * float(np.max(rows.normal_load))
     # At the end of the initial loading and of each cycle.
-    forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in rows.ends]
+    forces_at_ends = [followed_path.locked_in_force(row, s_of_punches) for row in rows.ends]
     for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
         if np.max(np.abs(forces_after - forces_before)) <= tolerance:
             return cycle
@@ -1365,7 +1378,9 @@ def _covered_cycles(question: Question, route: _Route, steady_from: int | None) 
     return followed_cycles
 
 
-def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[Array, Indices]:
+def instants_and_row_numbers(
+    question: Question, rows: PathRows, last_cycle: slice
+) -> tuple[Array, Indices]:
     """Instants of the answer, (n,), and the number of the followed instant nearest to each, (n,).
 
     The instants are those of the question. Where it gives none, they are all followed instants, or
@@ -1408,8 +1423,8 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
     stick_half_width = bodies.stick_half_width[row_numbers]
     sides = np.array([-1.0, 1.0])
     return {
-        "normal_load": bodies.followed.normal_load[row_numbers],
-        "tangential_load": bodies.followed.tangential_load[row_numbers],
+        "normal_load": bodies.followed_path.normal_load[row_numbers],
+        "tangential_load": bodies.followed_path.tangential_load[row_numbers],
         "tangential_displacement": tangential_displacement,
         "normal_approach": normal_approach,
         "contact_half_width": half_width,
@@ -1449,7 +1464,7 @@ def fields_at(
     if question.wants("pressure"):
         fields["pressure"] = point_fields.pressure(row_numbers)
         if np.any(fields["pressure"] < 0):
-            raise splits()
+            raise split_error()
     if question.wants("shear"):
         fields["shear"] = point_fields.shear(row_numbers)
     if question.wants("slip"):
@@ -1476,15 +1491,19 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
         (n,) numbers of the instants
     """
     bodies = points.series
-    followed = bodies.followed
+    followed_path = bodies.followed_path
     sides = np.array([-1.0, 1.0])
     half_width = bodies.half_width[row_numbers, None]
-    stick_half_width = followed.table.half_width(followed.stick_edge_s[row_numbers])[:, None]
-    inner_zone_ends = followed.table.half_width(followed.inner_zone_s[row_numbers])
+    stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
+        :, None
+    ]
+    inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
     # By the direction of slip, -1, 0 or +1, plus 1.
     states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_at_edge = states_by_direction[followed.direction[row_numbers, None] + 1]
-    state_in_inner_zone = states_by_direction[followed.inner_zone_direction[row_numbers, None] + 1]
+    state_at_edge = states_by_direction[followed_path.direction[row_numbers, None] + 1]
+    state_in_inner_zone = states_by_direction[
+        followed_path.inner_zone_direction[row_numbers, None] + 1
+    ]
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
     is_within_stick_edges = between(stick_half_width * sides, distance) & (stick_half_width > 0)
     states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
@@ -1495,7 +1514,7 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
         states[index] = np.where(
             extra_slip.slips, state_of_extra_slip, states_without_inner_zone[index]
         )
-    is_pressed = followed.normal_load[row_numbers, None] > 0
+    is_pressed = followed_path.normal_load[row_numbers, None] > 0
     is_in_contact = between(half_width * sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 
@@ -1513,7 +1532,7 @@ class _Work(NamedTuple):
     errors: dict[str, float]
 
 
-def _work_of(
+def _works_and_density(
     paths: _Paths, points: PointFields, distance: Array, tilt_and_strain: OddPart
 ) -> _Work:
     """Friction work of the cycles of the answer, its density W(x), and their relative errors.
@@ -1557,18 +1576,18 @@ def _work_of(
         # Theory stops at a steady cycle, which later ones equal.
         solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
         exact_works = solved_works[np.minimum(paths.covered_cycles, len(solved_works) - 1)]
-        work_of_cycles, loop_work, errors = _works_of_cycles(paths, exact_works, tilt_and_strain)
+        work_of_cycles, loop_work, errors = _works_and_errors(paths, exact_works, tilt_and_strain)
         if "dissipation" in errors:
             errors["dissipation"] += exact_theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(exact_theory.values["dissipation_density"])
-        density, density_error = _density_of(paths, points, distance, exact_density)
+        density, density_error = _density_and_error(paths, points, distance, exact_density)
         if density_error is not None:
             errors["dissipation_density"] = density_error
     return _Work(work_of_cycles, loop_work, density, errors)
 
 
-def _density_of(
+def _density_and_error(
     paths: _Paths, points: PointFields, distance: Array, exact_density: Array
 ) -> tuple[Array, float | None]:
     """Friction work per area W(x) of the last cycle, (k,) [energy per area], and its error over the
@@ -1588,8 +1607,8 @@ def _density_of(
     """
     half_planes = paths.half_planes
     last_cycle = paths.last_cycle
-    density_by_steps = PointFields(half_planes, distance).work(last_cycle)
-    density_of_bodies = points.work(last_cycle)
+    density_by_steps = PointFields(half_planes, distance).work_density(last_cycle)
+    density_of_bodies = points.work_density(last_cycle)
     density = np.maximum(exact_density + density_of_bodies - density_by_steps, 0.0)
     density = np.where(density_of_bodies > 0, density, 0.0)
     largest_density = float(np.max(exact_density, initial=0.0))
@@ -1605,7 +1624,7 @@ def _density_of(
     )
 
 
-def _works_of_cycles(
+def _works_and_errors(
     paths: _Paths, exact_works: Array, tilt_and_strain: OddPart
 ) -> tuple[Array, float, dict[str, float]]:
     """Friction work of each cycle of the answer (c,), the work of the loads in the last cycle, and
@@ -1692,15 +1711,19 @@ def work_uncertainty_by_bodies(
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both kinds change W in one direction: nothing cancels.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
-    followed = bodies.followed
-    loads = (followed.normal_load, followed.tangential_load)
+    followed_path = bodies.followed_path
+    loads = (followed_path.normal_load, followed_path.tangential_load)
     uncertainty = LEAST_UNCERTAIN_FRACTION
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
     for kind in CURVATURES:
         curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind))
         memory = follow(
-            followed.table, followed.friction, *loads, curvatures_of_kind, half_planes.followed
+            followed_path.table,
+            followed_path.friction,
+            *loads,
+            curvatures_of_kind,
+            half_planes.followed_path,
         )
         work = bodies.unit_compliance * float(np.sum(memory.step_work[rows][1:]))
         change_by_kind = work / work_of_half_planes - 1
@@ -1725,7 +1748,7 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     largest_half_width = float(np.max(half_planes.half_width[last_cycle]))
     if not largest_half_width > 0:
         return {}
-    row = last_cycle.start + int(np.argmax(bodies.followed.normal_load[last_cycle]))
+    row = last_cycle.start + int(np.argmax(bodies.followed_path.normal_load[last_cycle]))
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
         float(np.max(PointFields(series, places).pressure(np.array([row]))))
@@ -1751,22 +1774,22 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     grows by a straight chord, which is an approximation. All other steps are exact however long
     they are. Long is a step in which P grows by more than 1 % of its largest value.
     """
-    followed = paths.bodies.followed
+    followed_path = paths.bodies.followed_path
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    n_rows = len(followed.normal_load)
-    grows_in_stick = (np.diff(followed.edge_s) > 0) & (followed.direction[1:] == 0)
-    load_growth = np.diff(followed.normal_load) / np.max(followed.normal_load)
+    n_rows = len(followed_path.normal_load)
+    grows_in_stick = (np.diff(followed_path.edge_s) > 0) & (followed_path.direction[1:] == 0)
+    load_growth = np.diff(followed_path.normal_load) / np.max(followed_path.normal_load)
     long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD))
     if not len(long_chords):
         return paths.bodies.work(paths.last_cycle)
     # Whole numbers are rows, halves are the middles of steps.
     row_numbers = np.union1d(np.arange(n_rows), long_chords + 0.5)
     memory_of_halved_steps = follow(
-        followed.table,
-        followed.friction,
-        np.interp(row_numbers, np.arange(n_rows), followed.normal_load),
-        np.interp(row_numbers, np.arange(n_rows), followed.tangential_load),
+        followed_path.table,
+        followed_path.friction,
+        np.interp(row_numbers, np.arange(n_rows), followed_path.normal_load),
+        np.interp(row_numbers, np.arange(n_rows), followed_path.tangential_load),
         curvatures_of(effects),
     )
     first_row, row_after_last, _ = paths.last_cycle.indices(n_rows)
@@ -1844,7 +1867,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     question = paths.question
     half_planes = paths.half_planes
     field_names = tuple(name for name in ("shear", "slip") if question.wants(name))
-    friction = half_planes.followed.friction
+    friction = half_planes.followed_path.friction
     if not field_names or not friction:
         return {}
     last_cycle = paths.last_cycle
@@ -1919,7 +1942,7 @@ def _reference_load(scene: Scene, normal_load: Array) -> float:
     return float(np.max(normal_load))
 
 
-def _ending(paths: _Paths) -> tuple[str, str]:
+def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
     sentence about it.
     """
@@ -1977,20 +2000,20 @@ def certificates_of(
     row_numbers
         (n,) numbers of those instants
     """
-    followed = bodies.followed
-    friction = followed.friction
+    followed_path = bodies.followed_path
+    friction = followed_path.friction
     largest_friction_force = max(
-        friction * float(np.max(followed.normal_load)), np.finfo(float).tiny
+        friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny
     )
-    edge_s = followed.edge_s[row_numbers]
-    parabola_load = followed.table.parabola(edge_s)
-    fourth_load = followed.table.fourth(edge_s)
+    edge_s = followed_path.edge_s[row_numbers]
+    parabola_load = followed_path.table.parabola_load(edge_s)
+    fourth_load = followed_path.table.fourth_load(edge_s)
     # F, then kt G and t4 G_4, all at the edge of contact.
-    carried_force = followed.pieces.force[followed.uppermost_piece[row_numbers]]
-    carried_force = carried_force + followed.tangential_curvature[row_numbers] * parabola_load
-    carried_force = carried_force + followed.tangential_fourth[row_numbers] * fourth_load
-    missing_force = np.abs(carried_force - followed.tangential_load[row_numbers])
-    is_pressed = followed.normal_load[row_numbers] > 0
+    carried_force = followed_path.pieces.force[followed_path.uppermost_piece[row_numbers]]
+    carried_force = carried_force + followed_path.tangential_curvature[row_numbers] * parabola_load
+    carried_force = carried_force + followed_path.tangential_fourth[row_numbers] * fourth_load
+    missing_force = np.abs(carried_force - followed_path.tangential_load[row_numbers])
+    is_pressed = followed_path.normal_load[row_numbers] > 0
     missing_force = np.where(is_pressed, missing_force, 0.0)
     checks = {"tangential_balance": missing_force / largest_friction_force}
     pressure = fields["pressure"]

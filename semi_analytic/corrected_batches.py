@@ -59,7 +59,7 @@ class EllipseOfLoads:
         """Only the ellipses `members`."""
         return EllipseOfLoads(*(getattr(self, item.name)[members] for item in fields(self)))
 
-    def over(self, unit: Array) -> EllipseOfLoads:
+    def divided_by(self, unit: Array) -> EllipseOfLoads:
         """The same ellipses with their loads divided by `unit` (m, 1)."""
         return replace(
             self,

@@ -100,7 +100,7 @@ def area_of_loop(load: Array, movement: Array) -> float:
 
 # ---------------------------------------------------------------------------------- flat punches
 # Three numbers: of the flat punches of the profile, of x^2/2 and of x^4/24.
-OfPunches = tuple[float, float, float]
+LoadTriple = tuple[float, float, float]
 
 
 class PunchLoads(NamedTuple):
@@ -109,16 +109,16 @@ class PunchLoads(NamedTuple):
     """
 
     load: float
-    parabola: float
-    fourth: float
+    parabola_load: float
+    fourth_load: float
     load_rate: float
     parabola_rate: float
     fourth_rate: float
 
     @property
-    def loads(self) -> OfPunches:
+    def loads(self) -> LoadTriple:
         """eta, G and G_4."""
-        return self.load, self.parabola, self.fourth
+        return self.load, self.parabola_load, self.fourth_load
 
 
 class PunchSums(NamedTuple):
@@ -233,9 +233,9 @@ class PunchTable:
     def _integral_cubics(self, power: int) -> Array:
         """Coefficients (cells, 4), constant first, of cubics for int eta G^power dc/c from 0 to c.
 
-        eta(c) (`load`) and G(c) (`parabola`) are the loads that flat punches of half-width up to c
-        carry, of the profile and of x^2/2. The variable of a cubic runs from 0 to 1 along its cell;
-        cells are equal steps of the punch coordinate s.
+        eta(c) (`load`) and G(c) (`parabola_load`) are the loads that flat punches of half-width up
+        to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0 to 1 along its
+        cell; cells are equal steps of the punch coordinate s.
         """
         n_cells = len(self._load_cubics)
         nodes, weights = _GAUSS_RULE_OF_CELL
@@ -249,7 +249,7 @@ class PunchTable:
             load_per_width = (
                 self.load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
             )
-            return load_per_width * self.parabola(s) ** power if power else load_per_width
+            return load_per_width * self.parabola_load(s) ** power if power else load_per_width
 
         s_of_nodes = np.asarray(
             (np.arange(n_cells)[:, None] + fraction_of_cell) * cell_length, dtype=float
@@ -266,7 +266,7 @@ class PunchTable:
             integrand(end_s),
         )
 
-    def _value(self, cubics: Array, s: ArrayLike) -> Array:
+    def _values_of_cubics(self, cubics: Array, s: ArrayLike) -> Array:
         """Values at s, of the shape of s, of `cubics` (cells, 4)."""
         s_in_cells = np.asarray(s, dtype=float) * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(cubics) - 1)
@@ -292,20 +292,20 @@ class PunchTable:
 
     def load(self, s: ArrayLike) -> Array:
         """eta(c): load of the profile's punches up to c [force per thickness]."""
-        return self._value(self._load_cubics, s)
+        return self._values_of_cubics(self._load_cubics, s)
 
-    def parabola(self, s: ArrayLike) -> Array:
+    def parabola_load(self, s: ArrayLike) -> Array:
         """G(c) = (pi E*/4) c^2: load of a parabola's punches up to c per curvature."""
         return self.parabola_stiffness * np.square(self.half_width(s))
 
-    def fourth(self, s: ArrayLike) -> Array:
+    def fourth_load(self, s: ArrayLike) -> Array:
         """G_4(c) = G(c) c^2/8: load of the punches of x^4/24 up to c per unit of its factor."""
         squared_width = np.square(self.half_width(s))
         return np.asarray(self.parabola_stiffness * squared_width**2 / 8)
 
-    def s_of_parabola_load(self, parabola: float) -> float:
-        """Coordinate s of the half-width c at which G(c) = `parabola`."""
-        half_width = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
+    def s_of_parabola_load(self, parabola_load: float) -> float:
+        """Coordinate s of the half-width c at which G(c) = `parabola_load`."""
+        half_width = math.sqrt(max(parabola_load, 0.0) / self.parabola_stiffness)
         interval = max(bisect_left(self._interval_begins, half_width) - 1, 0)
         return interval + math.sqrt(
             max(half_width - self._interval_begins[interval], 0.0)
@@ -332,18 +332,18 @@ class PunchTable:
         half_width = self._interval_begins[interval] + length * (s - interval) ** 2
         half_width_rate = 2 * length * (s - interval)
         squared_width = half_width * half_width
-        parabola = self.parabola_stiffness * half_width * half_width
+        parabola_load = self.parabola_stiffness * half_width * half_width
         load = c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
         load_rate = (
             c1 + fraction_of_cell * (2 * c2 + 3 * fraction_of_cell * c3)
         ) * self._cells_per_interval
         return PunchLoads(
             load=max(load, 0.0),
-            parabola=parabola,
-            fourth=parabola * squared_width / 8,
+            parabola_load=parabola_load,
+            fourth_load=parabola_load * squared_width / 8,
             load_rate=load_rate,
             parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
-            fourth_rate=parabola * half_width * half_width_rate / 2,
+            fourth_rate=parabola_load * half_width * half_width_rate / 2,
         )
 
     def sums_at(self, s: float, datum_length: float) -> PunchSums:
@@ -372,15 +372,15 @@ class PunchTable:
         )
         squared_width = half_width * half_width
         load = tabulated(self._load_coefficients)
-        parabola = self.parabola_stiffness * squared_width
+        parabola_load = self.parabola_stiffness * squared_width
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
         log_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
             logarithm=load * log_ratio + tabulated(self._load_integral_coefficients),
-            parabola_logarithm=parabola * (log_ratio + 0.5),
+            parabola_logarithm=parabola_load * (log_ratio + 0.5),
             second_moment=squared_width * load / 2
             - tabulated(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
-            parabola_second_moment=squared_width * parabola / 4,
+            parabola_second_moment=squared_width * parabola_load / 4,
         )
 
     def edge_of_contact_at(self, normal_load: float, curvature: float) -> float:
@@ -395,7 +395,7 @@ class PunchTable:
         for _ in range(_BISECTIONS):
             middle_s = (low_s + high_s) / 2
             loads = self.loads_at(middle_s)
-            if loads.load + curvature * loads.parabola <= normal_load:
+            if loads.load + curvature * loads.parabola_load <= normal_load:
                 low_s = middle_s
             else:
                 high_s = middle_s
@@ -403,11 +403,11 @@ class PunchTable:
 
     def load_integral(self, s: ArrayLike) -> Array:
         """int eta dc/c from 0 to c."""
-        return self._value(self._load_integral_cubics, s)
+        return self._values_of_cubics(self._load_integral_cubics, s)
 
     def load_parabola_integral(self, s: ArrayLike) -> Array:
         """int eta G dc/c from 0 to c."""
-        return self._value(self._load_parabola_integral_cubics, s)
+        return self._values_of_cubics(self._load_parabola_integral_cubics, s)
 
     @cached_property
     def _load_fourth_integral_cubics(self) -> Array:
@@ -420,17 +420,23 @@ class PunchTable:
         of_profile = (
             square * self.load(s) / 2 - self.load_parabola_integral(s) / self.parabola_stiffness
         )
-        return PunchMoments(of_profile, square * self.parabola(s) / 4, square * self.fourth(s) / 3)
+        return PunchMoments(
+            of_profile, square * self.parabola_load(s) / 4, square * self.fourth_load(s) / 3
+        )
 
     def fourth_moments(self, s: ArrayLike) -> PunchMoments:
         """Fourth moments int x^4 p dx of the punches up to s (k,); w = 3 c^4/8 under unit load."""
         square = np.square(self.half_width(s))
         of_profile = square**2 * self.load(s)
         of_profile -= (
-            4 * self._value(self._load_fourth_integral_cubics, s) / self.parabola_stiffness**2
+            4
+            * self._values_of_cubics(self._load_fourth_integral_cubics, s)
+            / self.parabola_stiffness**2
         )
-        of_parabola = square**2 * self.parabola(s) / 8
-        return PunchMoments(3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth(s))
+        of_parabola = square**2 * self.parabola_load(s) / 8
+        return PunchMoments(
+            3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth_load(s)
+        )
 
     def logarithm_integrals(self, s: ArrayLike, datum_length: float) -> PunchMoments:
         """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
@@ -444,15 +450,15 @@ class PunchTable:
         log_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
             profile=self.load(s) * log_ratio + self.load_integral(s),
-            parabola=self.parabola(s) * (log_ratio + 0.5),
-            fourth=self.fourth(s) * (log_ratio + 0.25),
+            parabola=self.parabola_load(s) * (log_ratio + 0.5),
+            fourth=self.fourth_load(s) * (log_ratio + 0.25),
         )
 
     def edges_of_contact(
         self,
         normal_load: Array,
         curvature: Array,
-        fourth: Array | float = 0.0,
+        fourth_coefficient: Array | float = 0.0,
         known_s: Array | None = None,
     ) -> Array:
         """Coordinates s (n,) of the edges of contact a under normal loads P (n,), from P = eta(a) +
@@ -465,15 +471,15 @@ class PunchTable:
         ----------
         normal_load
             P (n,)
-        curvature, fourth
+        curvature, fourth_coefficient
             kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
         known_s
             s (n,) if it is known to 1e-3: then Newton's method starts from it without bisection
         """
 
         def carried_load(s: Array) -> Array:
-            load = self.load(s) + curvature * self.parabola(s)
-            return np.asarray(load + fourth * self.fourth(s))
+            load = self.load(s) + curvature * self.parabola_load(s)
+            return np.asarray(load + fourth_coefficient * self.fourth_load(s))
 
         lower_s = np.zeros(len(normal_load))
         upper_s = np.full(len(normal_load), self.largest_s)
@@ -490,7 +496,9 @@ class PunchTable:
         for _ in range(newton_steps):
             missing_load = normal_load - carried_load(edge_s)
             # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
-            curvature_at_edge = curvature + fourth * np.square(self.half_width(edge_s)) / 4
+            curvature_at_edge = (
+                curvature + fourth_coefficient * np.square(self.half_width(edge_s)) / 4
+            )
             load_rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
             newton_step = missing_load / np.where(load_rate > 0, load_rate, np.inf)
             edge_s = np.clip(edge_s + newton_step, lower_s, upper_s)
@@ -548,27 +556,27 @@ class Piece(NamedTuple):
     what they carry beyond the share that the curvature of the faces gives them.
 
     It continues another piece outwards, number `parent`, from that one's `top` to its own, an s.
-    On it dF = `slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. `load`, `parabola`,
-    `fourth` and `force` are eta, G, G_4 and F at its top.
+    On it dF = `slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. `load`,
+    `parabola_load`, `fourth_load` and `force` are eta, G, G_4 and F at its top.
     """
 
     parent: int
     top: float
     load: float
-    parabola: float
-    fourth: float
+    parabola_load: float
+    fourth_load: float
     force: float
     slope: float
     parabola_slope: float
     fourth_slope: float
 
     @property
-    def loads(self) -> OfPunches:
+    def loads(self) -> LoadTriple:
         """eta, G and G_4 at the top."""
-        return self.load, self.parabola, self.fourth
+        return self.load, self.parabola_load, self.fourth_load
 
     @property
-    def slopes(self) -> OfPunches:
+    def slopes(self) -> LoadTriple:
         """dF per d eta, per dG and per dG_4."""
         return self.slope, self.parabola_slope, self.fourth_slope
 
@@ -582,7 +590,7 @@ class Pieces(list[Piece]):
     def __init__(self) -> None:
         super().__init__([_EMPTY_CURVE])
 
-    def piece_above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
+    def piece_above(self, parent: int, top: float, loads: LoadTriple, slopes: LoadTriple) -> Piece:
         """A new piece of memory curve that continues piece number `parent` outwards; it is not yet
         stored.
 
@@ -599,13 +607,21 @@ class Pieces(list[Piece]):
             dF/d eta, dF/dG and dF/dG_4
         """
         parent_piece = self[parent]
-        load, parabola, fourth = loads
+        load, parabola_load, fourth_load = loads
         slope, parabola_slope, fourth_slope = slopes
         force = parent_piece.force + slope * (load - parent_piece.load)
-        force += parabola_slope * (parabola - parent_piece.parabola)
-        force += fourth_slope * (fourth - parent_piece.fourth)
+        force += parabola_slope * (parabola_load - parent_piece.parabola_load)
+        force += fourth_slope * (fourth_load - parent_piece.fourth_load)
         return Piece(
-            parent, top, load, parabola, fourth, force, slope, parabola_slope, fourth_slope
+            parent,
+            top,
+            load,
+            parabola_load,
+            fourth_load,
+            force,
+            slope,
+            parabola_slope,
+            fourth_slope,
         )
 
     def append_numbered(self, piece: Piece) -> int:
@@ -613,7 +629,7 @@ class Pieces(list[Piece]):
         self.append(piece)
         return len(self) - 1
 
-    def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
+    def add(self, parent: int, top: float, loads: LoadTriple, slopes: LoadTriple) -> int:
         """Store a new piece, as `piece_above` makes it, and return its number."""
         return self.append_numbered(self.piece_above(parent, top, loads, slopes))
 
@@ -635,7 +651,7 @@ class _Bound(NamedTuple):
     fourth_slope: float
 
     @property
-    def slopes(self) -> OfPunches:
+    def slopes(self) -> LoadTriple:
         """dB per d eta, per dG and per dG_4."""
         return self.slope, self.parabola_slope, self.fourth_slope
 
@@ -644,12 +660,12 @@ class _Bound(NamedTuple):
         this is positive.
         """
         at_top = self.constant + self.slope * piece.load
-        at_top += self.parabola_slope * piece.parabola + self.fourth_slope * piece.fourth
+        at_top += self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
         return self.direction * (at_top - piece.force)
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FollowedPath:
     """Memory of friction and slip zones along a load path, with the curvatures of finite bodies.
 
     Attributes
@@ -792,7 +808,7 @@ class Followed:
         length = (intervals.outer_s - intervals.inner_s)[:, None]
         s = intervals.inner_s[:, None] + length * (nodes + 1) / 2  # of the punches, (m, k)
         table = self.table
-        punches = _PunchArrays(table.load(s), table.parabola(s), table.fourth(s))
+        punches = _PunchArrays(table.load(s), table.parabola_load(s), table.fourth_load(s))
         row = intervals.row
         direction = intervals.direction[:, None]
         load_before = self._load_beyond(punches, row - 1)
@@ -835,8 +851,8 @@ class Followed:
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
         """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
         load_beyond = self.normal_load[row][:, None] - punches.load
-        load_beyond = load_beyond - self.normal_curvature[row][:, None] * punches.parabola
-        return np.asarray(load_beyond - self.normal_fourth[row][:, None] * punches.fourth)
+        load_beyond = load_beyond - self.normal_curvature[row][:, None] * punches.parabola_load
+        return np.asarray(load_beyond - self.normal_fourth[row][:, None] * punches.fourth_load)
 
     def _coulomb_bound(
         self, punches: _PunchArrays, row: Indices, direction: Indices, load_beyond: Array
@@ -861,8 +877,8 @@ class Followed:
             (m, k) normal load that is carried outside of each punch
         """
         force = self.tangential_load[row][:, None]
-        force = force - self.tangential_curvature[row][:, None] * punches.parabola
-        force = force - self.tangential_fourth[row][:, None] * punches.fourth
+        force = force - self.tangential_curvature[row][:, None] * punches.parabola_load
+        force = force - self.tangential_fourth[row][:, None] * punches.fourth_load
         return np.asarray(force - direction * self.friction * load_beyond)
 
     def _locked_in_forces(self, punches: _PunchArrays, piece_number: Indices) -> Array:
@@ -877,9 +893,9 @@ class Followed:
         force = pieces.force[number_below][:, None]
         load_rise = punches.load - pieces.load[number_below][:, None]
         force = force + pieces.slope[piece_number][:, None] * load_rise
-        parabola_rise = punches.parabola - pieces.parabola[number_below][:, None]
+        parabola_rise = punches.parabola_load - pieces.parabola_load[number_below][:, None]
         force = force + pieces.parabola_slope[piece_number][:, None] * parabola_rise
-        fourth_rise = punches.fourth - pieces.fourth[number_below][:, None]
+        fourth_rise = punches.fourth_load - pieces.fourth_load[number_below][:, None]
         return np.asarray(force + pieces.fourth_slope[piece_number][:, None] * fourth_rise)
 
     def _intervals_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _SlipIntervals:
@@ -957,10 +973,10 @@ class Followed:
         number_below = numbers_of_pieces[index_in_chain - 1]
         piece_number = numbers_of_pieces[index_in_chain]
         load_rise = self.table.load(s_in_contact) - pieces.load[number_below]
-        parabola_rise = self.table.parabola(s_in_contact) - pieces.parabola[number_below]
+        parabola_rise = self.table.parabola_load(s_in_contact) - pieces.parabola_load[number_below]
         force_rise = pieces.slope[piece_number] * load_rise
         force_rise = force_rise + pieces.parabola_slope[piece_number] * parabola_rise
-        fourth_rise = self.table.fourth(s_in_contact) - pieces.fourth[number_below]
+        fourth_rise = self.table.fourth_load(s_in_contact) - pieces.fourth_load[number_below]
         force_rise = force_rise + pieces.fourth_slope[piece_number] * fourth_rise
         return np.asarray(pieces.force[number_below] + force_rise)
 
@@ -971,8 +987,8 @@ class _PunchArrays(NamedTuple):
     """
 
     load: Array
-    parabola: Array
-    fourth: Array
+    parabola_load: Array
+    fourth_load: Array
 
 
 class _SlipIntervals(NamedTuple):
@@ -995,8 +1011,8 @@ class PieceTable:
     parent: Indices
     top: Array
     load: Array
-    parabola: Array
-    fourth: Array
+    parabola_load: Array
+    fourth_load: Array
     force: Array
     slope: Array
     parabola_slope: Array
@@ -1077,8 +1093,8 @@ def follow(
     normal_load: Array,
     tangential_load: Array,
     curvatures: Curvatures,
-    half_planes: Followed | None = None,
-) -> Followed:
+    half_planes: FollowedPath | None = None,
+) -> FollowedPath:
     """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path,
     from the unloaded state, with the curvatures that finite bodies add to half-planes.
 
@@ -1106,8 +1122,10 @@ def follow(
     >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=1.0)  # a^2 = P
     >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, -0.3], [1.0, 0.3]])
-    >>> followed = follow(table, 0.5, *rows.T, Curvatures())
-    >>> table.half_width(followed.stick_edge_s[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
+    >>> followed_path = follow(table, 0.5, *rows.T, Curvatures())
+    >>> table.half_width(followed_path.stick_edge_s[-2:]).round(
+    ...     9
+    ... ).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
     rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
@@ -1121,7 +1139,9 @@ def follow(
     return _followed_rows(table, friction, rows)
 
 
-def _estimated_shear_second_moment(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
+def _estimated_shear_second_moment(
+    table: PunchTable, rows: Array, half_planes: FollowedPath
+) -> Array:
     """Second moment of the shear traction, q_2 = int x^2 q dx, at each instant of the path, (n,),
     estimated from that of half-planes.
 
@@ -1152,12 +1172,14 @@ def _estimated_shear_second_moment(table: PunchTable, rows: Array, half_planes: 
     return half_planes.shear_second_moment * ratio
 
 
-def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> Array:
-    """A moment of the pressure, (n,), with kn = `curvature` and n4 = `fourth`, (n,) each.
+def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient: Array) -> Array:
+    """A moment of the pressure, (n,), with kn = `curvature` and n4 =
+    `fourth_coefficient`, (n,) each.
 
     `at_edge` holds the moments of the punches up to the edge of contact.
     """
-    return np.asarray(at_edge.profile + curvature * at_edge.parabola + fourth * at_edge.fourth)
+    by_curvature = curvature * at_edge.parabola
+    return np.asarray(at_edge.profile + by_curvature + fourth_coefficient * at_edge.fourth)
 
 
 def _columns_of_path(
@@ -1187,7 +1209,7 @@ def _columns_of_path(
             normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_moment
             edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order, edge_s)
             load_change = np.max(
-                np.abs(normal_curvature - curvature_before) * table.parabola(edge_s)
+                np.abs(normal_curvature - curvature_before) * table.parabola_load(edge_s)
             )
             if load_change <= _LOAD_MOVED_BY_MOMENT * np.max(normal_load):
                 break
@@ -1200,13 +1222,13 @@ def _columns_of_path(
         faces_fourth_order,
         edge_s,
         table.load(edge_s),
-        table.parabola(edge_s),
-        table.fourth(edge_s),
+        table.parabola_load(edge_s),
+        table.fourth_load(edge_s),
     ]
     return np.stack(columns)
 
 
-def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Followed:
+def _followed_rows(table: PunchTable, friction: float, columns: Array) -> FollowedPath:
     """Memory of friction along a path from the unloaded state; its n instants are `columns` (10,
     n), a `Row` each: loads, curvatures and edge of contact.
     """
@@ -1217,10 +1239,10 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
         step = memory.step(state, Row(*values))
         state = step.state
         steps.append(step)
-    return followed_of(memory, columns, steps)
+    return path_of_steps(memory, columns, steps)
 
 
-def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
+def path_of_steps(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> FollowedPath:
     """Arrays over the n instants of a load path, from the single steps that were taken along it.
     Fields that end in `_s` are half-widths as the coordinate s of the table of flat punches.
 
@@ -1240,7 +1262,7 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
     parent, *float_columns = flat_fields.reshape(len(pieces), -1).T
     piece_table = PieceTable(parent.astype(np.int64), *float_columns)
     columns_by_name = dict(zip(Row._fields, columns, strict=True))
-    return Followed(
+    return FollowedPath(
         table=memory.table,
         friction=memory.friction,
         normal_load=columns_by_name["normal_load"],
@@ -1274,13 +1296,13 @@ class Row(NamedTuple):
     tangential_fourth: float
     edge_s: float
     edge_load: float
-    edge_parabola: float
-    edge_fourth: float
+    edge_parabola_load: float
+    edge_fourth_load: float
 
     @property
-    def edge_loads(self) -> OfPunches:
+    def edge_loads(self) -> LoadTriple:
         """eta, G and G_4 of the edge of contact."""
-        return self.edge_load, self.edge_parabola, self.edge_fourth
+        return self.edge_load, self.edge_parabola_load, self.edge_fourth_load
 
 
 class State(NamedTuple):
@@ -1362,7 +1384,7 @@ class MemoryCurve:
         )
         bound = None
         if direction:
-            bound = _bound(direction, self.friction, row)
+            bound = _coulomb_bound_of(direction, self.friction, row)
             number_of_top = _cut_at_end_of_slip(
                 self.table, pieces, outermost_piece, number_of_top, bound, round_off
             )
@@ -1373,7 +1395,7 @@ class MemoryCurve:
         inner_zone_direction = 0
         if state.last_direction and direction != state.last_direction:
             # Further in, slip in the last direction may continue.
-            bound_of_last_slip = _bound(state.last_direction, self.friction, row)
+            bound_of_last_slip = _coulomb_bound_of(state.last_direction, self.friction, row)
             number_of_top, inner_end, outer_end = _add_inner_slip_zone(
                 self.table, pieces, number_of_top, bound_of_last_slip, round_off
             )
@@ -1413,17 +1435,17 @@ class MemoryCurve:
         loads = row.edge_loads
         if row.edge_s > piece.top:
             force_without_fourth = (
-                row.tangential_load - row.tangential_curvature * row.edge_parabola
+                row.tangential_load - row.tangential_curvature * row.edge_parabola_load
             )
             force_rise = (
-                force_without_fourth - row.tangential_fourth * row.edge_fourth - piece.force
+                force_without_fourth - row.tangential_fourth * row.edge_fourth_load - piece.force
             )
             load_rise = row.edge_load - piece.load
             if load_rise > 0:
                 slopes = (force_rise / load_rise, 0.0, 0.0)
                 return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
             # The profile is still flat here: only the curvature of the bodies carries load.
-            slopes = (0.0, force_rise / (row.edge_parabola - piece.parabola), 0.0)
+            slopes = (0.0, force_rise / (row.edge_parabola_load - piece.parabola_load), 0.0)
             return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
         while piece_number and pieces[piece.parent].top >= row.edge_s:
             piece_number = piece.parent
@@ -1436,12 +1458,12 @@ class MemoryCurve:
         """The state in which the contact slides as a whole in one direction, +1 or -1, whatever was
         before: F is the Coulomb bound of that direction at all punches.
         """
-        bound = _bound(direction, self.friction, row)
+        bound = _coulomb_bound_of(direction, self.friction, row)
         piece_number = self.pieces.add(0, row.edge_s, row.edge_loads, bound.slopes)
         return Step(State(piece_number, direction), stick_edge_s=0.0, direction=direction)
 
 
-def _bound(direction: int, friction: float, row: Row) -> _Bound:
+def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
     """Coulomb bound of the locked-in tangential force in one direction of slip, at the end of a
     step.
     """
@@ -1477,10 +1499,12 @@ def _slip_direction_at_edge(
         excess of force that counts as 0
     """
     for piece_end in (outermost_piece, piece_below):
-        force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola
-        force_excess -= row.tangential_fourth * piece_end.fourth + piece_end.force
-        load_beyond = row.normal_load - piece_end.load - row.normal_curvature * piece_end.parabola
-        load_beyond -= row.normal_fourth * piece_end.fourth
+        force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola_load
+        force_excess -= row.tangential_fourth * piece_end.fourth_load + piece_end.force
+        load_beyond = (
+            row.normal_load - piece_end.load - row.normal_curvature * piece_end.parabola_load
+        )
+        load_beyond -= row.normal_fourth * piece_end.fourth_load
         if abs(force_excess) - friction * load_beyond > round_off:
             return 1 if force_excess > 0 else -1
     return 0
@@ -1619,7 +1643,8 @@ def _crossing_of_bound(
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
     fraction_of_piece = excess_below / (excess_below - excess_above)
     s = table.s_of_parabola_load(
-        piece_below.parabola + fraction_of_piece * (piece.parabola - piece_below.parabola)
+        piece_below.parabola_load
+        + fraction_of_piece * (piece.parabola_load - piece_below.parabola_load)
     )
     if not low_s < s < high_s:
         s = low_s + fraction_of_piece * (high_s - low_s)
@@ -1627,8 +1652,8 @@ def _crossing_of_bound(
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
     for _ in range(_MOST_NEWTON_STEPS):
         excess = excess_below + slope * (loads_at_s.load - piece_below.load)
-        excess += parabola_slope * (loads_at_s.parabola - piece_below.parabola)
-        excess += fourth_slope * (loads_at_s.fourth - piece_below.fourth)
+        excess += parabola_slope * (loads_at_s.parabola_load - piece_below.parabola_load)
+        excess += fourth_slope * (loads_at_s.fourth_load - piece_below.fourth_load)
         if abs(excess) <= round_off:
             break
         if excess * sign_of_rise > 0:

@@ -49,7 +49,7 @@ from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD
 from semi_analytic.corrected_memory import (
     UNLOADED,
     Curvatures,
-    Followed,
+    FollowedPath,
     MemoryCurve,
     Pieces,
     PunchTable,
@@ -57,7 +57,7 @@ from semi_analytic.corrected_memory import (
     State,
     Step,
     area_of_loop,
-    followed_of,
+    path_of_steps,
 )
 from semi_analytic.profiles import SymmetricContact
 
@@ -143,12 +143,14 @@ class Compliance(NamedTuple):
         stick_half_width = np.asarray(half_width, dtype=float)
         squared_width = stick_half_width**2
         face_curvature = self.curvatures.tangential
-        parabola = squared_width / (2 * self.unit_compliance)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        parabola_load = squared_width / (
+            2 * self.unit_compliance
+        )  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
         half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / stick_half_width)
         body_rate = (
             self.tangential
             + face_curvature * squared_width / 2
-            - face_curvature**2 * parabola * squared_width / 8
+            - face_curvature**2 * parabola_load * squared_width / 8
         )
         tilt_rate = self.tilts[1] * np.asarray(normal_load)
         return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
@@ -342,7 +344,8 @@ def loads_of_approach(
     Raises
     ------
     InputError
-        For an approach beyond the profile, or numbers of bodies without a mirror line.
+        For an approach that is never positive, goes beyond the profile, or falls while P grows; for
+        numbers of bodies without a mirror line.
     """
     curvatures = compliance.curvatures
     if curvatures.normal_under_shear or curvatures.tangential_under_pressure:
@@ -385,7 +388,7 @@ def _load_and_approach(
     add to the gap, c_n their compliance, k_n the spring.
     """
     normal_curvature = compliance.curvatures.normal
-    load = table.load(edge_s) / (1 - normal_curvature * table.parabola(edge_s))
+    load = table.load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
     punch_sums = [table.sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
     logarithm, parabola_logarithm, second_moment, parabola_second_moment = np.array(punch_sums).T
     gap_curvature = normal_curvature * load
@@ -442,14 +445,14 @@ def _table_of_approach(
 
 # ------------------------------------------------------------------------------------ step by step
 @dataclass(frozen=True, eq=False)
-class Driven:
+class DrivenPath:
     """Loads and gross sliding under the prescribed motion of the actuators of a rig.
 
     Attributes
     ----------
     time
         (n,) instants: those of the rows, and of the begin of each slide
-    followed
+    followed_path
         the memory curve under P(t) and Q(t), which are in it
     compliance
         of contact and rig
@@ -466,7 +469,7 @@ class Driven:
     """
 
     time: Array
-    followed: Followed
+    followed_path: FollowedPath
     compliance: Compliance
     slide: Array
     rigid_displacement: Array
@@ -477,19 +480,19 @@ class Driven:
     def displacement(self) -> Array:
         """U of the contact and the bodies, without the spring, (n,) [length]."""
         spring = self.compliance.tangential_spring
-        return np.asarray(self.actuator - spring * self.followed.tangential_load)
+        return np.asarray(self.actuator - spring * self.followed_path.tangential_load)
 
     @cached_property
     def slide_work(self) -> Array:
         """f P times the slide of the step that ends at each row, (n,) [energy / thickness]."""
-        load = self.followed.normal_load
+        load = self.followed_path.normal_load
         mean_load = (load + np.concatenate([load[:1], load[:-1]])) / 2
-        return np.asarray(self.followed.friction * mean_load * np.abs(self.slide))
+        return np.asarray(self.followed_path.friction * mean_load * np.abs(self.slide))
 
     @cached_property
     def slip_work(self) -> Array:
         """Friction work of partial slip of the same steps, (n,) [energy / thickness]."""
-        return self.compliance.unit_compliance * self.followed.step_work
+        return self.compliance.unit_compliance * self.followed_path.step_work
 
     def work(self, rows: slice) -> float:
         """Friction work of partial slip and of sliding in a cycle or the path [energy per
@@ -501,7 +504,7 @@ class Driven:
         """Closed integral of Q dU by straight steps, for the rows of a cycle: the second way to the
         work at constant P [energy per thickness].
         """
-        return area_of_loop(self.followed.tangential_load[rows], self.displacement[rows])
+        return area_of_loop(self.followed_path.tangential_load[rows], self.displacement[rows])
 
 
 def follow_actuator(
@@ -509,7 +512,7 @@ def follow_actuator(
     friction: float,
     compliance: Compliance,
     rows: ActuatorRows,
-) -> Driven:
+) -> DrivenPath:
     """Tangential load Q(t), partial slip and gross sliding of a contact in a rig that prescribes P
     and the displacement U_act(t) of an actuator, step by step from the unloaded state.
 
@@ -526,12 +529,13 @@ def follow_actuator(
     ...     displacement=np.array([0.0, 0.0, 10.0, 10.0]),
     ...     ends=(3,),
     ... )
-    >>> driven = follow_actuator(
+    >>> driven_path = follow_actuator(
     ...     table, 0.4, Compliance(unit_compliance=0.5, datum_length=50.0), rows
     ... )
-    >>> driven.followed.tangential_load.tolist()  # at rest, at the begin of the slide, sliding
+    >>> force = driven_path.followed_path.tangential_load
+    >>> force.tolist()  # at rest, at the begin of the slide, sliding
     [0.0, 0.0, 0.4, 0.4, 0.2]
-    >>> bool(driven.slide[-1] > 0)  # P falls while U rests: the bodies slide on
+    >>> bool(driven_path.slide[-1] > 0)  # P falls while U rests: the bodies slide on
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
@@ -569,9 +573,9 @@ def follow_actuator(
             state = solved_step.step.state
             instant_before = part_end._replace(force=solved_step.row.tangential_load)
         index_of_row[k] = len(times) - 1
-    return Driven(
+    return DrivenPath(
         time=np.array(times),
-        followed=followed_of(memory, np.array(memory_rows).T, steps),
+        followed_path=path_of_steps(memory, np.array(memory_rows).T, steps),
         compliance=compliance,
         slide=np.array(slides),
         rigid_displacement=np.array(free_displacements),
@@ -642,8 +646,8 @@ class _Stepper:
             tangential_fourth=0.0,
             edge_s=edge_s,
             edge_load=edge_loads.load,
-            edge_parabola=edge_loads.parabola,
-            edge_fourth=edge_loads.fourth,
+            edge_parabola_load=edge_loads.parabola_load,
+            edge_fourth_load=edge_loads.fourth_load,
         )
 
     def ends_of_parts(

@@ -522,7 +522,9 @@ class Grid:
         all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
         return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
-    def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
+    def _step_to_loads(
+        self, load: float, force: float, strain: float, tilt: float
+    ) -> dict[str, Any]:
         """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
         the tilt alpha; the fields at its end, by their names in `Fields`.
 
@@ -536,7 +538,9 @@ class Grid:
         """
         displacement_by_strain: Array = -strain * self.x
         if load <= 0:
-            normal_solution, tangential_solution = self._separated(displacement_by_strain)
+            normal_solution, tangential_solution = self._solution_without_contact(
+                displacement_by_strain
+            )
         elif not self.dundurs:
             if (load, tilt) not in self._normal_by_load:
                 self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
@@ -580,7 +584,7 @@ class Grid:
         self._last_fields = fields
         return fields
 
-    def _separated(
+    def _solution_without_contact(
         self, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
         """Solution without contact, for all grids: no traction; U stays, and the faces move by the
@@ -666,7 +670,7 @@ class Grid:
         load, force, strain, tilt = loads.tolist()
         self.slip = np.stack([slip(x) for x in self.x])
         self._contact = self._solve_normal(load, tilt, self._height).contact
-        self._increment(load, force, strain, tilt)
+        self._step_to_loads(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> Fields:
         """Fields at the end of each of n increments, one to each row of `loads` (n, 4): P, Q, bulk
@@ -683,7 +687,7 @@ class Grid:
         fields_of_increments = []
         for load, force, strain, tilt in loads.tolist():
             try:
-                fields_of_increments.append(self._increment(load, force, strain, tilt))
+                fields_of_increments.append(self._step_to_loads(load, force, strain, tilt))
             except ArithmeticError as fault:
                 raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
         fields = {}
@@ -1236,7 +1240,7 @@ def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedOnGrids:
+class PathOnGrids:
     """Loads, edges, fields and friction work along a path that was followed on grids: n instants, k
     points; edges (n, 2), fields (n, k).
 
@@ -1300,7 +1304,7 @@ def cycles_needed(path: LoadPath, time: Array | None) -> int:
     return max(1, math.ceil((float(np.max(time)) - path.cycle_start) / path.period - 1e-9))
 
 
-def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
+def first_repeated_cycle(works: Sequence[float] | Array, share: float) -> int | None:
     """Index of the first cycle whose work is that of the one before, to a share of it; None where
     there is no such cycle.
     """
@@ -1372,7 +1376,7 @@ def follow_on_grid(
     x: Array,
     time: Array | None = None,
     request: GridRequest = GridRequest(),
-) -> FollowedOnGrids:
+) -> PathOnGrids:
     """Shear, slip and friction work of a load path with bulk stress and tilt, by cells from first
     touch, cycle by cycle until the friction work is steady to 1e-6; with their errors.
 
@@ -1440,7 +1444,7 @@ def follow_on_grid(
     errors = _errors_of_work(runs, density_of_grids, x)
     if request.pointwise and not runs.is_last_cycle_alone:
         errors |= _errors_of_fields(runs, friction_limit)
-    return FollowedOnGrids(
+    return PathOnGrids(
         time=runs.time,
         loads=fine_answers.loads,
         moment=contact.moment(contact_middle, half_width, load, tilt),
@@ -1452,10 +1456,10 @@ def follow_on_grid(
         shear=fields.shear,
         slip=fields.slip,
         state=fields.state,
-        works=runs.works_with_fine_last(),
+        works=runs.works_with_last_by_fine_grids(),
         loop_work=float(np.mean(fine_answers.work_of_loads)),
         unsteady_work=remainder_of(works_of_cycles.tolist()),
-        steady_from=first_repeat(works_of_cycles, STEADY),
+        steady_from=first_repeated_cycle(works_of_cycles, STEADY),
         steady_tolerance=STEADY,
         density=np.mean(density_of_grids, axis=0),
         permanent_stick_edges=fine_answers.permanent_stick_edges,
@@ -1539,7 +1543,7 @@ class _Runs:
         answers_of_all_cycles = self.first_answers if self.is_resumed else self.fine_answers
         return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
 
-    def works_with_fine_last(self) -> Array:
+    def works_with_last_by_fine_grids(self) -> Array:
         """Friction work of each cycle, (c,): that of the last by the fine grids in any case."""
         works_of_fine_grids = np.mean(self.fine_answers.works, axis=0)
         if not self.is_resumed:

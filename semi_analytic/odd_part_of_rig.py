@@ -25,7 +25,7 @@ from scenes import (
     Scene,
 )
 from scenes.array_types import Array
-from semi_analytic.driven import Driven
+from semi_analytic.driven import DrivenPath
 from semi_analytic.odd_memory import Declined, OddAnswer, odd_answer
 
 # Instants of a cycle from which harmonics are computed, and harmonics: twice as many change the
@@ -41,13 +41,14 @@ _LEAST_AMPLITUDE_SHARE = 1e-7
 
 
 def odd_answer_of_rig(
-    scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
+    scene: Scene, effects: BodyEffects, driven_path: DrivenPath, last_cycle: slice
 ) -> OddAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
     the second order in both, and the centres of contact and stick.
 
-    Rows are instants of the followed path, `last_cycle` those of the steady cycle. `driven` holds
-    the loads that follow from the prescribed displacements, `effects` tilt and strain per load.
+    Rows are instants of the followed path, `last_cycle` those of the steady cycle. `driven_path`
+    holds the loads that follow from the prescribed displacements, `effects` tilt and strain per
+    load.
 
     Raises
     ------
@@ -55,15 +56,15 @@ def odd_answer_of_rig(
         Where the second order does not hold for the loads, or these are constant; where the bodies
         slide as a whole, or part.
     """
-    if np.any(driven.followed.normal_load[last_cycle] <= 0):
+    if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
-    if np.any(driven.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide[last_cycle][1:] != 0):
         raise Declined("the bodies slide as a whole")
-    return odd_answer(loads_of_cycle(scene, driven, last_cycle), effects)
+    return odd_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
 
 
 def loads_of_cycle(
-    scene: Scene, driven: Driven, last_cycle: slice, most_steps: int = _MOST_STEPS
+    scene: Scene, driven_path: DrivenPath, last_cycle: slice, most_steps: int = _MOST_STEPS
 ) -> Scene:
     """The scene of a rig with displacements replaced by the loads P and Q of its last cycle, as a
     load path without rig.
@@ -73,7 +74,7 @@ def loads_of_cycle(
 
     Parameters
     ----------
-    driven, last_cycle
+    driven_path, last_cycle
         the followed path, and its rows (instants) in the last cycle
     most_steps
         largest number of straight steps
@@ -83,9 +84,9 @@ def loads_of_cycle(
     Declined
         Where P and Q are constant.
     """
-    normal_load = driven.followed.normal_load[last_cycle]
-    tangential_load = driven.followed.tangential_load[last_cycle]
-    time = driven.time[last_cycle]
+    normal_load = driven_path.followed_path.normal_load[last_cycle]
+    tangential_load = driven_path.followed_path.tangential_load[last_cycle]
+    time = driven_path.time[last_cycle]
     load_of_cycle: HarmonicLoad | PolygonLoad
     if np.ptp(normal_load) <= _EQUALITY_TOLERANCE * float(np.max(normal_load)):
         load_of_cycle = _polygon_of_turning_points(normal_load, tangential_load)

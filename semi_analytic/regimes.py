@@ -140,7 +140,7 @@ def fretting_map(
         dissipation[index_in_map] = history.work(rows_of_cycle)
         slide_distances[index_in_map] = sum(abs(slide.distance) for slide in slides_of_cycle)
         largest_forces[index_in_map] = np.max(
-            np.abs(history.followed.tangential_load[rows_of_cycle])
+            np.abs(history.followed_path.tangential_load[rows_of_cycle])
         )
     return FrettingMap(
         freeze(regimes, np.int8),

@@ -172,14 +172,14 @@ def _findings_on_grids(question: Question) -> Findings:
     of the steady cycle is taken from a method without grids where there is one.
     """
     from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
-        OF_WORK,
+        WORK_FIELDS,
         GridAnswer,
     )
 
     answer = GridAnswer(question)
-    fields_of_work = question.fields & (OF_WORK | {"loop_work"})
+    fields_of_work = question.fields & (WORK_FIELDS | {"loop_work"})
     steady_cycle = None
-    if answer.followed.steady_from is not None and fields_of_work:
+    if answer.path_on_grids.steady_from is not None and fields_of_work:
         steady_cycle = _findings_of_steady_cycle(
             replace(question, fields=fields_of_work, x=answer.x, time=None, cycles="steady")
         )

@@ -105,7 +105,7 @@ class Ellipses:
         """The ellipses with the given numbers, a slice or a mask, as numpy selects `members`."""
         return Ellipses(**{name: values[members] for name, values in vars(self).items()})
 
-    def over(self, unit: Array) -> Ellipses:
+    def divided_by(self, unit: Array) -> Ellipses:
         """The ellipses with every load divided by a unit of force per thickness, (m,)."""
         loads = {
             name: vars(self)[name] / unit
@@ -202,7 +202,7 @@ def ellipses_of(
     )
 
 
-def slip_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
+def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
     """Three values at angles `s` [rad] in one phase of slip: rate of (+-Q - f P)/f per rad, load
     P - P_c of the slip zones, and normal load P, shape of `s`.
 
@@ -367,7 +367,7 @@ def _work_density_of_phases(
             cuts[ellipse_of_piece, cut_number + 1],
             node_stride,
         )
-        rate, slip_zone_load, load = slip_in_phase(
+        rate, slip_zone_load, load = rate_and_loads_in_phase(
             PHASES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
         )
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
@@ -601,7 +601,7 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     return relative_error * np.abs(work) + least_slip * least_slip
 
 
-def digits_of_loop(ellipses: Ellipses) -> Array:
+def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     """Upper bound of the relative error of the friction work W of each load loop, (m,), by the last
     digits of its loads and phase alone.
 
@@ -651,7 +651,7 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
 # Share of the mean load below which a load at the stick edge is taken for that share: W changes by
 # 1e-13 of A f^2 P0^2. Octaves by which tables of ln a differ, so that the next block or call finds
 # its own.
-LEAST_LOAD = 2.0**-48
+LEAST_LOAD_SHARE = 2.0**-48
 _OCTAVES_OF_TABLE_STEP = 8
 # Nothing that rounds differently leaves a table.
 _ROUNDING_MARGIN = 1e-12
@@ -666,9 +666,9 @@ def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, i
     mean count as that.
     """
     largest_load = (ellipses.mean_load + ellipses.load_amplitude) * (1 + _ROUNDING_MARGIN)
-    least_load = np.maximum(ellipses.permanent_stick_load, LEAST_LOAD * ellipses.mean_load) * (
-        1 - _ROUNDING_MARGIN
-    )
+    least_load = np.maximum(
+        ellipses.permanent_stick_load, LEAST_LOAD_SHARE * ellipses.mean_load
+    ) * (1 - _ROUNDING_MARGIN)
     step_of_largest_load = (np.frexp(largest_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     step_of_least_load = (np.frexp(least_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     for last_step in np.unique(step_of_largest_load).tolist():
@@ -809,8 +809,10 @@ def _work_over_phases(
         rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASES):
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-            rate[:, columns], slip_zone_load[:, columns], load[:, columns] = slip_in_phase(
-                name, ellipses.take(ellipse_of_piece[columns]), angle_in_phase[:, columns]
+            rate[:, columns], slip_zone_load[:, columns], load[:, columns] = (
+                rate_and_loads_in_phase(
+                    name, ellipses.take(ellipse_of_piece[columns]), angle_in_phase[:, columns]
+                )
             )
         return rate * kernel(load, np.minimum(slip_zone_load, load))
 
@@ -1167,7 +1169,7 @@ class LogHalfWidth:
         self._last_v = series.edges[1:] - corner_coordinates[corner_number]
         self.series_ends = (self._corner_load + np.square(self._first_v))[1:]
 
-    def _at(self, series_number: Indices, v: Array) -> Array:
+    def _values_of_series(self, series_number: Indices, v: Array) -> Array:
         """L = ln a by the polynomials of the given numbers at v = sqrt(P - P_b), shape of v; P_b is
         the load of the corner below each.
         """
@@ -1180,7 +1182,7 @@ class LogHalfWidth:
     def __call__(self, load: Array) -> Array:
         """L = ln a at loads (nodes, n); the loads of a column lie in one polynomial."""
         series_number = np.searchsorted(self.series_ends, load[len(load) // 2])
-        return self._at(
+        return self._values_of_series(
             series_number, np.sqrt(np.maximum(load - self._corner_load[series_number], 0.0))
         )
 
@@ -1196,7 +1198,7 @@ class LogHalfWidth:
         series_number = np.searchsorted(self.series_ends, stick_edge_load)
         last_series_number = np.searchsorted(self.series_ends, load)
         v = np.sqrt(np.maximum(stick_edge_load - self._corner_load[series_number], 0.0))
-        log_at_stick_edge = self._at(series_number, v)
+        log_at_stick_edge = self._values_of_series(series_number, v)
         integral = np.zeros(load.shape)
         remaining_load = slip_zone_load
         for _ in range(int(np.max(last_series_number - series_number, initial=0)) + 1):
@@ -1209,7 +1211,8 @@ class LogHalfWidth:
             step_of_v = load_rise / np.maximum(v + np.sqrt(v * v + load_rise), 1e-300)
             v_at_nodes = v[..., None] + step_of_v[..., None] * nodes
             log_excess_at_nodes = (
-                self._at(series_number[..., None], v_at_nodes) - log_at_stick_edge[..., None]
+                self._values_of_series(series_number[..., None], v_at_nodes)
+                - log_at_stick_edge[..., None]
             )
             integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
             remaining_load = remaining_load - load_rise
@@ -1233,7 +1236,7 @@ def _cached_log_half_width(
 _NODES_AT_ONCE = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
 _NODE_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
-_RULES = (*(gauss(count) for count in _NODE_COUNTS), graded(0.0, 1.0))
+_LAM_RULES = (*(gauss(count) for count in _NODE_COUNTS), graded(0.0, 1.0))
 _LEAST_HALF_SUMS = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
 
 
@@ -1266,11 +1269,11 @@ def works_by_lam(
     order_by_kind = np.argsort(kind_of_ellipse, kind="stable")
     parameters_by_kind = _phase_parameters(ellipses, least_share).take(order_by_kind, axis=1)
     sums = np.empty((3, len(order_by_kind)))
-    ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_RULES)))
+    ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES)))
     # Used again and again: what is allocated once stays in the cache.
-    memory = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_RULES[-1][0])))
+    memory = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_LAM_RULES[-1][0])))
     for kind_number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
-        ellipses_at_once = max(_NODES_AT_ONCE // len(_RULES[kind_number // 2][0]), 64)
+        ellipses_at_once = max(_NODES_AT_ONCE // len(_LAM_RULES[kind_number // 2][0]), 64)
         for begin in range(
             ends_of_kinds[kind_number - 1] if kind_number else 0,
             ends_of_kinds[kind_number],
@@ -1279,7 +1282,10 @@ def works_by_lam(
             block = slice(begin, min(begin + ellipses_at_once, ends_of_kinds[kind_number]))
             lam_kernel = careful_kernel if kind_number % 2 else quick_kernel
             sums[:, order_by_kind[block]] = phase_integrals(
-                parameters_by_kind[:, block], _RULES[kind_number // 2], lam_kernel, memory
+                parameters_by_kind[:, block],
+                _LAM_RULES[kind_number // 2],
+                lam_kernel,
+                memory,
             )
     integral_of_reverse, integral_later, integral_early = 2 * sums
     twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
@@ -1340,7 +1346,7 @@ def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Arra
 
 
 def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
-    """Number in `_RULES` of the Gauss rule with the fewest nodes that is good enough for the
+    """Number in `_LAM_RULES` of the Gauss rule with the fewest nodes that is good enough for the
     friction work of each ellipse, (m,); of the graded rule, the last, where none is.
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
@@ -1558,7 +1564,7 @@ _CHEBYSHEV_POWERS = [
     np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, _POWER_COUNT - 1 - k))
     for k, row in enumerate(np.eye(_POWER_COUNT))
 ]
-_TO_POWERS = 2.0 ** np.arange(_POWER_COUNT)[:, None] * (
+_VALUES_TO_POWERS = 2.0 ** np.arange(_POWER_COUNT)[:, None] * (
     np.transpose(_CHEBYSHEV_POWERS)
     @ np.linalg.inv(chebyshev.chebvander(_CHEBYSHEV_POINTS, 11))[:_POWER_COUNT]
 )
@@ -1610,9 +1616,9 @@ class LamTable:
             )
         self.largest_log_half_width = float(np.max(log_half_width))
         # coefficients (powers, cells)
-        self._integral_of_log = _TO_POWERS @ integral_of_log.T
-        self._log_half_width = _TO_POWERS @ log_half_width.T
-        self._slope_of_log = _TO_POWERS @ slope_of_log.T
+        self._integral_of_log = _VALUES_TO_POWERS @ integral_of_log.T
+        self._log_half_width = _VALUES_TO_POWERS @ log_half_width.T
+        self._slope_of_log = _VALUES_TO_POWERS @ slope_of_log.T
 
     def _cell_and_position(self, load: Array) -> tuple[NDArray[np.int64], Array]:
         """Number of the table's cell in which each load lies, and its position from -1/2 to 1/2 in

@@ -30,7 +30,7 @@ from scenes import (
     rig_names,
 )
 from semi_analytic.answer_of_rig import RiggedScene, rigged_scene
-from semi_analytic.driven import ActuatorRows, Driven
+from semi_analytic.driven import ActuatorRows, DrivenPath
 
 MESH = MeshSettings.coarse()
 SPRING = 4e-5
@@ -250,7 +250,7 @@ OUT_OF_PHASE = EllipseLoad(
 )
 
 
-def driven_as(found: FiniteElementSolution, contact: RiggedScene) -> Driven:
+def driven_as(found: FiniteElementSolution, contact: RiggedScene) -> DrivenPath:
     """Theory under the displacements and normal loads that finite elements found; its Q is theirs,
     to 2e-3 of the range in the last cycle.
     """
@@ -258,7 +258,7 @@ def driven_as(found: FiniteElementSolution, contact: RiggedScene) -> Driven:
     ends = (int(cycle[0]), int(cycle[-1]))
     rows = ActuatorRows(found.time, found.normal_load, found.tangential_displacement, ends)
     driven = contact.follow_rows(rows)
-    force = np.interp(found.time, driven.time, driven.followed.tangential_load)[cycle]
+    force = np.interp(found.time, driven.time, driven.followed_path.tangential_load)[cycle]
     expected = found.tangential_load[cycle]
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)
     return driven

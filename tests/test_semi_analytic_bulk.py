@@ -35,7 +35,12 @@ from scenes import (
 )
 from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
-from semi_analytic.bulk_and_tilt import PathLoads, one_curve, path_loads_and_contact, strain_of
+from semi_analytic.bulk_and_tilt import (
+    PathLoads,
+    one_curve,
+    path_loads_and_contact,
+    strain_per_stress_of,
+)
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.grid import GridRequest, follow_on_grid, remainder_of
@@ -1183,7 +1188,7 @@ def on_grids(scene, x, time=None, **options):
         convex_profile(scene.profile), 2 / composite_modulus(scene.material), 0.0, 0.0, most
     )
     contact = TiltedProfile(intervals, scene.profile.datum_length)
-    loads = PathLoads(path, strain_of(scene.material), contact)
+    loads = PathLoads(path, strain_per_stress_of(scene.material), contact)
     return follow_on_grid(
         loads,
         contact,

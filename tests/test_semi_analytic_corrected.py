@@ -614,8 +614,8 @@ def test_the_second_moment_of_pressure_bends_the_gap() -> None:
     table = corrected_memory.PunchTable(contact, modulus, 1.2)
     rows = np.array([0.0, 0.5, 1.0])
     bends = corrected_memory.Curvatures(normal_mixed=0.1)
-    followed = corrected_memory.follow(table, 1.0, rows, 0 * rows, bends)
-    square = table.half_width(followed.edge_s) ** 2
+    followed_path = corrected_memory.follow(table, 1.0, rows, 0 * rows, bends)
+    square = table.half_width(followed_path.edge_s) ** 2
     assert square == pytest.approx(rows / (1 + 2 * 0.1 * rows * square / 4), rel=1e-8)
 
 
@@ -654,12 +654,12 @@ def test_a_parabola_of_the_next_order_moves_no_work_at_constant_load() -> None:
 
 
 def test_a_planted_fault_of_the_next_order_is_seen() -> None:
-    right = corrected_memory.PunchTable.fourth
+    right = corrected_memory.PunchTable.fourth_load
 
     def wrong(table: corrected_memory.PunchTable, s: np.ndarray) -> np.ndarray:
         return 2 * right(table, s)
 
-    with mock.patch.object(corrected_memory.PunchTable, "fourth", wrong):
+    with mock.patch.object(corrected_memory.PunchTable, "fourth_load", wrong):
         by_bodies, by_profile = change_by_quartic()
     assert abs(by_bodies / by_profile - 1) > 0.5
 
@@ -768,15 +768,15 @@ def test_brute_force_finds_a_planted_fault(method, fault, history, bend) -> None
 def test_the_loop_finds_a_moment_that_is_dropped(moment: str) -> None:
     """T q_2/2 of U and of the approach, N p_2/2, T_4 q_4/24."""
 
-    def nothing(followed: corrected_memory.Followed) -> np.ndarray:
-        return 0 * followed.normal_load
+    def nothing(followed_path: corrected_memory.FollowedPath) -> np.ndarray:
+        return 0 * followed_path.normal_load
 
     effects = {
         "shear_second_moment": ALL_BENDS,
         "pressure_second_moment": BENDS["normal under shear"],
         "shear_fourth_moment": NEXT_ORDER,
     }[moment]
-    with mock.patch.object(corrected_memory.Followed, moment, property(nothing)):
+    with mock.patch.object(corrected_memory.FollowedPath, moment, property(nothing)):
         solution = semi_analytic.solve(
             scene_of("paper"), cycles="steady", fields="loop_work", effects=effects
         )

@@ -35,7 +35,7 @@ from semi_analytic.corrected_memory import PunchTable, area_of_loop
 from semi_analytic.driven import (
     ActuatorRows,
     Compliance,
-    Driven,
+    DrivenPath,
     actuator_rows,
     follow_actuator,
     loads_of_approach,
@@ -68,9 +68,9 @@ EFFECTS = BodyEffects(
 )
 
 
-def followed(
+def followed_path(
     points: list[tuple[float, float]], spring: float = 0.0, steps: int = 1, friction: float = 0.4
-) -> Driven:
+) -> DrivenPath:
     """The path through points (P, U_act) from (0, 0), `steps` straight steps to each."""
     corners = np.array([(0.0, 0.0), *points])
     time = np.linspace(0.0, len(points), steps * len(points) + 1)
@@ -83,7 +83,7 @@ def followed(
     return follow_actuator(table, friction, compliance, rows)
 
 
-def since(result: Driven, time: float) -> slice:
+def since(result: DrivenPath, time: float) -> slice:
     """The rows from an instant on."""
     return slice(int(np.argmin(np.abs(result.time - time))), None)
 
@@ -92,7 +92,7 @@ def since(result: Driven, time: float) -> slice:
 def check_gross_cycle(spring: float) -> None:
     """W = 4 f P (U_m - U_s) + limit loop, of the contact, whatever the spring."""
     stroke = 3 * AT_LIMIT + spring * FRICTION
-    result = followed([(1.0, 0.0), (1.0, stroke), (1.0, -stroke), (1.0, stroke)], spring)
+    result = followed_path([(1.0, 0.0), (1.0, stroke), (1.0, -stroke), (1.0, stroke)], spring)
     cycle = since(result, 2.0)
     expected = 4 * FRICTION * 2 * AT_LIMIT + LIMIT_LOOP
     assert result.work(cycle) == pytest.approx(expected, rel=1e-9)
@@ -106,37 +106,39 @@ def test_first_loading_follows_cattaneo_and_mindlin() -> None:
         FRICTION * (math.log(2 * DATUM) + 0.5)
         - (FRICTION - force) * (np.log(2 * DATUM / stick) + 0.5)
     )
-    result = followed([(1.0, 0.0), *((1.0, float(way)) for way in displacement)])
-    assert result.followed.tangential_load[2:] == pytest.approx(force, abs=1e-11)
+    result = followed_path([(1.0, 0.0), *((1.0, float(way)) for way in displacement)])
+    assert result.followed_path.tangential_load[2:] == pytest.approx(force, abs=1e-11)
 
 
 # ------------------------------------------------------------------------------ what P does besides
 def check_sliding_under_falling_load() -> None:
     """Q follows f P, and the bodies slide on in the direction of Q while U rests."""
-    result = followed([(1.0, 0.0), (1.0, 2 * AT_LIMIT), (0.25, 2 * AT_LIMIT)], steps=10)
+    result = followed_path([(1.0, 0.0), (1.0, 2 * AT_LIMIT), (0.25, 2 * AT_LIMIT)], steps=10)
     falling = since(result, 2.0)
-    load = result.followed.normal_load[falling]
-    assert result.followed.tangential_load[falling] == pytest.approx(FRICTION * load, rel=1e-12)
+    load = result.followed_path.normal_load[falling]
+    assert result.followed_path.tangential_load[falling] == pytest.approx(
+        FRICTION * load, rel=1e-12
+    )
     assert np.all(result.slide[falling] > 0)
 
 
 def check_nothing_is_remembered_through_separation() -> None:
     """Bodies that were sheared, parted and pressed together again carry no shear."""
-    result = followed(
+    result = followed_path(
         [(1.0, 0.0), (1.0, 0.8 * AT_LIMIT), (0.0, 0.8 * AT_LIMIT), (0.0, -1.0), (1.0, -1.0)]
     )
-    assert result.followed.tangential_load[-1] == pytest.approx(0.0, abs=1e-12)
-    again = followed([(1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
-    after = followed([(1.0, 0.5), (0.0, 0.0), (1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
-    expected = again.followed.tangential_load[-1]
-    assert after.followed.tangential_load[-1] == pytest.approx(expected, abs=1e-12)
+    assert result.followed_path.tangential_load[-1] == pytest.approx(0.0, abs=1e-12)
+    again = followed_path([(1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
+    after = followed_path([(1.0, 0.5), (0.0, 0.0), (1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
+    expected = again.followed_path.tangential_load[-1]
+    assert after.followed_path.tangential_load[-1] == pytest.approx(expected, abs=1e-12)
 
 
 def check_energy_from_rest_to_rest() -> None:
     """W is all work of P and Q, since no elastic energy is left in bodies that parted."""
     points = [(1.0, 0.0), (0.7, 3 * AT_LIMIT), (1.2, 2 * AT_LIMIT), (0.5, -AT_LIMIT), (0.0, 0.0)]
-    result = followed(points, steps=100)
-    load = result.followed.normal_load
+    result = followed_path(points, steps=100)
+    load = result.followed_path.normal_load
     half_width = np.sqrt(load)
     approach = UNIT * load * (np.log(2 * DATUM / np.where(load > 0, half_width, 1.0)) + 0.5)
     mean = (load[1:] + load[:-1]) / 2
@@ -149,7 +151,7 @@ def check_energy_from_rest_to_rest() -> None:
 def test_error_of_the_steps_falls_with_their_square_where_the_normal_load_varies() -> None:
     def work(steps: int) -> float:
         points = [(1.0, 0.0), (1.3, 0.8 * AT_LIMIT), (0.8, -0.5 * AT_LIMIT), (1.2, 0.0)]
-        return followed(points, steps=steps).work(slice(0, None))
+        return followed_path(points, steps=steps).work(slice(0, None))
 
     coarse, middle, fine = (work(steps) for steps in (5, 10, 20))
     assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.8)
