@@ -1319,8 +1319,8 @@ _TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
 class Step(NamedTuple):
-    """Memory at the end of a step, and the slip zones as in `Followed`: s of the stick edge and of
-    both ends of the inner zone, directions of slip.
+    """Memory at the end of a step, and its slip zones as in `FollowedPath`: s of the stick edge and
+    of both ends of the inner zone, directions of slip.
     """
 
     state: State
