@@ -261,8 +261,15 @@ def value_uncertainties(
         zone_by_nodes(run).in_unit(task.edge_unit),
         is_sharp=edges_are_sharp(scene, problem),
     )
+    # What the growth of elements leaves at ends that loads place is a share of all the contact.
+    is_by_slip = bool(np.isfinite(arrays["permanent_stick_uncertainty"]).all())
+    half_width = (
+        arrays["permanent_stick_half_width"]
+        if is_by_slip
+        else np.nanmax(arrays["contact_half_width"])
+    )
     estimates["permanent_stick_half_width"] = of_stick_zone + float(
-        uncertainty_by_growth(arrays["permanent_stick_half_width"], task.mesh.growth)
+        uncertainty_by_growth(half_width, task.mesh.growth)
     )
     return estimates
 

@@ -62,16 +62,16 @@ _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
 # loads, is uncertain: 0.004 in the median and 0.02 at most of zones on the default mesh. Twice as
-# much of a zone that is 26 such distances wide. Random half-planes, seeds 301 to 303 and 310.
-_PLACED = 0.016
+# much of a zone that is 26 such distances wide. Random half-planes, seeds 284 to 286, 401 to 403.
+_PLACED = 0.0125
 _NARROW = 26.0
 # Shares of that distance by which an edge of contact or stick on its way is uncertain: one always;
-# one by how unevenly the load takes it on; one of stick edges over the nodes that it has passed
-# since slip began. It errs by 0.005 in the median on the default mesh, by 0.012 on the coarse one.
-# Random half-planes, seeds 301 to 303 and 310.
-_ON_ITS_WAY = 0.011
-_BY_UNEVENNESS = 0.24
-_BESIDE_ITS_START = 0.03
+# one by how unevenly the load takes it on; one of stick edges over the square of the nodes that it
+# has passed since slip began. It errs by 0.004 in the median on the default mesh, by 0.01 on the
+# coarse one, and by 0.3 beside the start of slip. The same seeds.
+_ON_ITS_WAY = 0.009
+_BY_UNEVENNESS = 0.22
+_BESIDE_ITS_START = 0.1
 # Closed nodes on its side of x = 0 below which no load places a contact edge.
 _CLOSED = 6
 # Load since an edge met each of three nodes behind the last one, less that of the last one, over
@@ -353,7 +353,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             if edge.is_moved:
                 _, pressure_rates, _, _ = by_load
                 unevenness = _unevenness(edge, last_closed, state.pressure, pressure_rates)
-                share = _ON_ITS_WAY + _BY_UNEVENNESS * unevenness
+                share = _ON_ITS_WAY + _BY_UNEVENNESS * float(np.max(np.abs(unevenness)))
                 edges.put(row, last_closed, edge, share)
     return edges
 
@@ -385,7 +385,10 @@ def stick_by_load(
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
             if edge.is_moved and _comes_to_limit(problem, before, state, edge):
-                share = _ON_ITS_WAY + _BY_UNEVENNESS * unevenness + _BESIDE_ITS_START / n_passed
+                by_unevenness = _BY_UNEVENNESS * float(np.max(np.abs(unevenness)))
+                by_late_start = _share_by_late_start(edge, unevenness)
+                share = _ON_ITS_WAY + max(by_unevenness, by_late_start)
+                share += _BESIDE_ITS_START / n_passed**2
                 edges.put(row, last_stuck, edge, share)
     return edges
 
@@ -443,9 +446,9 @@ def _behind_slip_zone(
 
 def _placed_by_load(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
-) -> tuple[Edge, float]:
+) -> tuple[Edge, Array]:
     """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
-    takes it on.
+    takes it on, by `_unevenness`.
     """
     node = last_stuck + side
     sense = int(slip_sign(state.state[node]))
@@ -458,15 +461,15 @@ def _placed_by_load(
     return edge, _unevenness(edge, last_stuck, to_limit, rates_to_limit)
 
 
-def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> float:
-    """How unevenly the load takes an edge on: 0 where it does so evenly, infinite where it does not
-    take it on at all.
+def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> Array:
+    """How unevenly the load takes an edge on, by three nodes behind it: 0 where it does so evenly,
+    infinite where it does not take it on at all.
 
     Force over rate of a node behind the edge is the load since an edge would have met it at this
     rate. While the load takes the edge on evenly, that of each node exceeds that of the last one by
     a known number of times the load between two nodes. Near the start of a loading, an older stick
     edge, a kink of the profile, or larger elements it does not. The logarithm of the ratio of both
-    tells, the largest of some nodes.
+    tells.
 
     Parameters
     ----------
@@ -476,13 +479,30 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
         (n,) nodal force that is zero at the edge, and its derivative by the load: the pressure at
         an edge of contact, f p - s q at one of stick
     """
-    if not edge.is_moved:
-        return math.inf
     even_loads = np.array(_LOADS_BEHIND[_is_corner(edge.interface, last_node)])
+    if not edge.is_moved:
+        return np.full(len(even_loads), math.inf)
     nodes = last_node - edge.side * np.arange(len(even_loads) + 1)
     loads = np.array([_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()])
     ratios = (loads[1:] - loads[0]) / (edge.load_between * even_loads)
-    return float(np.max(np.abs(np.log(np.maximum(ratios, _LEAST_SHARE)))))
+    return np.asarray(np.log(np.maximum(ratios, _LEAST_SHARE)))
+
+
+def _share_by_late_start(edge: Edge, unevenness: Array) -> float:
+    """How far a stick edge may be beyond its place, over the distance of both nodes, because its
+    first sliding node began to slide late: at the start of slip, or where the edge has jumped.
+
+    What the node has slipped then tells too little of the way from there. The nodes behind the edge
+    tell the load between both nodes without it, and what lacks of the Coulomb limit the way that is
+    left. The least of what they tell counts.
+
+    Parameters
+    ----------
+    unevenness
+        (3,) by the nodes behind
+    """
+    load_ratio = math.exp(-max(float(np.min(unevenness)), 0.0))
+    return (1 - edge.fraction_passed()) * (1 - load_ratio)
 
 
 class StickZone(NamedTuple):

@@ -58,7 +58,7 @@ _USUAL_FITTED_NODES = 16
 _MOST_FITTED_NODES = 100
 # Least uncertainty of the tension over f p0 and sqrt(r), r the spacing of the nodes over the
 # half-width: the error of single nodes that is left where all fits agree by chance.
-_LEAST_ERROR = 0.003
+_LEAST_ERROR = 0.002
 # Degree of the polynomial of p^2, by the fewest nodes that are fitted with it. On 11 profiles and
 # elements of a/160 the tension has an error of 1e-3 at most with the fourth degree; x^5.3 has 2e-2
 # with a parabola. Where fewer nodes are fitted, higher degrees follow the error of single ones.
@@ -116,14 +116,14 @@ _OTHER_FITS = (
 # has the larger error there.
 _FIT_WITHOUT_LIMIT = EdgeFit(largest_residual=math.inf)
 # Error of the tension over the mean of its changes by the other fits, in which a single poor fit
-# does not prevail: with the other terms it covers 98 of 100 on seeds 301 and 302 of
+# does not prevail: with the other terms it covers 98 of 100 on seeds 321, 286 and 401 to 403 of
 # benchmarks/covered.py values, both presets.
-_FACTOR_OF_OTHER_FITS = 1.6
+_FACTOR_OF_OTHER_FITS = 1.9
 # The same of a tabulated profile, whose curvature bends at every point of the table.
-_FACTOR_OF_OTHER_FITS_OF_TABLE = 3.0
+_FACTOR_OF_OTHER_FITS_OF_TABLE = 3.6
 # Error of the tension over that by the shear that the fit lacked: it may have its place elsewhere.
 # Fitted with the factors above.
-_FACTOR_OF_MISSING_SHEAR = 2.2
+_FACTOR_OF_MISSING_SHEAR = 1.1
 # Slip zones of so many nodes at most are narrow: there the tension follows the place of the stick
 # edge, which is moved by this many distances of nodes.
 _NODES_OF_NARROW_ZONE = 6

@@ -155,8 +155,8 @@ _ALONE = 0.75
 # Shares, for p and for q, of the norm of what stands off the line between neighbours that the norm
 # of the error is, each the largest of a cycle: 0.14 to 0.39 and 0.10 to 0.43 on seed 205, both
 # presets; of q up to 0.53 on seed 232, coarse.
-_PRESSURE_BY_NEIGHBOURS = 0.36
-_SHEAR_BY_NEIGHBOURS = 0.42
+_PRESSURE_BY_NEIGHBOURS = 0.39
+_SHEAR_BY_NEIGHBOURS = 0.46
 # Instants whose norms are taken together.
 _AT_ONCE = 256
 
