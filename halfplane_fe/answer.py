@@ -11,7 +11,6 @@ of (1 - nu^2)/E
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -39,11 +38,6 @@ from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
 _INSTANTS_PER_BLOCK = 256
-# Nodes inside each edge of contact whose shear tells whether the contact sticks in full: the mesh
-# spoils the outermost ones, and the ratio of q and p is smooth farther in. Share of f up to which
-# the ratio of their changes counts as less than f.
-_NODES_AT_EDGE = slice(2, 6)
-_LESS_THAN_F = 0.9
 # Range of slip of a node in the last cycle, over the largest, up to which it belongs to the
 # permanent stick zone that a path with bulk stress or tilt approaches. Slip grows as the distance d
 # from the stick edge to the power 3/2, so this costs d = 3e-4^(2/3), half a hundredth of the slip
@@ -146,7 +140,7 @@ def _edges_of_run(
     if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
         has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
     elif scene.material.alike:
-        has_no_slip_zone = _shear_grows_within_cone(run.states, scene.friction.coefficient)
+        has_no_slip_zone = np.concatenate(run.sticks_in_full)
     edges = _edges_in_blocks(
         problem,
         states,
@@ -247,35 +241,6 @@ def _grows_within_cone(loads: Array, friction: float) -> Mask:
     """
     rise_of_p, rise_of_q = np.diff(loads, axis=0, prepend=loads[:1]).T
     return np.asarray((rise_of_p > 0) & (np.abs(rise_of_q) <= friction * rise_of_p))
-
-
-def _shear_grows_within_cone(states: Sequence[InterfaceState], friction: float) -> Mask:
-    """Instants at which bodies of like materials stick in full, whatever was before, (n,).
-
-    Since the instant before, the shear of nodes at both edges of contact has changed by less than f
-    times what their pressure has grown by. The loads do not tell of real bodies: P alone shears two
-    shapes, and their size bends the ratio of shear and pressure. Nor do they where bulk stress or
-    tilt changes.
-
-    Parameters
-    ----------
-    states
-        (n,) of the contact, in order of time
-    friction
-        f
-    """
-    sticks_in_full = np.zeros(len(states), dtype=bool)
-    for instant, (before, after) in enumerate(itertools.pairwise(states), start=1):
-        closed_nodes = np.flatnonzero(before.is_closed & after.is_closed)
-        if len(closed_nodes) < 2 * _NODES_AT_EDGE.stop:
-            continue
-        nodes_at_edges = [closed_nodes[_NODES_AT_EDGE], closed_nodes[::-1][_NODES_AT_EDGE]]
-        at_edges = np.concatenate(nodes_at_edges)
-        rise_of_pressure = (after.pressure - before.pressure)[at_edges]
-        change_of_shear = np.abs(after.shear - before.shear)[at_edges]
-        is_within = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
-        sticks_in_full[instant] = is_within.all()
-    return sticks_in_full
 
 
 def _edges_in_blocks(

@@ -7,6 +7,7 @@ each of m. In each of them a node is open, sticks or slips: its node state.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -29,6 +30,11 @@ _LEAST_SPEED_SHARE = 1e-2
 _INCREMENTS_PER_BLOCK = 512
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
+# Nodes inside each edge of contact whose shear tells whether the contact sticks in full: the mesh
+# spoils the outermost ones, and the ratio of q and p is smooth farther in. Share of f up to which
+# the ratio of their changes counts as less than f.
+_NODES_AT_EDGE = slice(2, 6)
+_LESS_THAN_F = 0.9
 
 
 def reported_states(
@@ -224,6 +230,44 @@ def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
         travels[increment] += np.where(travel * travels[increment] > 0, travel, 0.0)
         travel = travels[increment]
     return travels
+
+
+def shear_grows_within_cone(
+    states: Sequence[InterfaceState], friction: float, *, is_half: bool
+) -> Mask:
+    """Instants at which bodies of like materials stick in full, whatever was before, (m + 1,).
+
+    Since the instant before, the shear of nodes at both edges of contact has changed by less than f
+    times what their pressure has grown by. The loads do not tell of real bodies: P alone shears two
+    shapes, and their size bends the ratio of shear and pressure. Nor do they where bulk stress or
+    tilt changes. At the first instant it is not known: False.
+
+    Parameters
+    ----------
+    states
+        the m + 1 contact states of the load path, in order of time, with pressure and shear
+    friction
+        f
+    is_half
+        whether the states are on the nodes at x >= 0 of a contact that is its own mirror image:
+        then one edge tells of both
+    """
+    sticks_in_full = np.zeros(len(states), dtype=bool)
+    for instant, (before, after) in enumerate(itertools.pairwise(states), start=1):
+        closed_nodes = np.flatnonzero(before.is_closed & after.is_closed)
+        n_closed = len(closed_nodes)
+        if is_half:
+            n_closed = 2 * n_closed - int(0 in closed_nodes)  # node 0 has no image
+        if n_closed < 2 * _NODES_AT_EDGE.stop:
+            continue
+        nodes_at_edges = closed_nodes[::-1][_NODES_AT_EDGE]
+        if not is_half:
+            nodes_at_edges = np.append(closed_nodes[_NODES_AT_EDGE], nodes_at_edges)
+        rise_of_pressure = (after.pressure - before.pressure)[nodes_at_edges]
+        change_of_shear = np.abs(after.shear - before.shear)[nodes_at_edges]
+        is_within = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
+        sticks_in_full[instant] = is_within.all()
+    return sticks_in_full
 
 
 def _gap_and_slip_from_middle(

@@ -32,10 +32,10 @@ from halfplane_fe.path import (
     straight,
     stretches,
 )
-from halfplane_fe.reported_states import slip_since_stop
+from halfplane_fe.reported_states import shear_grows_within_cone, slip_since_stop
 from halfplane_fe.stepping import Increment, StepTolerance, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
-from scenes.array_types import Array, Indices
+from scenes.array_types import Array, Indices, Mask
 
 Progress = Callable[[int, int | None, str], None]
 
@@ -240,6 +240,9 @@ class PathRun:
         by the load, of the first state and of each batch of increments
     slip_since_stop
         (n,) of each node at the last state, in one direction without a stop
+    sticks_in_full
+        by the shear at both edges of contact (`reported_states.shear_grows_within_cone`), of the
+        first state and of each batch of increments
     failure
         what stopped the run, or None
     """
@@ -257,6 +260,7 @@ class PathRun:
     contact_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
     stick_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
     slip_since_stop: Array | float = 0.0
+    sticks_in_full: list[Mask] = field(default_factory=lambda: [np.zeros(1, dtype=bool)])
     failure: ConvergenceError | Interrupted | None = None
     _thinning: _Thinning = field(default_factory=_Thinning)
     _first_of_stretch: int = 0
@@ -338,6 +342,10 @@ class PathRun:
         slip = np.diff([state.slip for state in states], axis=0)
         slides = slip * slip_sign(np.stack([state.state for state in states[1:]])) > 0
         slips_since_stop = slip_since_stop(np.where(slides, slip, 0.0), self.slip_since_stop)
+        x = problem.interface.x
+        sticks_in_full = shear_grows_within_cone(
+            states, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
+        )
         # All attributes at once: Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states[1:],
@@ -347,6 +355,7 @@ class PathRun:
             contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
             stick_edges=[*self.stick_edges, stick_by_load(problem, states, slips_since_stop)],
             slip_since_stop=slips_since_stop[-1],
+            sticks_in_full=[*self.sticks_in_full, sticks_in_full[1:]],
         )
 
     def end_stretches(self, last_states: list[int]) -> None:

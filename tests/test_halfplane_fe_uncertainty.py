@@ -18,14 +18,11 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
-from halfplane_fe.answer import (
-    _grows_within_cone,
-    _shear_grows_within_cone,
-    creeping_zone,
-)
+from halfplane_fe.answer import _grows_within_cone, creeping_zone
 from halfplane_fe.answer_uncertainty import _nodes_to_edge
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import Edges, edge_unit, uncertainty_at_jumps, uncertainty_by_growth
+from halfplane_fe.reported_states import shear_grows_within_cone
 from halfplane_fe.scales import COARSE_CYCLES
 from halfplane_fe.uncertainty import (
     RULES,
@@ -286,8 +283,16 @@ def test_bodies_stick_in_full_while_shear_at_both_edges_grows_less_than_f_times_
         )
     ]
     # nothing touches at first, and P falls at last
-    assert _shear_grows_within_cone(states, friction=0.31).tolist() == [False, False, True, False]
-    assert not _shear_grows_within_cone(states, friction=0.29).any()
+    sticks = [False, False, True, False]
+    assert shear_grows_within_cone(states, 0.31, is_half=False).tolist() == sticks
+    assert not shear_grows_within_cone(states, 0.29, is_half=False).any()
+    # on the right half alone its edge tells of both: there the ratio is the larger one
+    right_half = [
+        SimpleNamespace(**{name: values[20:] for name, values in vars(state).items()})
+        for state in states
+    ]
+    assert shear_grows_within_cone(right_half, 0.31, is_half=True).tolist() == sticks
+    assert not shear_grows_within_cone(right_half, 0.29, is_half=True).any()
 
 
 def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> None:
