@@ -63,7 +63,7 @@ _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
 # loads, is uncertain: 0.004 in the median and 0.02 at most of zones on the default mesh. Twice as
 # much of a zone that is 26 such distances wide. Random half-planes, seeds 284 to 286, 401 to 403.
-_PLACED = 0.0125
+_PLACED = 0.0145
 _NARROW = 26.0
 # Shares of that distance by which an edge of contact or stick on its way is uncertain: one always;
 # one by how unevenly the load takes it on; one of stick edges over the square of the nodes that it
