@@ -44,22 +44,22 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
     try:
         unmasked_values = np.asarray(np.ma.getdata(values))
     except (TypeError, ValueError, OverflowError) as reason:  # such as rows of unequal length
-        raise _refused(values, name, "an array of real numbers is needed") from reason
+        raise _refusal(values, name, "an array of real numbers is needed") from reason
     if unmasked_values.dtype.kind == "c":
-        raise _refused(values, name, "real numbers are needed, not complex ones")
+        raise _refusal(values, name, "real numbers are needed, not complex ones")
     if unmasked_values.dtype.kind == "O" and not any(
         isinstance(value, bool | np.bool_ | str | bytes) for value in unmasked_values.flat
     ):
         try:
             unmasked_values = unmasked_values.astype(float)
         except (TypeError, ValueError, OverflowError) as reason:
-            raise _refused(values, name, "real numbers are needed") from reason
+            raise _refusal(values, name, "real numbers are needed") from reason
     if unmasked_values.dtype.kind not in "iuf":
-        raise _refused(values, name, "real numbers are needed")
+        raise _refusal(values, name, "real numbers are needed")
     numbers = unmasked_values.astype(float, copy=False)
     mask = np.ma.getmask(values)
     return np.where(mask, np.nan, numbers) if np.any(mask) else numbers
 
 
-def _refused(values: Any, name: str, rule: str) -> InputError:
+def _refusal(values: Any, name: str, rule: str) -> InputError:
     return InputError(f"{name} = {shown(values)} is refused: {rule}")

@@ -42,7 +42,7 @@ class Materials(Frozen):
 
     @model_validator(mode="before")
     @classmethod
-    def _one_for_both(cls, keys: Any) -> Any:
+    def _table_of_both(cls, keys: Any) -> Any:
         if isinstance(keys, Elastic) or (
             isinstance(keys, dict) and not {"upper", "lower"} & keys.keys()
         ):
@@ -185,7 +185,7 @@ class TShape(_Sided):
         return Step(self.flange_height, self.stem_width / 2)
 
     @model_validator(mode="after")
-    def _stem_below_a_wider_flange(self) -> Self:
+    def _require_stem_below_flange(self) -> Self:
         """Refuse a T-shape whose stem is as wide as its flange, or whose flange is as high as the
         body (ValueError with what is allowed).
         """
@@ -233,7 +233,7 @@ class ShoulderedPad(_Sided):
         return Step(self.shoulder_depth, self.shoulder_width / 2)
 
     @model_validator(mode="after")
-    def _pad_on_a_wider_shoulder(self) -> Self:
+    def _require_pad_on_shoulder(self) -> Self:
         """Refuse a pad on a shoulder that is not wider than the pad, or that lies as deep below
         the contact as the base (ValueError with what is allowed).
         """
@@ -280,7 +280,7 @@ class Bodies(Frozen):
         return any(body.kind in (*_PADS, "cylinder") for body in (self.lower, self.upper))
 
     @model_validator(mode="after")
-    def _is_a_contact_problem(self) -> Self:
+    def _require_contact_problem(self) -> Self:
         """Refuse two bodies that make no contact problem (ValueError): a pad on another pad or a
         cylinder, since one profile cannot be the face of both; a pad wider than the body it faces.
         """

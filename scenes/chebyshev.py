@@ -202,7 +202,7 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     return sums.reshape(np.shape(t))
 
 
-def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
+def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     """Divided difference of a Chebyshev series F between two places, (F(t) - F(t_before)) /
     (t - t_before), without cancellation however close they are.
 
@@ -219,7 +219,9 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
 
     Examples
     --------
-    >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
+    >>> float(
+    ...     divided_difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3))
+    ... )  # T_2' = 4 t
     1.2
     """
     sum_of_places = t + t_before
@@ -229,16 +231,16 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     d_k = ones  # D_1
     t_k_before = ones  # T_0
     t_k = t_before * ones  # T_1
-    divided_difference = 0.0 * ones
+    quotient = 0.0 * ones
     for coefficient in coefficients[1:].tolist():
-        divided_difference = divided_difference + coefficient * d_k
+        quotient = quotient + coefficient * d_k
         d_next = 2 * (t * d_k + t_k) - d_before
         t_k_next = 2 * t_before * t_k - t_k_before
         d_before = d_k
         d_k = d_next
         t_k_before = t_k
         t_k = t_k_next
-    return divided_difference
+    return quotient
 
 
 def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
@@ -264,13 +266,13 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
         Where halving does not help: noise, a pole, a function that is too rough.
     """
     first_edges = np.asarray(edges, dtype=float)
-    pieces = halved(function, first_edges, scale)
+    pieces = fitted_by_halving(function, first_edges, scale)
     runs_at_corners = _runs_of_short_pieces(pieces, first_edges)
     if not runs_at_corners:
         return pieces
-    corners = [_corner(function, pieces, run) for run in runs_at_corners]
+    corners = [_place_of_corner(function, pieces, run) for run in runs_at_corners]
     edges_with_corners = np.union1d(first_edges, corners)
-    pieces = halved(function, edges_with_corners, scale)
+    pieces = fitted_by_halving(function, edges_with_corners, scale)
     runs_at_corners = _runs_of_short_pieces(pieces, edges_with_corners)
     if runs_at_corners:
         first_run_begin, first_run_end = runs_at_corners[0]
@@ -287,7 +289,7 @@ class Unresolved(ValueError):
         super().__init__(f"too rough between {low:.6g} and {high:.6g}")
 
 
-def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
+def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
     """Approximate a function by a piecewise Chebyshev series: intervals whose series is not yet
     accurate to round-off are halved, all of them in each turn, until none is left.
 
@@ -388,7 +390,7 @@ def _runs_of_short_pieces(pieces: Pieces, first_edges: Array) -> list[tuple[int,
     return list(zip(run_begins.tolist(), run_ends.tolist(), strict=True))
 
 
-def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
+def _place_of_corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     """Place of a corner (jump of the slope) of a function, within a run of very short intervals
     that halving has left next to it.
 
@@ -437,7 +439,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     )
 
 
-def values_of(function: Any) -> Callable[[Array], Array]:
+def function_of_arrays(function: Any) -> Callable[[Array], Array]:
     """Make a user's `function` of one variable take arrays: the returned function maps places x of
     any shape to values of the same shape.
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import unicodedata
 
-# Compared by `plain`: without case, accents, blanks and what stands in brackets. Languages stand in
-# the order English, German, French, Italian, Spanish; no word has two meanings in them.
+# Compared by `normalised_name`: without case, accents, blanks and what stands in brackets.
+# Languages stand in the order English, German, French, Italian, Spanish; no word has two meanings
+# in them.
 ALIASES: dict[str, tuple[str, ...]] = {
     "time": (
         "time",
@@ -206,16 +207,20 @@ def aliases_of(column: str) -> tuple[str, ...]:
     return (column, *ALIASES[_OF_SCENES.get(column, column)])
 
 
-def plain(name: str) -> str:
+def normalised_name(name: str) -> str:
     """The name of a column up to its first "[" or "(", where a unit begins, reduced to lower-case
     letters and digits, so that spellings of one name compare equal.
 
     Accents, blanks, underscores and other signs go. A single letter keeps its case: P is a load and
     p a pressure. A colon stays: "points:0" is a name of x.
 
-    >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
+    >>> (
+    ...     normalised_name(" Contact_Pressure [MPa]"),
+    ...     normalised_name("CSHEAR1 (top)"),
+    ...     normalised_name("P [N/mm]"),
+    ... )
     ('contactpressure', 'cshear1', 'P')
-    >>> plain("Déplacement (mm)"), plain("Höhe")
+    >>> normalised_name("Déplacement (mm)"), normalised_name("Höhe")
     ('deplacement', 'hohe')
     """
     name_before_unit = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]

@@ -227,7 +227,7 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     while a library unpacks a file that somebody else has made (POSIX only).
 
     A terabyte of zeros is a megabyte when compressed, and shows its size only while it is unpacked.
-    With the limit the allocation fails, not the machine.
+    With the limit the allocation fails, not the machine. Systems without such limits have none.
 
     Raises
     ------
@@ -352,10 +352,10 @@ def toml_text(keys: Mapping[str, Any]) -> str:
     kind = "polygon"
     <BLANKLINE>
     """
-    return "\n".join(_lines(keys, "")).lstrip("\n") + "\n"
+    return "\n".join(_toml_lines(keys, "")).lstrip("\n") + "\n"
 
 
-def _lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
+def _toml_lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
     """Lines of a TOML file for a table of keys: first the keys with plain values, then the tables
     in it, each under a heading [name] or, for a list of tables, [[name]].
 
@@ -377,7 +377,7 @@ def _lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
                 yield from ("", f"[[{heading_begin}{key}]]")
             elif not table or not all(map(_is_table, table.values())):
                 yield from ("", f"[{heading_begin}{key}]")
-            yield from _lines(table, f"{heading_begin}{key}.")
+            yield from _toml_lines(table, f"{heading_begin}{key}.")
 
 
 def _is_table(value: Any) -> bool:

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, Unresolved, fit, series, values_of
-from scenes.column_names import aliases_of, plain
+from scenes.chebyshev import NODES, Unresolved, fit, function_of_arrays, series
+from scenes.column_names import aliases_of, normalised_name
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
 from scenes.measured import (
@@ -986,9 +986,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         missing_names = set(fault.columns)
         if missing_names == set(self.column_kinds):
             return ""
-        headings_of_displacement = {plain(alias) for alias in aliases_of("U")}
+        headings_of_displacement = {normalised_name(alias) for alias in aliases_of("U")}
         has_displacement = any(
-            plain(heading) in headings_of_displacement for heading in fault.headings
+            normalised_name(heading) in headings_of_displacement for heading in fault.headings
         )
         proposals = []
         if "time" in missing_names:
@@ -1321,13 +1321,13 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             For a function that is not finite, or too rough for its series.
         """
         functions = {
-            "normal_load": values_of(self.normal_load),
-            "tangential_load": values_of(self.tangential_load),
+            "normal_load": function_of_arrays(self.normal_load),
+            "tangential_load": function_of_arrays(self.tangential_load),
         }
         for key in BULK_AND_TILT_KEYS:
             key_value = getattr(self, key)
             if callable(key_value):
-                functions[key] = values_of(key_value)
+                functions[key] = function_of_arrays(key_value)
         sample_times = np.linspace(0, self.duration, 65)
         for name, function in functions.items():
             is_not_finite = ~np.isfinite(function(sample_times))
@@ -1385,7 +1385,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
         def function_of(key_value: Any) -> Callable[[Any], Any]:
             if callable(key_value):
-                return values_of(key_value)
+                return function_of_arrays(key_value)
             return lambda time: np.full(np.shape(time), key_value or 0.0)
 
         functions = [function_of(key_value) for key_value in pair]

@@ -129,10 +129,12 @@ def read_netcdf(
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
             _require_room(path, file)
-            attributes = {str(key): _plain(file.attrs[key]) for key in file.attrs}
+            attributes = {str(key): _single_value(file.attrs[key]) for key in file.attrs}
             _require_format(path, attributes, newest_format)
             _require_arrays(path, file, axes_of_arrays)
-            arrays = {str(name): _unpacked(variable) for name, variable in file.variables.items()}
+            arrays = {
+                str(name): _stored_array_of(variable) for name, variable in file.variables.items()
+            }
             _require_lengths(path, arrays)
             return StoredArrays(arrays, attributes)
     except InputError:
@@ -228,11 +230,11 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
                 )
 
 
-def _unpacked(variable: Any) -> StoredArray:
-    attributes = {str(key): _plain(variable.attrs[key]) for key in variable.attrs}
+def _stored_array_of(variable: Any) -> StoredArray:
+    attributes = {str(key): _single_value(variable.attrs[key]) for key in variable.attrs}
     return StoredArray(tuple(variable.dimensions), np.asarray(variable[...]), attributes)
 
 
-def _plain(value: Any) -> Any:
+def _single_value(value: Any) -> Any:
     """A number or a word in the place of an array of one."""
     return value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value

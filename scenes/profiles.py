@@ -34,7 +34,7 @@ from pydantic import (
 )
 
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, Unresolved, fit, values_of
+from scenes.chebyshev import Pieces, Unresolved, fit, function_of_arrays
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
@@ -552,7 +552,7 @@ class CallableProfile(Gap):
 
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
-        values_at = values_of(self.height_function or self.slope_function)
+        values_at = function_of_arrays(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
         edges = np.union1d(
             self.extent * 0.5 ** np.arange(_N_HALVINGS, -1.0, -1.0),

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from scenes.array_types import Array
-from scenes.chebyshev import difference
+from scenes.chebyshev import divided_difference
 from scenes.errors import NotFoundError
 
 Loads = tuple[Array, Array]
@@ -644,7 +644,7 @@ class HarmonicSegment(LoadSegment):
         cancellation over short times.
 
         But for its mean the combination is the real part of f(z) = sum c_k z^k at z = exp(i t).
-        Horner's scheme gives the divided difference (f(z) - f(z_0))/(z - z_0). The change is the
+        Horner's scheme gives the quotient (f(z) - f(z_0))/(z - z_0). The change is the
         real part of its product with z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
 
         Parameters
@@ -660,12 +660,12 @@ class HarmonicSegment(LoadSegment):
             return np.zeros(half_rotation.shape)
         z_middle = half_rotation * z_before  # exp(i (t + t_0)/2)
         z = half_rotation * z_middle
-        divided_difference: Any = highest_term
+        quotient: Any = highest_term
         sum_before: Any = highest_term * z_before + lower_terms[-1]
         for coefficient in reversed(lower_terms[:-1]):
-            divided_difference = divided_difference * z + sum_before
+            quotient = quotient * z + sum_before
             sum_before = sum_before * z_before + coefficient
-        change: Array = (divided_difference * z_middle * (2j * half_rotation.imag)).real
+        change: Array = (quotient * z_middle * (2j * half_rotation.imag)).real
         return change
 
     def _change_and_rate(
@@ -876,7 +876,7 @@ class ChebyshevSegment(LoadSegment):
         series, _ = self._series_of(combination)
         step = 2 * (t - t0) / (self.end - self.start)
         change: Array = np.multiply(
-            difference(series, self._series_variable(t), self._series_variable(t0)), step
+            divided_difference(series, self._series_variable(t), self._series_variable(t0)), step
         )
         return change
 

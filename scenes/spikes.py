@@ -23,7 +23,7 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """Indices (m,), ascending, of the rows of a measured trace h(x) that are spikes: their
     standardised residual from the cubic through their four neighbours is above `STANDS_OUT`.
 
-    None where they would be more than `LARGEST_FRACTION_OF_SPIKES` of the rows, or leave too few:
+    Empty where they would be more than `LARGEST_FRACTION_OF_SPIKES` of the rows, or leave too few:
     the noise is then not white. The largest spike is removed first, since it moves the cubics of
     its neighbours too. The three rows at either end share one cubic, so that all three are removed.
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
 from scenes.clock_times import WORDS, ClockColumn, is_clock_time
-from scenes.column_names import ALIASES, aliases_of, plain
+from scenes.column_names import ALIASES, aliases_of, normalised_name
 from scenes.errors import InputError, shown
 from scenes.files import TEXT, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
@@ -673,7 +673,7 @@ def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) ->
     most_cells_of_units = 0
     for _, text in lines:
         label, *cells = _cells(text, separator)
-        if not _WORDS_FOR_UNITS.search(plain(label).lower()) or not cells:
+        if not _WORDS_FOR_UNITS.search(normalised_name(label).lower()) or not cells:
             continue
         has_numbers = any(_is_number_or_time(cell, separator) for cell in cells)
         # Of several lines of units the one with most cells is taken.
@@ -730,8 +730,10 @@ def _time_column(
         return columns_read[request.quantities.index("time")]
     if request.quantities:
         return None
-    names_of_time = {plain(alias) for alias in ALIASES["time"]}
-    return next((k for k, heading in enumerate(headings) if plain(heading) in names_of_time), None)
+    names_of_time = {normalised_name(alias) for alias in ALIASES["time"]}
+    return next(
+        (k for k, heading in enumerate(headings) if normalised_name(heading) in names_of_time), None
+    )
 
 
 def _columns_of_quantities(
@@ -783,12 +785,12 @@ def _candidate_columns(
     spellings_of_headings = []  # for each heading, with and without its unit
     for heading in headings:
         texts = (heading, unit_in(heading)[0], name_without_unit(heading))
-        spellings_of_headings.append({plain(text).lower() for text in texts})
+        spellings_of_headings.append({normalised_name(text).lower() for text in texts})
     for alias in aliases_of(quantity):
         columns_of_alias = [
             k
             for k, spellings in enumerate(spellings_of_headings)
-            if plain(alias).lower() in spellings
+            if normalised_name(alias).lower() in spellings
         ]
         if columns_of_alias:
             return columns_of_alias

@@ -138,7 +138,7 @@ def unit_in(heading: str) -> tuple[str, str]:
     where the heading has none.
 
     A unit stands in brackets, behind a slash or "in", or as the last word. Brackets at the end may
-    hold any word.
+    hold any word; "-" and "1" in brackets are no unit.
 
     >>> (
     ...     unit_in("Normal force [kN]"),

@@ -70,6 +70,7 @@ from semi_analytic.load_series import (
     blocks,
     line_count_of,
     series_of,
+    share_of_largest_load,
     straight_series,
 )
 from semi_analytic.memory import (
@@ -632,15 +633,12 @@ class _SeriesSums:
         no_work = np.zeros(len(self.works))
         return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
 
-    def update_slip_zone_share(
-        self, block: StepBlock, part_number: int, largest_load: float
-    ) -> None:
-        """Raise the largest P - P_c over the `largest_load` P of a part of the path to that of a
-        block of it, where it is higher there.
+    def update_slip_zone_share(self, block: StepBlock, part_number: int, part: PathPart) -> None:
+        """Raise the largest P - P_c over the largest P of a `part` of the path to that of a block
+        of it, where it is higher there; `part_number` is the number of the part.
         """
-        self.slip_zone_shares[part_number] = max(
-            self.slip_zone_shares[part_number], block.largest_slip_zone_load / largest_load
-        )
+        share_of_block = share_of_largest_load(block.largest_slip_zone_load, part)
+        self.slip_zone_shares[part_number] = max(self.slip_zone_shares[part_number], share_of_block)
 
     def update_least_stick_load(self, block: StepBlock) -> None:
         """Lower the least load P_c at the stick edge of the last cycle to that of a block of load
@@ -693,7 +691,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         for first_row, block in blocks(part, friction, states.stores_curves):
             first_step = series.first_steps[part_number] + first_row
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
-            path_sums.update_slip_zone_share(block, part_number, part.largest_load)
+            path_sums.update_slip_zone_share(block, part_number, part)
             path_sums.count(block, wanted_integrals.count_per_record, pieces_before)
             pieces_before = line_count_of(block.curve)
             path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
@@ -737,12 +735,14 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopOfSeries | None:
     """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
-    added; None where it is not asked for or the cycle is not steady.
+    added; None where it is not asked for, the cycle is not steady or has no load.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
         return None
     last_cycle = series.parts[series.covered_parts[-1]]
+    if not last_cycle.largest_load > 0:
+        return None
     return LoopOfSeries(request.contact, request.modulus, series.friction, last_cycle.largest_load)
 
 

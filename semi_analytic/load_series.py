@@ -785,6 +785,12 @@ class PathPart(NamedTuple):
         return float(np.max(self.rows[:, 1]))
 
 
+def share_of_largest_load(load: float, part: PathPart) -> float:
+    """A load, such as P - P_c, over the largest P of a part of the path; 0 where it has no load."""
+    largest_load = part.largest_load
+    return load / largest_load if largest_load > 0 else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class LoadSeries:
     """A path of straight steps that has been followed.
@@ -1093,7 +1099,8 @@ def _follow_cycles(
             curve = block.curve
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # The less slips in a cycle, the closer its memory curves must agree.
-        tolerance = repeat_tolerance(largest_slip_zone_load / cycle.largest_load)
+        slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
+        tolerance = repeat_tolerance(slip_zone_share)
         if steady_from is None and _is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, halved
+from scenes.chebyshev import Pieces, fitted_by_halving
 from semi_analytic.quadrature import crowded_nodes, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -171,8 +171,8 @@ def _stick_zones(
 
     ends = np.array([0.0, largest_unloading])
     return (
-        halved(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
-        halved(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
+        fitted_by_halving(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
+        fitted_by_halving(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
     )
 
 

@@ -43,7 +43,7 @@ from scenes import (
     Wedge,
 )
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, halved, series
+from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, fitted_by_halving, series
 from scenes.profiles import place_of_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
@@ -1257,9 +1257,9 @@ def _series_behind_corner(
         max(_NEGLIGIBLE_OF_STIFFNESS, profile.rounding_of_height.stiffness),
     )
     try:
-        # `halved` resolves to 4e-15 of the scale that it is given.
+        # `fitted_by_halving` resolves to 4e-15 of the scale that it is given.
         load, stiffness = (
-            halved(
+            fitted_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
                 interval_ends,
                 negligible_shares[order] / 4e-15 * load_or_stiffness(places_of_scale, order),

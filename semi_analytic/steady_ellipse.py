@@ -53,7 +53,7 @@ from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
 from scenes.array_types import Array
-from scenes.chebyshev import Powers, halved
+from scenes.chebyshev import Powers, fitted_by_halving
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.quadrature import ROOTS, gauss, graded
@@ -1156,7 +1156,7 @@ class LogHalfWidth:
 
         octave_count = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
         octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-octave_count, 0)
-        series = halved(
+        series = fitted_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
             max(contact.noise / 4e-14, 1.0),

@@ -54,7 +54,7 @@ from numpy.typing import ArrayLike
 
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, Unresolved, halved
+from scenes.chebyshev import Pieces, Unresolved, fitted_by_halving
 from semi_analytic.quadrature import ROOTS, LogisticRule, crowded_nodes, gauss, graded, panel_nodes
 
 # Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
@@ -945,15 +945,15 @@ class NestedIntervals:
             Where no series represents them to round-off.
         """
         range_of_v = np.array([0.0, math.sqrt(upper_load - lower_load)])
-        # Length of which `halved` takes 4e-15 as negligible. Beside a flat the last digits of a
-        # contact are noise, as are those of a profile with noise.
+        # Length of which `fitted_by_halving` takes 4e-15 as negligible. Beside a flat the last
+        # digits of a contact are noise, as are those of a profile with noise.
         value_scale = 0.1 * self.shape.noise / 4e-15 * self.largest_half_width
         try:
             return (
-                halved(
+                fitted_by_halving(
                     lambda v: self.exact_contact(lower_load + v * v)[0], range_of_v, value_scale
                 ),
-                halved(
+                fitted_by_halving(
                     lambda v: self.exact_contact(lower_load + v * v)[1], range_of_v, value_scale
                 ),
             )

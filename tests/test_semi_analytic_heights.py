@@ -86,7 +86,7 @@ def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
         raise Unresolved(0.5, 1.0)
 
     profile = CallableProfile(height_function=SHAPES["arc"][0], extent=3.0)
-    monkeypatch.setattr(profiles, "halved", rough)
+    monkeypatch.setattr(profiles, "fitted_by_halving", rough)
     with pytest.raises(InputError, match="the function is too rough near x = 1"):
         slope_function(1.0, profile)
     with pytest.raises(ValueError, match="too rough"):

@@ -361,4 +361,22 @@ def test_a_long_series_answers_what_is_asked_and_nothing_else():
     assert any(f"{2201 - len(thinned.time)} were left out" in note for note in thinned.record.notes)
 
 
-# --------------------------------------------------------------------- memory at its own boundaries
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"kind": "time_series", "rows": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "repeats": False},
+        {
+            "kind": "polygon",
+            "initial_loading": [(1, 0), (0, 0)],
+            "cycle": [(0, 0)],
+            "times": [0, 1, 2, 3, 4],
+        },
+    ],
+    ids=["record", "cycle"],
+)
+def test_a_path_without_a_load_has_no_friction_work(load):
+    """A share of the largest P was a division by 0."""
+    answer = solve(load_scene("hertz-paper").vary(load=load))
+    assert answer.dissipation == 0
+    assert np.isnan(answer.loop_work)
+    assert not np.any(answer.pressure[answer.normal_load == 0])

@@ -19,7 +19,7 @@ import numpy as np
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.column_names import plain
+from scenes.column_names import normalised_name
 from scenes.errors import shown
 from scenes.files import TEXT, check_size
 
@@ -210,7 +210,7 @@ def _rows_of_nodes(
                 columns[quantity] = block.column(name)
         node_labels = np.arange(float(len(block.values)))
         for name in block.names:
-            if plain(name) == "nodelabel":
+            if normalised_name(name) == "nodelabel":
                 node_labels = block.column(name)
                 break
         table = pd.DataFrame(columns)

@@ -28,7 +28,7 @@ from reports.scoring.surface import (
 )
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.column_names import plain
+from scenes.column_names import normalised_name
 
 Integers = NDArray[np.int64]
 _FieldNames = dict[Quantity, str]
@@ -195,12 +195,12 @@ def _find_tractions(
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)
     for name, values in tensor_fields.items():
-        if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS):
+        if values.shape[1] >= 2 and normalised_name(name) in map(normalised_name, _VECTORS):
             field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
             source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
             return "vector", field_names, source_in_words
     for name, values in tensor_fields.items():
-        if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
+        if values.shape[1] >= 3 and normalised_name(name) in map(normalised_name, _STRESSES):
             place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
             field_names = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (

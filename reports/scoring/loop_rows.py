@@ -17,7 +17,7 @@ from reports.scoring.mapping import Mapping, converted, find_column, listed
 from reports.units import load_unit, units
 from scenes import InputError, Scene
 from scenes.array_types import Array
-from scenes.column_names import ALIASES, plain
+from scenes.column_names import ALIASES, normalised_name
 from scenes.measured import ReadAs, layout_in_words, unit_of_column
 from scenes.text_tables import TableKind, TextTable, text_table
 
@@ -154,7 +154,10 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     if has_two_nameless_columns and load_name is None and stated_displacement_name is not None:
         load_name = names[1 - names.index(stated_displacement_name)]
     known_names = [
-        name for alias in _DISPLACEMENT_NAMES for name in names if plain(name) == plain(alias)
+        name
+        for alias in _DISPLACEMENT_NAMES
+        for name in names
+        if normalised_name(name) == normalised_name(alias)
     ]
     displacement_name = stated_displacement_name or next(iter(known_names), None)
     if has_two_nameless_columns and displacement_name is None and load_name is not None:
@@ -252,7 +255,7 @@ def _column_of_loop(
 def _is_known_heading(heading: str) -> bool:
     """Whether a heading is one that a loop's table may have."""
     aliases = (*_DISPLACEMENT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
-    return plain(heading) in {plain(alias) for alias in aliases}
+    return normalised_name(heading) in {normalised_name(alias) for alias in aliases}
 
 
 def _takes_columns_by_number(mapping: Mapping) -> bool:

@@ -15,7 +15,7 @@ from pydantic import Field
 
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.column_names import ALIASES, plain
+from scenes.column_names import ALIASES, normalised_name
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked
 from scenes.uncertainty import Share, share_of
@@ -197,7 +197,7 @@ def find_column(
             )
         return stated_name
     for alias in ALIASES[quantity]:
-        matching_names = [name for name in names if plain(name) == plain(alias)]
+        matching_names = [name for name in names if normalised_name(name) == normalised_name(alias)]
         if len(matching_names) > 1:
             raise InputError(
                 f"{where}: {listed(matching_names)} could each be {quantity}; say which by"
@@ -217,12 +217,12 @@ def _naming_advice(quantity: str, names: Sequence[str]) -> str:
     """A phrase for an error message: how to name the column of a quantity in a mapping, with the
     lines to write where one of the column `names` is spelt nearly like the quantity.
     """
-    name_by_spelling = {plain(name): name for name in names}
+    name_by_spelling = {normalised_name(name): name for name in names}
     similar_spellings = [
         spelling
         for alias in ALIASES[quantity]
         for spelling in difflib.get_close_matches(
-            plain(alias), name_by_spelling, n=1, cutoff=_LEAST_SIMILARITY
+            normalised_name(alias), name_by_spelling, n=1, cutoff=_LEAST_SIMILARITY
         )
     ]
     if not similar_spellings:

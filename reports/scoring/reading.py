@@ -26,7 +26,7 @@ from reports.scoring.mapping import (
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.column_names import ALIASES, plain
+from scenes.column_names import ALIASES, normalised_name
 from scenes.measured import layout_in_words
 from scenes.text_tables import TableKind, TextTable, text_table
 
@@ -52,7 +52,7 @@ _QUANTITIES: tuple[Quantity, ...] = (
     "slip",
 )
 _FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
-_KNOWN_HEADINGS = {plain(alias) for name in _QUANTITIES for alias in ALIASES[name]}
+_KNOWN_HEADINGS = {normalised_name(alias) for name in _QUANTITIES for alias in ALIASES[name]}
 # "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure
 # counts, then the figure. A run of signs belongs to no name and is never tried in parts: 3,000
 # brackets as a name took 8 s, with the cube of their number.
@@ -107,7 +107,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
             role="the result",
             cure="write the contact surface alone, and fewer instants",
             is_known=lambda name: (
-                _read_heading(name, mapping).quantity is not None or plain(name) in _KNOWN_HEADINGS
+                _read_heading(name, mapping).quantity is not None
+                or normalised_name(name) in _KNOWN_HEADINGS
             ),
         ),
     )
@@ -289,7 +290,7 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
         for quantity in _FIELDS:
             stated_column = getattr(mapping.columns, quantity)
             aliases = ALIASES[quantity] if stated_column is None else (stated_column,)
-            if plain(base) in map(plain, aliases):
+            if normalised_name(base) in map(normalised_name, aliases):
                 return quantity
         return None
 
@@ -298,7 +299,7 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
     if match_with_number is None or quantity is None:
         return _Heading(quantity_of(name), frame=None, is_time=False)
     written_number = match_with_number["figure"]
-    word_before_number = plain(match_with_number["word"] or "")
+    word_before_number = normalised_name(match_with_number["word"] or "")
     is_time = word_before_number in ("time", "t", "steptime", "totaltime")
     if not word_before_number and "." in written_number:
         is_time = True
