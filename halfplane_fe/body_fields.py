@@ -34,6 +34,7 @@ from halfplane_fe.face_stress import (
     NodalTractions,
     SizeEffect,
     Tractions,
+    change_by_unseen_slip,
     fitted_size_effect,
     sampled_tractions,
     tension_of_nodes,
@@ -451,7 +452,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
-    change_by_unseen_slip = np.zeros((len(steps), 2, 2))
+    changes_by_unseen_slip = np.zeros((len(steps), 2, 2))
     tractions_in_contact: dict[int, Tractions] = {}  # by position in `steps`
     for k, step in enumerate(steps):
         step_tractions = tractions_with_uncertainty(_nodal_tractions(solution, step))
@@ -459,7 +460,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
             tractions_in_contact[k] = step_tractions.series
             values[k] = np.outer([1.0, -1.0], step_tractions.series.edge_tension())
             uncertainties[k] = step_tractions.tension_uncertainty
-            change_by_unseen_slip[k] = step_tractions.change_by_unseen_slip
+            changes_by_unseen_slip[k] = step_tractions.change_by_unseen_slip
         elif solution.normal_load[step] > 0:
             values[k] = math.nan
             uncertainties[k] = math.nan
@@ -470,7 +471,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         )
         values[positions] += added_tension
         uncertainties[positions] += added_uncertainty[:, None]
-    return _EdgeTension(values, uncertainties, change_by_unseen_slip)
+    return _EdgeTension(values, uncertainties, changes_by_unseen_slip)
 
 
 def _added_edge_tension(
@@ -852,7 +853,8 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     None where at no instant of that cycle three nodes touch, and where it is not known what the
     size of a body adds (`why_tension_is_unknown`). Just after a load reverses, the new slip zone is
     narrower than an element, so that the stress is still that from before. The largest tension
-    comes before a reversal: such slip adds no uncertainty to it.
+    comes before a reversal. Where bulk stress still rises, the largest value may be of an instant
+    after it: it is then uncertain by how far it exceeds that of any instant before.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
@@ -875,10 +877,22 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     series_uncertainty = tractions_with_uncertainty(
         _nodal_tractions(solution, steps[candidate])
     ).tension_uncertainty
+    unseen_change = np.array(
+        [
+            change_by_unseen_slip(_nodal_tractions(solution, step), step_tractions)
+            for step, step_tractions in zip(steps, tractions_at_steps, strict=True)
+        ]
+    )
+    seen = np.where(unseen_change[:, None, :] > 0, -math.inf, values)
+    largest = float(values[candidate, body_number, edge_number])
+    by_unseen_slip = min(
+        float(unseen_change[candidate, edge_number]), largest - max(float(seen.max()), 0.0)
+    )
     edges = tractions_at_steps[candidate].edges
     return LargestTension(
-        value=float(values[candidate, body_number, edge_number]),
-        uncertainty=float(series_uncertainty[edge_number] + added_uncertainty[body_number]),
+        value=largest,
+        uncertainty=float(series_uncertainty[edge_number] + added_uncertainty[body_number])
+        + by_unseen_slip,
         time=float(solution.time[steps[candidate]]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],

@@ -514,7 +514,7 @@ def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndU
     series = tractions(nodal_tractions)
     uncertainty = _tension_uncertainty(nodal_tractions, series)
     return TractionsAndUncertainty(
-        series, uncertainty, _change_by_unseen_slip(nodal_tractions, series)
+        series, uncertainty, change_by_unseen_slip(nodal_tractions, series)
     )
 
 
@@ -573,7 +573,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, series: Tractions) -> 
     return uncertainty + _FACTOR_OF_MISSING_SHEAR * series.tension_by_missing_shear
 
 
-def _change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) -> Array:
+def change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) -> Array:
     """Change of the tension s_xx at both edges, (2,) [stress], by a slip zone so narrow that no
     node lies in it, as there is one just after a load has turned.
 

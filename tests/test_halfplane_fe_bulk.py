@@ -34,6 +34,7 @@ from scenes import (
     PolygonLoad,
     Scene,
     Tabulated,
+    load_scene,
 )
 
 UNIT = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -587,3 +588,28 @@ def test_what_cannot_be_pulled_is_refused_in_a_sentence(name: str) -> None:
     question, sentence = REFUSED[name]
     with pytest.raises(InputError, match=sentence):
         halfplane_fe.solve(question, ROUGH)
+
+
+def test_a_largest_tension_after_slip_has_turned_is_uncertain_by_how_far_it_exceeds_one_before():
+    """Bulk stress rises on after the slip at the edge has turned round in a zone of no node."""
+    wave = {"mean": 0.0, "amplitude": 20.0, "phase_degrees": 90.0}
+    load = {
+        "normal_amplitude": 0.0,
+        "mean_normal_load": 90.6,
+        "mean_tangential_load": 0.0,
+        "tangential_amplitude": 6.1,
+        "phase_degrees": 33.0,
+        "initial_loading": "straight",
+        "bulk_stress_lower": wave,
+    }
+    scene = load_scene("hertz-paper").vary(friction=0.07, load=load)
+    answer = halfplane_fe.solve(scene, MeshSettings.coarse())
+    largest = halfplane_fe.largest_edge_tension(answer)
+    step = int(np.argmin(np.abs(answer.time - largest.time)))
+    slips = answer.stick_edges[:, 0] != answer.contact_edges[:, 0]
+    assert not slips[step]
+    before = step - np.arange(1, 20)
+    with_slip = before[slips[before]]
+    values, _ = halfplane_fe.edge_tension(answer, with_slip.tolist())
+    excess = largest.value - values.max()
+    assert 0 < excess < largest.uncertainty < excess + 0.05
