@@ -1014,7 +1014,7 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     """Pressure and shear at the touching nodes of a solution at a stored step, with what a fit of
     sine series needs: edges of stick and contact, friction, Q, kinks of the profile.
 
-    Coupling of p and q counts for bodies of unlike shapes or materials.
+    Real bodies and unlike materials count.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -1045,7 +1045,7 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
         and solution.tilt is None,
         curvature_jumps=profile_kinks(solution.scene),
         has_tabulated_profile=isinstance(solution.scene.profile, Tabulated),
-        has_coupling=not shapes_alike(solution.scene),
+        has_real_bodies=not solution.scene.bodies.half_planes,
         has_unlike_materials=not solution.scene.material.alike,
     )
 

@@ -341,8 +341,8 @@ def test_shear_follows_the_nodes_of_a_slip_zone_that_sticks_again() -> None:
     np.testing.assert_allclose(ratio, expected, atol=1e-12)
 
 
-@pytest.mark.parametrize(("unlike", "factor"), [(False, 0.36), (True, 1.05)])
-def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: float) -> None:
+@pytest.mark.parametrize(("unlike", "factor"), [(False, 0.22), (True, 1.05)])
+def test_the_tension_of_real_bodies_is_less_certain(unlike: bool, factor: float) -> None:
     x = np.linspace(-1.0, 1.0, 41)[1:-1]
     pressure = np.sqrt(1 - x**2)
     nodal = NodalTractions(
@@ -356,12 +356,12 @@ def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: flo
         load_grows_in_stick=False,
     )
     alike = tractions_with_uncertainty(nodal)
-    coupled = tractions_with_uncertainty(
-        replace(nodal, has_coupling=True, has_unlike_materials=unlike)
+    real = tractions_with_uncertainty(
+        replace(nodal, has_real_bodies=True, has_unlike_materials=unlike)
     )
-    of_coupling = coupled.tension_uncertainty - alike.tension_uncertainty
+    by_bodies = real.tension_uncertainty - alike.tension_uncertainty
     # factor r of the tension 2 f p0, r = 0.05
-    np.testing.assert_allclose(of_coupling, factor * 0.05 * 0.6, rtol=0.01)
+    np.testing.assert_allclose(by_bodies, factor * 0.05 * 0.6, rtol=0.01)
 
 
 @pytest.mark.parametrize(("skew", "n_fits"), [(0.0, 1), (1e-15, 1), (1e-9, 2), (0.1, 2)])
@@ -681,7 +681,7 @@ def test_tension_of_layers_half_as_thick_as_the_contact_is_covered():
     ]
     coarse, fine = tensions
     assert abs(coarse.value - fine.value) < coarse.uncertainty
-    assert fine.uncertainty < 1e-3 * fine.value
+    assert fine.uncertainty < 1.5e-3 * fine.value
     assert coarse.uncertainty < 5e-2 * coarse.value
     by_theory = semi_analytic.extremes(semi_analytic.solve(scene)).edge_tension
     assert fine.value > 1.3 * by_theory  # bases so near raise the pressure
