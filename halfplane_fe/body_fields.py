@@ -256,8 +256,9 @@ def _displacement_and_stress(
     the n nodes of one body. The frame is the common one (y out of the lower body).
 
     Far from the contact the stress is that of the elements. Next to it, it is that of the tractions
-    on a half-plane plus what the finite size of the body adds. Both results contain the bulk
-    stress. The rigid motion of the upper body is left out.
+    on a half-plane plus what the finite size of the body adds; that of the elements again where a
+    support or side is too near. Both results contain the bulk stress. The rigid motion of the upper
+    body is left out.
 
     Parameters
     ----------

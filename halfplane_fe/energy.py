@@ -111,7 +111,8 @@ class _Increments(NamedTuple):
     def between(
         cls, states: Sequence[InterfaceState], solved_states: States, friction: float
     ) -> _Increments:
-        """Those between m + 1 contact states that follow each other.
+        """The m increments between m + 1 contact states that follow each other: forces, slips,
+        node states and changes of the loads.
 
         `solved_states` (m, n) are open, stick or slip of the nodes as each increment was solved:
         before a node that touches or lets go at its very end changes. `friction` is the coefficient

@@ -106,7 +106,7 @@ def _stresses_and_tilt(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
     return bulk_lower, bulk_upper, tilt_or_moment
 
 
-def straight(leg: LoadSegment) -> bool:
+def is_straight(leg: LoadSegment) -> bool:
     """Whether all loads of a leg are linear in time."""
     return all(load.segment is None or load.segment.is_straight for load in _loads(leg))
 
@@ -282,7 +282,7 @@ def areas_between_path_and_chords(leg: LoadSegment, times: Array) -> Array | Non
     times
         (m + 1,) ends of the increments
     """
-    if straight(leg):
+    if is_straight(leg):
         return None
     loads = _loads(leg)
     start = times[:-1, None]
@@ -311,9 +311,9 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     """Refuse a load path on which the bodies separate or slide as a whole, which the finite
     elements do not follow.
 
-    Separation is P <= 1e-12 of the largest P, after the start. Gross sliding is |Q| >= f P, but for
-    Q = 0. Both are worst at turning points of P, Q - f P or Q + f P, so that looking there is
-    exact, to 1e-14 of f times the largest load.
+    Separation is P <= 1e-12 of the largest |P| of a segment, after the start of the path. Gross
+    sliding is |Q| >= f P, but for Q = 0. Both are worst at turning points of P, Q - f P or Q + f P,
+    so that looking there is exact, to 1e-14 of f times that load.
 
     Parameters
     ----------
@@ -361,7 +361,8 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
 def _separation_error(
     worst_instant: LoadedInstant, largest_load: float, friction: float, is_driven: bool
 ) -> InadmissibleLoadError | InputError:
-    """Error to raise for a load path on which the bodies separate, with time, loads and advice.
+    """Error to raise for a load path on which the bodies separate, with time, loads and advice: an
+    InputError where actuators drive the path, else an InadmissibleLoadError.
 
     `worst_instant` has the least normal load (or approach, where actuators drive the path);
     `largest_load` is the largest |P| of that segment.

@@ -91,7 +91,8 @@ def tip_halvings(profile: Profile, size: float) -> int:
 
     Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
     the tip goes with the element size to the power n - 1. Elements are halved until 1/64 of that
-    error is left, or until two halvings within a rounded tip, 16 times at most.
+    error is left, 16 times at most; where the tip is rounded, until two halvings within the
+    rounding.
 
     >>> from scenes import PowerLaw
     >>> [

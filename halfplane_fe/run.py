@@ -28,8 +28,8 @@ from halfplane_fe.law import slip_sign
 from halfplane_fe.path import (
     Stretch,
     areas_between_path_and_chords,
+    is_straight,
     scaled_loads,
-    straight,
     stretches,
 )
 from halfplane_fe.reported_states import shear_grows_within_cone, slip_since_stop
@@ -101,7 +101,9 @@ def trend(values: Sequence[float]) -> Trend:
         geometric   left = d_k r/(1 - r)
         algebraic   left = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
 
-    `values` are k in number and start at the first revolution, since k counts revolutions.
+    Steady is where the last two values are equal to round-off. Where there are fewer than four
+    values, or no such form fits, the trend is unclear, without a limit (`Trend`). `values` are k in
+    number and start at the first revolution, since k counts revolutions.
 
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
@@ -509,8 +511,10 @@ def run_path(
     """
     # Thinned only where straight lines between the stored instants, on which theory is evaluated,
     # are the path itself, whichever instants are stored.
-    is_straight = all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([_initial_state(problem, path, pace)], may_thin=is_straight and not keep_all)
+    has_straight_legs = all(is_straight(leg) for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun(
+        [_initial_state(problem, path, pace)], may_thin=has_straight_legs and not keep_all
+    )
     follower = _Follower(problem, run, pace, progress)
     try:
         follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
@@ -699,7 +703,7 @@ class _Batch:
         """Begin a part of the load path between turning points. Increments of another segment are
         moved into the run first, if that or this one is curved.
         """
-        curved_leg = None if straight(stretch.leg) else stretch.leg
+        curved_leg = None if is_straight(stretch.leg) else stretch.leg
         if curved_leg is not self.curved_leg:
             self.move_to_run()
             self.curved_leg = curved_leg

@@ -22,7 +22,7 @@ import scipy
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import step_errors, work_by_kinks
 from halfplane_fe.law import slip_sign
-from halfplane_fe.path import Stretch, scaled_loads, straight, zero_between
+from halfplane_fe.path import Stretch, is_straight, scaled_loads, zero_between
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 from scenes.array_types import Array, Mask, States
@@ -162,7 +162,7 @@ def follow(
         return scaled_loads(stretch.leg, time, units)
 
     # Along a straight leg slip that falls at its end falls from its start on: none is lost.
-    is_curved = not straight(stretch.leg)
+    is_curved = not is_straight(stretch.leg)
     regular_duration = stretch.ends[0] - stretch.start
     shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:

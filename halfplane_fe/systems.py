@@ -561,10 +561,10 @@ class Systems:
         n_touching = int(np.count_nonzero(states))
         n_sticking = int(np.count_nonzero(states == STICK))
         n_cases = n_loads + (rows is not None)
-        prescribed = np.zeros((2, n, n_cases))
+        right_sides = np.zeros((2, n, n_cases))
         if rows is not None:
-            prescribed[rows // n, rows % n, n_loads] = changes
-        prescribed_normal, prescribed_tangential = prescribed
+            right_sides[rows // n, rows % n, n_loads] = changes
+        normal_right_sides, tangential_right_sides = right_sides
         # (n_cases,) P and Q in each case: 1 in its own, 0 in the others.
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
 
@@ -572,19 +572,19 @@ class Systems:
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
         normal_compliance = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
-            n_touching, n_touching, prescribed_normal, normal_load, self.actuators.normal
+            n_touching, n_touching, normal_right_sides, normal_load, self.actuators.normal
         )
         if self.has_shear:
             tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
-            prescribed_tangential[:n_sticking] *= -1
+            tangential_right_sides[:n_sticking] *= -1
             signed_friction = slip_sign(states) * self.friction
-            prescribed_tangential += signed_friction[:, None] * pressure
+            tangential_right_sides += signed_friction[:, None] * pressure
             shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
                 n_sticking,
                 n_touching,
-                prescribed_tangential,
+                tangential_right_sides,
                 tangential_load,
                 self.actuators.tangential,
             )

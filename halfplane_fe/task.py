@@ -68,7 +68,8 @@ def surface_grading(
     mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
 ) -> SurfaceGrading:
     """Element sizes along the face of a body: finest where edges of contact and stick travel, from
-    just inside the innermost to just outside the outermost place they reach.
+    just inside the innermost to just outside the outermost place they reach. Where fewer than four
+    elements of the other size would fit inside that zone, it begins at x = 0.
 
     Parameters
     ----------

@@ -19,7 +19,8 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
 
     The signal is acted on whether the block ends well or raises. What the block raised is then the
     context of what the signal raises. Yields the list of signal numbers that have come so far, for
-    loops that look there and end early.
+    loops that look there and end early. In other threads than the main one, which get no signals,
+    nothing is held back.
 
     Needed around gmsh, whose one global state has to be left in order, and around changes of files
     of which no half may be left.
