@@ -61,9 +61,7 @@ from semi_analytic.odd_memory import ODD_NUMBERS, Declined
 from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_answer_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 
-# Share of f P by which the memory curves of two cycles may differ and be the same state.
-_STEADY_TOLERANCE = 1e-9
-# Punches at which such curves are compared; points among which the largest pressure is sought.
+# Points among which the largest pressure is sought.
 _SAMPLED_PLACES = 200
 # Rows on the two steps around the end of a slide, and ends that have them.
 _ROWS_AT_END = 33
@@ -557,7 +555,7 @@ def _followed_paths(
     for cycles in range(min(2, most_cycles), most_cycles + 1):
         coarse_path = rig.follow(cycles, refinement=1)
         is_last_try = cycles == most_cycles
-        if steady_cycle(coarse_path) is None and not is_last_try:
+        if coarse_path.first_steady_cycle is None and not is_last_try:
             continue
         times_near_ends = _times_near_slide_ends(coarse_path)
         further_times = _times_in_all_cycles(scene, times_near_ends, cycles)
@@ -578,8 +576,8 @@ def _steady_in_both(fine_path: DrivenPath, coarse_path: DrivenPath) -> int | Non
     """Index of the first cycle that is steady on the fine and on the coarse path; None where one of
     them has no steady cycle.
     """
-    fine_cycle = steady_cycle(fine_path)
-    coarse_cycle = steady_cycle(coarse_path)
+    fine_cycle = fine_path.first_steady_cycle
+    coarse_cycle = coarse_path.first_steady_cycle
     if fine_cycle is None or coarse_cycle is None:
         return None
     return max(fine_cycle, coarse_cycle)
@@ -617,28 +615,6 @@ def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
         path.cycle_start + time_since_cycle_start + path.period * np.arange(cycles)[:, None]
     )
     return np.concatenate([time[time < path.cycle_start], times_in_cycles.ravel()])
-
-
-def steady_cycle(driven_path: DrivenPath) -> int | None:
-    """Index, from 0, of the first cycle that ends in the friction state it started from; None where
-    none does.
-
-    The state is the memory curve: the locked-in tangential force of the flat punches up to each
-    half-width. The curves at the begin and end of the cycle must agree at 200 punches to 1e-9 of
-    f P.
-    """
-    followed_path = driven_path.followed_path
-    # s is the coordinate of the half-width in the table of punches.
-    s_of_punches = np.linspace(0.0, followed_path.table.largest_s, _SAMPLED_PLACES)
-    force_tolerance = (
-        _STEADY_TOLERANCE * followed_path.friction * float(np.max(followed_path.normal_load))
-    )
-    # `ends` are the rows at which the initial loading ends, and each cycle.
-    forces_at_ends = [followed_path.locked_in_force(row, s_of_punches) for row in driven_path.ends]
-    for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
-        if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
-            return cycle
-    return None
 
 
 def _rows_of_answer(

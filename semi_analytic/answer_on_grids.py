@@ -84,9 +84,9 @@ class GridAnswer:
         estimated errors, notes, and how the path ended.
 
         `steady_cycle` is the steady cycle without grids and without the initial loading, where that
-        was found: W(x), permanent stick and W are taken from it, W also of each cycle from the
-        first steady one on. A last cycle that is not steady gets a note of how far its W may be
-        from the steady one.
+        was found and grids found a steady cycle too: W(x), permanent stick and W are taken from it,
+        W also of each cycle from the first steady one on. A last cycle that is not steady gets a
+        note of how far its W may be from the steady one.
         """
         question = self.question
         path_on_grids = self.path_on_grids

@@ -42,7 +42,6 @@ import time as clock
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,7 +57,7 @@ from scenes import (
     InputError,
     Scene,
 )
-from scenes.array_types import Array
+from scenes.array_types import Array, Indices
 from scenes.body_effects import ZERO
 from scenes.errors import first_line
 from semi_analytic.answer import (
@@ -94,15 +93,13 @@ from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answe
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
-Indices = NDArray[np.int64]
-
 _FIELDS_OF_WORK = frozenset(("dissipation", "dissipation_density"))
 # Instants that are followed at most: each takes some 30 us and two pieces of memory curve.
 _MOST_ROWS = 200_000
 # Half-width of the table of punches over that of the largest contact; and how often it is widened.
 _TABLE_MARGIN = 1.02
 _MOST_WIDENINGS = 60
-# Punches at which the table, and the memory curve at both ends of a cycle, are checked.
+# Punches at which the table is checked.
 _PUNCHES_CHECKED = 200
 # Two instants nearer than this fraction of the path's duration are one.
 _SAME_INSTANT = 1e-12
@@ -110,8 +107,6 @@ _SAME_INSTANT = 1e-12
 _PARABOLA_FRACTIONS = np.linspace(0.0, 1.0, 6)
 # Fraction of a step within which a turning point is at its end: a step as short would hold no slip.
 _NEAR_ROW = 0.02
-# Fraction of f P by which two memory curves may differ and be the same state.
-_STEADY_TOLERANCE = 1e-9
 # Of the error that the steps make of W of half-planes, what they leave in the change by the bodies:
 # 0.14 at most on three ellipses with each of the curvatures, by steps that were ten times shorter.
 _FACTOR_ON_STEP_ERROR = 0.5
@@ -1326,30 +1321,13 @@ def split_error() -> InputError:
 
 def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | None:
     """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
-    neither does.
+    neither does. A path without cycles counts as steady (0) if it ends unloaded.
 
-    The state is the memory curve: the locked-in tangential force over the half-width of the flat
-    punches. At begin and end of the cycle it must agree at 200 punches to 1e-9 of f P. A path
-    without cycles counts as steady (0) if it ends unloaded.
-
-    Parameters
-    ----------
-    followed_path
-        memory curve at each instant
-    rows
-        the instants, with the loads there
+    `followed_path` holds the friction state at each instant, `rows` the instants with their loads.
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
-    # s is the coordinate of the table for the half-width.
-    s_of_punches = np.linspace(0.0, followed_path.table.largest_s, _PUNCHES_CHECKED)
-    tolerance = _STEADY_TOLERANCE * followed_path.friction * float(np.max(rows.normal_load))
-    # At the end of the initial loading and of each cycle.
-    forces_at_ends = [followed_path.locked_in_force(row, s_of_punches) for row in rows.ends]
-    for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
-        if np.max(np.abs(forces_after - forces_before)) <= tolerance:
-            return cycle
-    return None
+    return followed_path.first_steady_cycle(rows.ends)
 
 
 def _covered_cycles(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:

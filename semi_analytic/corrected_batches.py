@@ -200,8 +200,9 @@ def works_of_ellipses(
     half-width of permanent stick, for m elliptic load paths on one profile, (m,) each.
 
     Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
-    the profile or would split; the half-width is 0 where no point sticks all through. Units are
-    those of `contact`, whose E* is `modulus` [stress].
+    the profile or would split; the half-width is 0 where no point sticks all through. The loads
+    must not slide the contact as a whole: W then has no meaning. Units are those of `contact`,
+    whose E* is `modulus` [stress].
 
     Examples
     --------

@@ -53,16 +53,14 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from itertools import chain
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from scenes.array_types import Array
+from scenes.array_types import Array, Indices
 from semi_analytic.profiles import SymmetricContact
-
-Indices = NDArray[np.int64]
 
 # Cells of the table between two kinks of the profile: cubics leave 1e-12 of a load at 512, 4e-9
 # at 64.
@@ -79,6 +77,10 @@ _MOST_NEWTON_STEPS = 60
 # line of the cycle before: differences of the two are sums over all pieces of the curve, and reach
 # a few 1e-13. Taken for slip they move the edge of stick to an older piece.
 _ROUND_OFF_SHARE = 1e-11
+# Punches at which the memory curves of two instants are compared, and the fraction of f P by which
+# they may differ and be the same state.
+_PUNCHES_COMPARED = 200
+_STEADY_TOLERANCE = 1e-9
 # Fraction of the largest half-width that stands for 0 in a logarithm.
 _LEAST_HALF_WIDTH_SHARE = 1e-9
 # Iterations of p_2 and the edge of contact: at most, and until the load that they still move is
@@ -137,9 +139,9 @@ class PunchMoments(NamedTuple):
     each; w(c) is a value of a punch of half-width c under unit load, such as a moment.
     """
 
-    profile: Array
-    parabola: Array
-    fourth: Array
+    profile_integral: Array
+    parabola_integral: Array
+    fourth_integral: Array
 
 
 class PunchTable:
@@ -449,9 +451,9 @@ class PunchTable:
         )
         log_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
-            profile=self.load(s) * log_ratio + self.load_integral(s),
-            parabola=self.parabola_load(s) * (log_ratio + 0.5),
-            fourth=self.fourth_load(s) * (log_ratio + 0.25),
+            profile_integral=self.load(s) * log_ratio + self.load_integral(s),
+            parabola_integral=self.parabola_load(s) * (log_ratio + 0.5),
+            fourth_integral=self.fourth_load(s) * (log_ratio + 0.25),
         )
 
     def edges_of_contact(
@@ -682,7 +684,7 @@ class FollowedPath:
         (n,) coordinate s in the table of the edge of contact and of the stick edge; the same where
         the edge sticks, stick edge 0 where the bodies slide as a whole
     direction
-        (n,) direction of slip in the step that ends at the row, 0 in full stick
+        (n,) direction of slip at the edge in the step that ends at the row, 0 where the edge sticks
     inner_zone_s, inner_zone_direction
         (n, 2) s of the ends of an inner slip zone, where slip continues while the edge sticks or
         slips the other way; (n,) its direction, 0 where there is none
@@ -768,12 +770,12 @@ class FollowedPath:
         """
         pieces = self.pieces
         integral = pieces.integrals_at_tops(
-            (pieces.slope, at_tops.profile),
-            (pieces.parabola_slope, at_tops.parabola),
-            (pieces.fourth_slope, at_tops.fourth),
+            (pieces.slope, at_tops.profile_integral),
+            (pieces.parabola_slope, at_tops.parabola_integral),
+            (pieces.fourth_slope, at_tops.fourth_integral),
         )[self.uppermost_piece]
-        integral = integral + self.tangential_curvature * at_edge.parabola
-        integral = integral + self.tangential_fourth * at_edge.fourth
+        integral = integral + self.tangential_curvature * at_edge.parabola_integral
+        integral = integral + self.tangential_fourth * at_edge.fourth_integral
         return np.where(self.normal_load > 0, integral, 0.0)
 
     @cached_property
@@ -954,6 +956,24 @@ class FollowedPath:
         uppermost piece at each instant: loops over lists are faster than over arrays.
         """
         return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.uppermost_piece.tolist()
+
+    def first_steady_cycle(self, ends: Sequence[int]) -> int | None:
+        """Index, from 0, of the first cycle that ends in the friction state it started from; None
+        where none does.
+
+        The state is the memory curve: the locked-in tangential force of the flat punches up to each
+        half-width. The curves at the begin and end of the cycle must agree at 200 punches to 1e-9
+        of f times the largest P of the path. `ends` are the rows at which the initial loading and
+        each cycle end.
+        """
+        # s is the coordinate of the half-width in the table of punches.
+        s_of_punches = np.linspace(0.0, self.table.largest_s, _PUNCHES_COMPARED)
+        force_tolerance = _STEADY_TOLERANCE * self.friction * float(np.max(self.normal_load))
+        forces_at_ends = [self.locked_in_force(row, s_of_punches) for row in ends]
+        for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
+            if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
+                return cycle
+        return None
 
     def locked_in_force(self, row: int, s: Array) -> Array:
         """Locked-in tangential force F of the flat punches up to s, (k,), at instant number `row`
@@ -1178,8 +1198,10 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient
 
     `at_edge` holds the moments of the punches up to the edge of contact.
     """
-    by_curvature = curvature * at_edge.parabola
-    return np.asarray(at_edge.profile + by_curvature + fourth_coefficient * at_edge.fourth)
+    by_curvature = curvature * at_edge.parabola_integral
+    return np.asarray(
+        at_edge.profile_integral + by_curvature + fourth_coefficient * at_edge.fourth_integral
+    )
 
 
 def _columns_of_path(

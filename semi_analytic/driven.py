@@ -132,7 +132,7 @@ class Compliance(NamedTuple):
 
     def of_actuator(self, half_width: Array | float, normal_load: Array | float) -> Array:
         """Compliance d(U + Q/k_s)/dQ of the actuator at constant P [1/stress], where c =
-        `half_width` is the half-width of the stick zone.
+        `half_width` > 0 is the half-width of the stick zone.
 
             (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s - R alpha_Q^2 P,
             G(c) = (pi E*/4) c^2
@@ -143,9 +143,8 @@ class Compliance(NamedTuple):
         stick_half_width = np.asarray(half_width, dtype=float)
         squared_width = stick_half_width**2
         face_curvature = self.curvatures.tangential
-        parabola_load = squared_width / (
-            2 * self.unit_compliance
-        )  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        parabola_load = squared_width / (2 * self.unit_compliance)
         half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / stick_half_width)
         body_rate = (
             self.tangential
@@ -499,6 +498,13 @@ class DrivenPath:
         thickness]. The first of its rows ends the step before it, which does not count.
         """
         return float(np.sum((self.slip_work + self.slide_work)[rows][1:]))
+
+    @cached_property
+    def first_steady_cycle(self) -> int | None:
+        """Index, from 0, of the first cycle that ends in the friction state it started from; None
+        where none does.
+        """
+        return self.followed_path.first_steady_cycle(self.ends)
 
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU by straight steps, for the rows of a cycle: the second way to the

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import BodyEffects, InputError, Scene, freeze, scene_of
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
-from semi_analytic.answer_of_rig import rigged_scene, slides_of, steady_cycle
+from semi_analytic.answer_of_rig import rigged_scene, slides_of
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.driven import actuator_rows
 
@@ -122,7 +122,7 @@ def fretting_map(
             displacement=stroke_factor * rows.displacement,
         )
         history = rig.follow_rows(scaled_rows)
-        cycle_number = steady_cycle(history)
+        cycle_number = history.first_steady_cycle
         if cycle_number is None:
             raise InputError(
                 f"fretting_map: no steady cycle among the first {cycles} with stroke ="

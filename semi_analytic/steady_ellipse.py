@@ -726,7 +726,8 @@ def _dissipation_of_group(
     Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
     from the largest load P - P_c of the slip zones over P0. Above 0.002: integrals over the loads P
     and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and
-    for eight ellipses or fewer: Lam of the normal contact itself, slow but with all digits.
+    up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow but with all
+    digits.
     """
     works = np.empty((3, len(ellipses.mean_load)))
     slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load

@@ -36,7 +36,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import ContactSolution, InputError, Scene, scene_of
-from scenes.array_types import Array, Indices
+from scenes.array_types import Array, Complex, Indices
 from semi_analytic.answer import checked_numbers
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
@@ -46,7 +46,6 @@ from semi_analytic.quadrature import INVERSE_ROOTS
 from semi_analytic.solution import solve
 from semi_analytic.tilted_profile import TiltedProfile
 
-Complex = NDArray[np.complex128]
 Slope = Callable[[Array], Array]
 Body = Literal["lower", "upper"]
 

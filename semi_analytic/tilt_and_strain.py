@@ -19,9 +19,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import BodyEffects, Combination, Estimate, InputError, LoadSegment, Scene
+from scenes.array_types import Array
 from scenes.body_effects import ZERO
 from semi_analytic.answer import Question
 from semi_analytic.answer_by_memory import findings_by_memory
@@ -30,8 +30,6 @@ from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import GridRequest, cycle_works, edges_along
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, odd_answer
-
-Array = NDArray[np.float64]
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.
