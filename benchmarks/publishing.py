@@ -26,7 +26,14 @@ from case_table import Case, Sheet
 
 from reports.charts.templating import markdown_table, template
 from reports.comparison import words
-from reports.comparison.findings import COUNTS, SAME, Findings, difference, of_content, of_solution
+from reports.comparison.findings import (
+    NAMES_OF_COUNTS,
+    SAME,
+    Findings,
+    difference,
+    findings_of_content,
+    findings_of_solution,
+)
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.measures import Measured
 from reports.comparison.metrics import METRICS, Metric, tolerances_of
@@ -81,10 +88,8 @@ def half_plane_findings(name: str) -> Findings:
     solution = semi_analytic.solve(
         scene, fields=("loop_work", "pressure", "tangential_displacement")
     )
-    findings_of_solution = of_solution(solution, name)
-    return replace(
-        findings_of_solution, figures=_with_expected(findings_of_solution.figures, solution)
-    )
+    theory_findings = findings_of_solution(solution, name)
+    return replace(theory_findings, figures=_with_expected(theory_findings.figures, solution))
 
 
 def _with_expected(
@@ -96,7 +101,8 @@ def _with_expected(
     for expected in solution.scene.expected:
         if expected.engine == engine:
             known.setdefault(
-                f"{solution.engine}.{expected.quantity}", QUANTITIES[expected.quantity].of(solution)
+                f"{solution.engine}.{expected.quantity}",
+                QUANTITIES[expected.quantity].compute(solution),
             )
     return known
 
@@ -109,7 +115,7 @@ def findings(comparison: Comparison) -> Findings:
     from reports.report import Report
 
     name = comparison.scene.name
-    of_both = of_content(json.loads(as_json(Report(comparison))), name)
+    of_both = findings_of_content(json.loads(as_json(Report(comparison))), name)
     alone = half_plane_findings(name)
     if of_both.unfinished:
         raise InputError(
@@ -253,7 +259,7 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
     scene = load_scene(name)
     metrics_of_scene = metrics(scene, stored)
     cells = [
-        (m.label, words.value_of(m), m.unit, words.tolerance_of(m), m.verdict or "–")
+        (m.label, words.value_in_words(m), m.unit, words.tolerance_in_words(m), m.verdict or "–")
         for m in metrics_of_scene
     ]
     return _written(
@@ -296,7 +302,8 @@ def index(scenes: Mapping[str, Mapping[str, Any]]) -> str:
             if metric.tolerance is not None and metric.accurate is not None
         ]
         cells = [
-            words.value_of(metrics_by_key[key]) for key in ("peak_pressure", "shear", "dissipation")
+            words.value_in_words(metrics_by_key[key])
+            for key in ("peak_pressure", "shear", "dissipation")
         ]
         kind = "half-planes" if scene.bodies.half_planes else "real bodies"
         missed = [row for row in _external_rows(scene, stored) if row[5] == "outside"]
@@ -425,7 +432,7 @@ def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[
                 f"{named} [{words.shown_unit(scene, quantity.kind)[1]}]",
                 *(_number(figures.get(key)) for key in keys),
             )
-    for count in COUNTS:
+    for count in NAMES_OF_COUNTS:
         keys = [f"{engine}.counts.{count.replace(' ', '_')}" for engine in _ENGINES]
         if any(key in figures for key in keys):
             yield count, *(f"{figures[key]:,}" if key in figures else "–" for key in keys)

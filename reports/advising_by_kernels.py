@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reports.advising_by_numbers import WORK, Change
-from reports.comparison.pairs import coupled
+from reports.comparison.pairs import has_coupled_tractions
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import in_percent
 from scenes import ContactSolution, Estimate, FlatRounded, InputError, Scene
@@ -192,7 +192,7 @@ def _why(advice: KernelAdvice) -> str:
     """Why theory corrected by responses of the bodies does not answer, in a few words."""
     if advice.scene.bodies.faces_are_true:
         return "their faces are curved"
-    if coupled(advice.scene):
+    if has_coupled_tractions(advice.scene):
         return "their materials are unlike"
     return advice.reason_for_kernels
 

@@ -37,7 +37,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from meshes import MeshSettings
 from reports.comparison.laws import QUANTITIES
-from reports.comparison.pairs import coupled
+from reports.comparison.pairs import has_coupled_tractions
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import Why, in_percent
 from scenes import (
@@ -157,7 +157,7 @@ class Advice:
         """The reason why corrected theory gives only the size of the change by finite bodies, and
         no uncertainty that was checked against finite elements. "" where it gives one.
         """
-        if coupled(self.scene):
+        if has_coupled_tractions(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
         odd_part = max(abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part)
         if odd_part > _LARGEST_CHECKED_ODD_PART:
@@ -213,7 +213,7 @@ def advise_by_numbers(
     )
 
     scene = scene_of(scene)
-    is_coupled = coupled(scene)
+    is_coupled = has_coupled_tractions(scene)
     if is_coupled and scene.bodies.half_planes:
         raise InputError(
             f"{scene.name}: the bodies are half-planes of unlike materials (Dundurs' beta is not"
@@ -249,8 +249,8 @@ def advise_by_numbers(
     exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
     for key, (name, words) in _QUANTITIES.items():
-        theory_value = QUANTITIES[name].of(theory)
-        change = QUANTITIES[name].of(corrected_solution) / theory_value - 1
+        theory_value = QUANTITIES[name].compute(theory)
+        change = QUANTITIES[name].compute(corrected_solution) / theory_value - 1
         uncertainty = abs(change) * max(uncertainties.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
@@ -350,7 +350,7 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
         numerical_part = sum(term.value or 0.0 for term in terms)
     try:
         # unlike materials: pressure and shear depend on each other
-        if coupled(comparison.scene):
+        if has_coupled_tractions(comparison.scene):
             parts = _parts_of_unlike_materials(comparison)
         elif comparison.scene.bodies.faces_are_true:  # with their curvature, as of a cylinder
             parts = _parts_of_curved_faces(comparison)
@@ -588,7 +588,7 @@ def sentence(advice: Advice) -> str:
     if advice.neglected_part:
         size = in_percent(advice.neglected_part).lstrip("+")
         neglected_causes = "tilt and bulk strain"
-        if coupled(advice.scene):
+        if has_coupled_tractions(advice.scene):
             neglected_causes = "coupling of pressure and shear, tilt and bulk strain"
         first_sentence += f"; {neglected_causes} are left out, and counted as ± {size} %"
     if advice.reason_for_size_alone:

@@ -39,29 +39,29 @@ from scenes.unit_words import UNITS
 
 # |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
 _ROUNDING = 1e-12
-_SAMPLES = 513
+_N_SAMPLES = 513
 # Of the largest P: below this share Q beyond f P is taken for noise of the sensors.
-_NOISE = 0.05
+_NOISE_SHARE = 0.05
 # Rows of a record that are looked at together.
-_BLOCK = 100_000
+_ROWS_OF_BLOCK = 100_000
 # Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long
 # before p0 = E*/10, and at a slope of 0.3 the parabola is 2 % off the circle that it stands for.
-_STRAIN = 0.1
-_SLOPE = 0.3
+_LARGEST_STRAIN = 0.1
+_LARGEST_SLOPE = 0.3
 # Pa. What is softer than the first and no rubber (by Poisson's ratio) may be in GPa; nothing is
 # stiffer than diamond.
-_SOFT = 1e9
-_RUBBER = 0.45
-_STEEL = 210e9
-_DIAMOND = 1.3e12
+_SOFT_MODULUS = 1e9
+_POISSON_RATIO_OF_RUBBER = 0.45
+_MODULUS_OF_STEEL = 210e9
+_MODULUS_OF_DIAMOND = 1.3e12
 # Half-width of a contact by theory over that of the narrower face beyond which there is no room for
 # it: theory is some per cent off for blocks, and thin layers have contacts several times narrower.
-_ROOM = 1.1
-_ROOM_OF_LAYERS = 10.0
+_LARGEST_SHARE_OF_FACE = 1.1
+_LARGEST_SHARE_OF_LAYER = 10.0
 # No pair of solids in air has more friction than clean indium or gold, about 2 to 3.
-_FRICTION = 3.0
-_RADII = {"radius": "R", "tip_radius": "R", "inner_radius": "R1", "outer_radius": "R2"}
-_HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
+_LARGEST_FRICTION = 3.0
+_SYMBOL_OF_RADIUS = {"radius": "R", "tip_radius": "R", "inner_radius": "R1", "outer_radius": "R2"}
+_KEYS_OF_HALF_LENGTHS = ("flat_half_length", "tip_half_length", "inner_half_length")
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     second_part = "cycle" if load.repeats else "path"
     rows = load.series()  # (n, 3) time, P, Q
     segments: list[tuple[LoadSegment, str]] = []
-    for first_of_block in range(0, len(rows) - 1, _BLOCK):
-        block = rows[first_of_block : first_of_block + _BLOCK + 1]
+    for first_of_block in range(0, len(rows) - 1, _ROWS_OF_BLOCK):
+        block = rows[first_of_block : first_of_block + _ROWS_OF_BLOCK + 1]
         # loads at the start and at the end of each step, (n, 2)
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
         tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
@@ -174,7 +174,7 @@ def _is_tension(scene: Scene) -> bool:
         return True
     return (
         isinstance(scene.load, TimeSeriesLoad)
-        and -float(np.min(scene.load.used_rows().values[:, 1])) * _NOISE > highest_load
+        and -float(np.min(scene.load.used_rows().values[:, 1])) * _NOISE_SHARE > highest_load
     )
 
 
@@ -198,10 +198,10 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
         load.least_normal_load is None
         and not load.repeats
         and not load.has_bulk_or_tilt
-        and largest_load_of_noise < _NOISE * largest_load
+        and largest_load_of_noise < _NOISE_SHARE * largest_load
     ):
         # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
-        exact_least_load = max(2 * largest_load_of_noise, _NOISE / 50 * largest_load)
+        exact_least_load = max(2 * largest_load_of_noise, _NOISE_SHARE / 50 * largest_load)
         second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
         least_load = float(np.floor(exact_least_load / second_digit) + 1) * second_digit
         return (
@@ -266,7 +266,7 @@ def _highest_value_and_time(
     some samples, then twice the largest of closer samples around it. `value_at` gives the values at
     times (n,).
     """
-    time = sampled_times(segment, _SAMPLES)
+    time = sampled_times(segment, _N_SAMPLES)
     for _ in range(3):
         values = value_at(time)
         index_of_highest = int(np.argmax(values))
@@ -274,7 +274,7 @@ def _highest_value_and_time(
         time_of_highest = float(time[index_of_highest])
         if not np.isfinite(highest_value) or index_of_highest in (0, len(time) - 1):
             break
-        time = np.linspace(time[index_of_highest - 1], time[index_of_highest + 1], _SAMPLES)
+        time = np.linspace(time[index_of_highest - 1], time[index_of_highest + 1], _N_SAMPLES)
     return highest_value, time_of_highest
 
 
@@ -405,11 +405,11 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
 
 
 def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
-    """InputError where the contact at the largest load, by half-plane theory, is wider than the
-    narrower face of the two bodies; nothing is meshed.
+    """InputError where the contact at the largest load, by half-plane theory, is more than 1.1
+    times as wide as the narrower face of the two bodies; nothing is meshed.
 
-    On a layer, a body thinner than its face is wide, the contact is narrower than theory's. The
-    limit is higher there, and finite elements look at contacts below it.
+    On a layer, a body thinner than three quarters of its face, the contact is narrower than
+    theory's. The limit is 10 there, and finite elements look at contacts below it.
     """
     from halfplane_fe.supports import face_room
 
@@ -418,7 +418,7 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
     is_layer = min(heights) < 1.5 * half_width_of_face
-    largest_ratio = _ROOM_OF_LAYERS if is_layer else _ROOM
+    largest_ratio = _LARGEST_SHARE_OF_LAYER if is_layer else _LARGEST_SHARE_OF_FACE
     contact = largest_contact(scene, source)
     if contact.half_width <= largest_ratio * half_width_of_face:
         return
@@ -483,9 +483,10 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
 
 
 def _peak_pressure(contact: _Contact, scene: Scene) -> float:
-    """Largest pressure of a contact [stress], by search; infinite at the tip of a wedge."""
-    # The points are dense at the edges, where a flat with rounded corners has its peak. Then the
-    # two intervals around the largest value are searched again.
+    """Largest pressure of a contact [stress], the largest at points that are dense at the edges and
+    around it; infinite at the tip of a wedge.
+    """
+    # A flat with rounded corners has its peak near the edges.
     half_width = (contact.right - contact.left) / 2
     middle_x = (contact.left + contact.right) / 2
     x = middle_x + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
@@ -593,7 +594,7 @@ class _BulkAndTilt:
 def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     """What bulk stress and tilt do to a contact, from the loads alone: the largest bulk strain, the
     shift of the stick zone by it, and the shift of the contact by tilt or moment, both over the
-    half-width of the contact. None for a scene that has neither.
+    half-width of a parabola's contact. None for a scene that has neither.
     """
     import semi_analytic
 
@@ -665,11 +666,13 @@ def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
     half-length b of its flat and sizes of the bodies over a; by name, such as "a/R", "b/a" and
     "lower width/a".
     """
-    sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
+    sizes = scene.profile.model_dump(include={*_SYMBOL_OF_RADIUS, *_KEYS_OF_HALF_LENGTHS})
     ratios = {
-        f"a/{symbol}": half_width / sizes[key] for key, symbol in _RADII.items() if key in sizes
+        f"a/{symbol}": half_width / sizes[key]
+        for key, symbol in _SYMBOL_OF_RADIUS.items()
+        if key in sizes
     }
-    for key in _HALF_LENGTHS:
+    for key in _KEYS_OF_HALF_LENGTHS:
         if key in sizes:
             ratios["b/a"] = sizes[key] / half_width
     for body_name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
@@ -725,35 +728,37 @@ def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
         }
     pascals_per_unit = UNITS["stress"].get(unit_of_stress)
     if pascals_per_unit is not None:  # None: a unit without a name
-        modulus_of_steel = _STEEL / pascals_per_unit
+        modulus_of_steel = _MODULUS_OF_STEEL / pascals_per_unit
         for key, material in material_by_key.items():
             modulus = material.young_modulus * pascals_per_unit
-            too_stiff = modulus > _DIAMOND
-            too_soft = modulus < _SOFT and material.poisson_ratio < _RUBBER
-            if too_stiff or too_soft:
+            is_too_stiff = modulus > _MODULUS_OF_DIAMOND
+            is_too_soft = (
+                modulus < _SOFT_MODULUS and material.poisson_ratio < _POISSON_RATIO_OF_RUBBER
+            )
+            if is_too_stiff or is_too_soft:
                 sentences.append(
                     in_template(
                         "odd_modulus",
                         key,
                         material.young_modulus,
                         unit_of_stress,
-                        too_stiff,
+                        is_too_stiff,
                         modulus_of_steel,
                     )
                 )
-    if scene.friction.coefficient > _FRICTION:
+    if scene.friction.coefficient > _LARGEST_FRICTION:
         sentences.append(
             f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"
             f" has. Is it in per cent? {scene.friction.coefficient:g} % is"
             f" {scene.friction.coefficient / 100:g}."
         )
-    if contact.strain > _STRAIN or contact.edge_slope > _SLOPE:
+    if contact.strain > _LARGEST_STRAIN or contact.edge_slope > _LARGEST_SLOPE:
         sentences.append(
             in_template(
                 "beyond_elasticity",
                 contact,
-                _STRAIN,
-                _SLOPE,
+                _LARGEST_STRAIN,
+                _LARGEST_SLOPE,
                 unit_of_force,
                 unit_of_length,
                 unit_of_stress,

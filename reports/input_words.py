@@ -85,7 +85,8 @@ def sentences(
     """The effects of uncertain inputs on the values of a scene, in sentences.
 
     They state the difference of finite bodies and half-planes, whether a measurement could show it,
-    the most important input, W by random draws, values that are rough, and notes.
+    the most important input, W by random draws, values that are rough, and notes; where none of
+    these is known, the reason.
 
     Parameters
     ----------
@@ -96,10 +97,9 @@ def sentences(
         by responses of the bodies
     """
     sliding = sliding_in_words(effects.sliding)
-    if effects.unknown:
-        reason_in_words = (
-            f"What the inputs make of the answer is not known: {_with_full_stop(effects.unknown)}"
-        )
+    if effects.reason_unknown:
+        reason = _with_full_stop(effects.reason_unknown)
+        reason_in_words = f"What the inputs make of the answer is not known: {reason}"
         return [*filter(None, [sliding]), reason_in_words]
     all_sentences = [sliding]
     all_sentences += [
@@ -175,11 +175,11 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
     """A sentence on the difference in W between finite bodies and half-planes, with its uncertainty
     by the inputs; or on the reason why it is not stated. No sentence where W has no difference.
     """
-    if effects.no_difference:
+    if effects.reason_without_difference:
         if comparison is not None:
             yield (
                 "How far the inputs move the difference of the two models is not stated:"
-                f" {_with_full_stop(effects.no_difference)}"
+                f" {_with_full_stop(effects.reason_without_difference)}"
             )
         return
     if WORK not in effects.difference:
@@ -226,8 +226,9 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
 
 
 def _main_input_in_words(effects: InputEffects) -> str:
-    """A sentence that names the input that changes W most, and the next one; for the largest
-    pressure where nothing is dissipated.
+    """A sentence that names the input that changes W most, and the next one if it changes W by at
+    least a quarter of that; for the largest pressure where no input changes W. "" where none
+    changes either.
     """
     for key in (WORK, PEAK):
         value = effects.values.get(key)
@@ -447,11 +448,11 @@ def content(
         "sentences": sentences(effects, scene, comparison),
         "values": {key: _content_of_value(value) for key, value in effects.values.items()},
         "difference": {key: _content_of_value(value) for key, value in effects.difference.items()},
-        "no_difference": effects.no_difference or None,
+        "no_difference": effects.reason_without_difference or None,
         "draws": draws,
         "sliding": sliding_content(effects.sliding),
         "notes": list(effects.notes),
-        "unknown": effects.unknown or None,
+        "unknown": effects.reason_unknown or None,
     }
 
 

@@ -35,13 +35,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from reports.checking import nearest_to_sliding
-from reports.comparison.laws import ratio_of_answer
-from reports.comparison.pairs import coupled
+from reports.comparison.laws import largest_load_ratio
+from reports.comparison.pairs import has_coupled_tractions
 from scenes import (
     NORMAL_LOAD,
     Block,
@@ -61,9 +61,6 @@ from scenes import (
     sampled_times,
 )
 from scenes.array_types import Array
-
-if TYPE_CHECKING:
-    pass
 
 WORK = "dissipation"
 PEAK = "peak_pressure"
@@ -95,7 +92,9 @@ _Values = dict[str, float]
 
 
 class Quantity(NamedTuple):
-    """A value of theory: its words, symbol and unit, and its exponents in the scaling laws."""
+    """A value of theory: its name in words, the kind of its unit, and its exponents in the scaling
+    laws.
+    """
 
     words: str
     unit: str
@@ -140,7 +139,7 @@ class UncertainValue:
     second_order
         root of the summed squares of the second-order changes by each input
     uncertainty
-        standard uncertainty, correlations counted
+        standard uncertainty, correlations counted; NaN where a change is not known
     """
 
     words: str
@@ -152,12 +151,14 @@ class UncertainValue:
 
     @property
     def relative(self) -> float:
-        """Standard uncertainty over the value; NaN of 0."""
+        """Standard uncertainty over |value|; NaN where that is 0."""
         return self.uncertainty / abs(self.value) if self.value else math.nan
 
     @property
     def is_nearly_linear(self) -> bool:
-        """Whether derivatives are enough."""
+        """Whether derivatives are enough: the second order is at most a tenth of the
+        uncertainty.
+        """
         return self.second_order <= _NEARLY_LINEAR * self.uncertainty
 
     @property
@@ -184,7 +185,9 @@ class NearSliding(NamedTuple):
 
     @property
     def distance(self) -> float:
-        """Standard uncertainties between the ratio and 1; infinite where no input moves it."""
+        """Standard uncertainties from the ratio up to 1, negative beyond it; infinite where no
+        input moves the ratio.
+        """
         return (1 - self.ratio) / self.uncertainty if self.uncertainty > 0 else math.inf
 
     @property
@@ -195,7 +198,7 @@ class NearSliding(NamedTuple):
 
 class DrawStatistics(NamedTuple):
     """A value over the draws that have one: its mean, standard deviation, and between which 95 % of
-    them lie.
+    them lie (`low`, `high`). All NaN where fewer than two draws have one.
     """
 
     mean: float
@@ -249,15 +252,15 @@ class InputEffects:
     difference
         of finite bodies and half-planes, at the same inputs: W and the largest pressure; empty
         where it is not known
-    no_difference
+    reason_without_difference
         why it is not known, in a sentence; empty where it is
     draws
-        of W, where derivatives are not enough; else None
+        of W, where derivatives are not enough and draws do not take too long; else None
     sliding
         how near the loads come to gross sliding; None without friction or where it is not known
     notes
         what is left out, in sentences
-    unknown
+    reason_unknown
         why nothing of it is known, in a sentence; empty where `values` has entries
     """
 
@@ -265,11 +268,11 @@ class InputEffects:
     correlations: tuple[tuple[str, str, float], ...]
     values: Mapping[str, UncertainValue] = field(default_factory=dict)
     difference: Mapping[str, UncertainValue] = field(default_factory=dict)
-    no_difference: str = ""
+    reason_without_difference: str = ""
     draws: Draws | None = None
     sliding: NearSliding | None = None
     notes: tuple[str, ...] = ()
-    unknown: str = ""
+    reason_unknown: str = ""
 
     @property
     def work_uncertainty(self) -> float:
@@ -293,6 +296,7 @@ def uncertain_value(
 ) -> UncertainValue:
     """A computed value with the standard uncertainty that all n uncertain inputs together give it:
     u^2 = c^T R c, c its changes by one standard uncertainty of each input, R their correlations.
+    NaN where a change is not known.
 
     Parameters
     ----------
@@ -325,7 +329,9 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
     only: the other values take too long. Under a prescribed displacement slip and edge tension are
     not among them; the largest |Q| is, and with friction the largest |Q|/(f P). `effects`, which
-    are used there only, are the elastic responses that finite bodies add to half-planes.
+    are used there only, are the elastic responses that finite bodies add to half-planes. The values
+    are then those at the solution's own instants and points; a parabola has its largest pressure at
+    x = 0.
 
     Raises
     ------
@@ -335,7 +341,8 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     import semi_analytic
 
     if scene.load.is_driven:
-        solution = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
+        places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default points
+        solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
         instants = solution.last_cycle
         values = {
             WORK: solution.dissipation,
@@ -345,7 +352,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[instants]))),
         }
         if scene.friction.coefficient:
-            values[RATIO] = ratio_of_answer(solution)
+            values[RATIO] = largest_load_ratio(solution)
         return values
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     # pressure, slip and edge tension are found by a search, which takes too long for these scenes
@@ -413,6 +420,8 @@ def central_differences(
     ------
     InadmissibleLoadError
         Where even the smallest step makes the bodies slide.
+    InputError
+        Where no scene can have the moved input, or theory cannot solve that scene.
     """
     for step in _STEPS:
         input_change = step * uncertain_input.standard_uncertainty
@@ -458,7 +467,9 @@ def _differences(
 
 
 def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
-    """Share by which E* changes for one standard uncertainty of a constant of a material."""
+    """Share by which E* grows for one standard uncertainty of a constant of a material: a central
+    difference over E*.
+    """
     from semi_analytic.elasticity import composite_modulus
 
     modulus_above = composite_modulus(
@@ -513,7 +524,7 @@ def _change_by_laws(
     laws
         the scaling laws of this scene, which give x dV/dx of a value V for an input x
     uncertain_input
-        the input: its key and its standard uncertainty, a share of its value
+        the input: its key and its standard uncertainty, a share of its value (of a phase: degrees)
     values_at_inputs
         the values with the input as it is
     values_at
@@ -560,7 +571,7 @@ class _ScalingLaws:
         u x dV/dx, u being the `relative_uncertainty` of x.
 
         Its error is the second order u^2 x^2 V''/2 of V = c x^n. With the change u n V this is
-        change (change - u V)/(2 V).
+        change (change - u V)/(2 V); 0 where V is 0.
 
         Parameters
         ----------
@@ -700,7 +711,8 @@ def _curved_kind(scene: Scene) -> str:
 def omissions_in_words(scene: Scene) -> str:
     """A sentence that warns, before a run, which effects of the uncertain inputs its report will
     not state, and why. Empty where it will state all, without uncertain inputs, and for
-    half-planes, for which theory has no error.
+    half-planes, for which theory has no error. Under a prescribed displacement no difference of the
+    two models is expected, so that its absence gives no sentence.
     """
     if not scene.inputs or scene.bodies.half_planes:
         return ""
@@ -731,7 +743,7 @@ def _reason_without_difference(scene: Scene) -> str:
         )
     if scene.bodies.half_planes:
         return "both bodies are half-planes, for which theory is exact whatever the inputs are"
-    if coupled(scene):
+    if has_coupled_tractions(scene):
         return (
             "the materials are unlike (Dundurs' beta is not 0), and corrected theory does not"
             " follow that"
@@ -757,9 +769,11 @@ def changes_of_difference(
     Raises
     ------
     InputError
-        Where the elastic responses of changed bodies cannot be computed.
+        Where the elastic responses of changed bodies cannot be computed, or changed loads slide.
     """
     import halfplane_fe
+
+    by_batch = takes_batch(scene, effects)  # W by the quick formula for ellipses of loads
 
     def values_at(changed_scene: Scene) -> _Values:
         changed_effects = effects
@@ -767,7 +781,6 @@ def changes_of_difference(
             changed_effects = halfplane_fe.body_effects(changed_scene)
         return difference_at(changed_scene, changed_effects, by_batch=by_batch)
 
-    by_batch = takes_batch(scene, effects)  # W by the quick formula for ellipses of loads
     differences = difference_at(scene, effects, by_batch=by_batch)
     law_of_modulus = _LawOfModulus(scene, differences, values_at)
     changes_by_inputs = []
@@ -1131,7 +1144,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     """The uncertainties that the stated uncertainties of a scene's inputs give to theory's values,
     and to the difference of finite bodies from half-planes. None where none is stated.
 
-    Where theory cannot solve the scene, `unknown` of what is returned says why.
+    Where theory cannot solve the scene, `reason_unknown` of what is returned says why.
 
     Parameters
     ----------
@@ -1155,7 +1168,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     assert scene.uncertainty is not None
     scene_solved = with_blocks(scene)
     if reason := _reason_without_values(scene_solved):
-        return InputEffects(scene.inputs, scene.uncertainty.correlations, unknown=reason)
+        return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
     try:
         effects_of_inputs = _input_effects(scene_solved, effects)
         if scene_solved is scene:
@@ -1166,7 +1179,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
             scene.inputs,
             scene.uncertainty.correlations,
             sliding=None if scene.load.is_driven else sliding_of_loads(scene),
-            unknown=str(fault),
+            reason_unknown=str(fault),
         )
 
 
@@ -1226,7 +1239,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         correlations=scene.uncertainty.correlations,
         values=uncertain_values,
         difference=difference,
-        no_difference=reason_without_difference,
+        reason_without_difference=reason_without_difference,
         draws=draws,
         sliding=sliding,
         notes=tuple(notes),
@@ -1351,7 +1364,7 @@ def _notes_on_values(scene: Scene) -> list[str]:
 
 def _reason_by_sliding(sliding: NearSliding | None) -> str:
     """Why derivatives by the inputs are not enough for the uncertainty of the work W: gross sliding
-    is near; "" where it is not.
+    is nearer than three standard uncertainties; "" where it is not, or the bodies slide already.
     """
     if sliding is None or not 0 < sliding.distance < _NEAR_SLIDING:
         return ""

@@ -153,7 +153,7 @@ def against_result(
         relative standard uncertainties of the result, as the mapping file states them; those that
         it does not state count as 0
     """
-    if effects is None or effects.unknown:
+    if effects is None or effects.reason_unknown:
         return ()
     entries = []
     for key, (name, words) in _QUANTITIES.items():

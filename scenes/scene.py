@@ -85,7 +85,7 @@ class Expected(Frozen):
     tolerance: Positive = Field(
         description=(
             "largest difference over the value; where that is 0, over A f^2 P^2, the largest"
-            " half-width or the largest pressure"
+            " half-width a, the largest pressure, or P a of a moment"
         )
     )
     engine: Literal["half-plane theory", "finite elements"] = Field(

@@ -414,13 +414,13 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             return [json.dumps(stored).encode()]
         case "baseline.json":
             findings.write_baseline(
-                findings.of_solution(solution, "seed"),
+                findings.findings_of_solution(solution, "seed"),
                 folder / "seed.json",
                 {"semi_analytic.*": 1e-9},
             )
             return [(folder / "seed.json").read_bytes()]
         case "solution.json":
-            return [json.dumps({"format": findings.SOLUTION, **content}).encode()]
+            return [json.dumps({"format": findings.FORMAT_OF_SOLUTION, **content}).encode()]
         case "comparison.json":
             parts = {
                 "reference": content,

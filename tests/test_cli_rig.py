@@ -229,7 +229,7 @@ def test_inputs_of_pads_under_a_prescribed_displacement_are_those_of_blocks(fold
     assert of_cylinder is not None
     for words in ("will not be known", "a cylinder is curved", "`halfplane sweep`"):
         assert words in checked["remarks"][1]
-    assert of_cylinder.unknown in checked["remarks"][1]
+    assert of_cylinder.reason_unknown in checked["remarks"][1]
 
 
 @pytest.mark.slow

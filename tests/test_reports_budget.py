@@ -34,8 +34,8 @@ from reports.comparison.budget import (
     observed_order,
     solve_refinements,
 )
-from reports.comparison.budget_words import budget_table, negligible_terms, share
-from reports.comparison.words import lead, verdict
+from reports.comparison.budget_words import budget_table, cell_of_term, negligible_terms
+from reports.comparison.words import verdict, verdict_in_few_words
 from reports.console import show
 from reports.page.content import as_json
 from reports.page.writing import _dissipations, render
@@ -282,7 +282,7 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
     )
     assert Budget(metric, terms, True).uncertainty == pytest.approx(5.75)
     cells = [
-        share(Term("", *numbers, ""), metric)
+        cell_of_term(Term("", *numbers, ""), metric)
         for numbers in ((None, None), (None, 0.0), (None, 2e-3), (-1e-3, 5e-4))
     ]
     assert cells == ["not measured", "none", "± 0.2 %", "−0.1 % ± 0.05 %"]
@@ -526,7 +526,7 @@ def test_every_door_says_the_same_of_a_verdict(
     assert f'<p class="verdict {css[state]}">' in page
     table = page[page.index("<tbody>") : page.index("</tbody>")]
     assert table.count(f'<td class="{state}">{state}</td>') == (3 if state == "within" else 1)
-    assert (lead(report.comparison) == "Undecided.") is (state == "undecided")
+    assert (verdict_in_few_words(report.comparison) == "Undecided.") is (state == "undecided")
     assert ("undecided counts as outside" in verdict(report.comparison)) is (state == "undecided")
     show(verdict_shown(report))
     assert exit_code(report.comparison) == (0 if state == "within" else 1)
@@ -547,7 +547,7 @@ def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
     assert "reaches across the tolerance in dissipation (" in verdict(report_of_both.comparison)
     law = replace(report.comparison.result_certificates[0], value=9.0)
     violated = replace(report, comparison=replace(report.comparison, result_certificates=(law,)))
-    assert (lead(violated.comparison), exit_code(violated.comparison)) == (
+    assert (verdict_in_few_words(violated.comparison), exit_code(violated.comparison)) == (
         "Not within tolerance.",
         1,
     )

@@ -185,7 +185,7 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(
     """Rows of random loads, some outside the cone, some with P < 0: worst ratio, first instant and
     largest P of the legs.
     """
-    monkeypatch.setattr(checking, "_BLOCK", block)
+    monkeypatch.setattr(checking, "_ROWS_OF_BLOCK", block)
     chance = np.random.default_rng(16)
     for trial in range(30):
         normal = 100 + 60 * chance.standard_normal(30)

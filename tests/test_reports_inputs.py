@@ -362,9 +362,9 @@ def test_heights_move_the_difference_and_not_theory() -> None:
 def test_an_unknown_term_of_the_difference_is_said(scene: Scene, words: str) -> None:
     found = effects_of(scene, {"normal_load": "2 %"})
     assert not found.difference
-    assert words in found.no_difference
+    assert words in found.reason_without_difference
     before = inputs.omissions_in_words(scene.vary(uncertainty={"normal_load": "2 %"}))
-    assert (found.no_difference in before) != scene.bodies.half_planes
+    assert (found.reason_without_difference in before) != scene.bodies.half_planes
     assert "solve(" not in before
 
 
@@ -504,7 +504,21 @@ def test_gross_sliding_under_displacement_control_in_closed_form() -> None:
     change = found.values[WORK].changes["tangential_displacement"]
     assert change.value == pytest.approx(0.01 * 4 * limit * amplitude, rel=1e-3)
     assert found.values["largest_tangential_load"].uncertainty == pytest.approx(0.0, abs=1e-9)
-    assert "prescribed displacement" in found.no_difference
+    assert "prescribed displacement" in found.reason_without_difference
+
+
+def test_under_displacement_control_the_largest_pressure_is_that_of_all_points() -> None:
+    """Of a flat and rounded profile it is near the edges, and half of it in the middle."""
+    half_plane = {"kind": "half_plane"}
+    scene = load_scene("rig-blocks").vary(
+        profile={"kind": "flat_rounded", "flat_half_length": 0.5, "radius": 100.0},
+        bodies={"lower": half_plane, "upper": half_plane},
+        rig={"datum_length": 20.0},
+        expected=(),
+    )
+    largest_values = semi_analytic.extremes(semi_analytic.solve(scene, x=0.0, fields=(WORK,)), ())
+    values = inputs.values_of_theory(scene)
+    assert values["peak_pressure"] == pytest.approx(largest_values.pressure, rel=1e-4)
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
 from reports.charts.plate import Plate
 from reports.comparison import Comparison
-from reports.comparison.cycles import events, first_row, last_cycle, sample
+from reports.comparison.cycles import events, index_of_first_row, last_cycle, sample
 from reports.comparison.datum import effects_between
 from reports.comparison.metrics import METRICS, markdown
 from reports.page.writing import draw
@@ -764,7 +764,7 @@ def test_scales_and_frictionless_shear() -> None:
 
 
 OF_BODIES = {"displacement_amplitude", "approach_amplitude"}
-OF_BULK = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "tilt"}
+NAMES_OF_BULK_SERIES = {"stick_eccentricity", "bulk_work", "dissipation_drift", "moment", "tilt"}
 
 
 def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault() -> None:
@@ -776,7 +776,7 @@ def test_every_metric_has_its_row_in_the_table_on_the_page_and_a_planted_fault()
     plain = compare(TRUTH, TRUTH, polygon_reference=TRUTH)
     assert {metric.key for metric in comparison.metrics} - {
         metric.key for metric in plain.metrics
-    } == OF_BULK
+    } == NAMES_OF_BULK_SERIES
     assert (len(plain.headlines), len(comparison.headlines)) == (7, 8)
     assert (len(plain.metrics), len(comparison.metrics)) == (23, 28)
     unsigned = {"pressure", "shear", "state", "slip", "energy_balance"}
@@ -845,6 +845,11 @@ def test_displacements_of_bodies_compare_with_what_the_bodies_add() -> None:
     own_datum = compare(corrected, fe, effects=effects)
     assert own_datum.effects is None
     assert abs(own_datum.metric("tangential_displacement").value) < 5e-3
+    # its largest values are its own, and not those of half-planes
+    amounts = own_datum.metric("largest_pressure").amounts
+    assert amounts[0] == own_datum.reference_cycle.pressure.max()
+    assert own_datum.metric("edge_tension").value is None
+    assert compare(theory, corrected).metric("edge_tension").value is None
 
 
 def loop_of(comparison: Comparison) -> Plate:
@@ -1013,12 +1018,12 @@ def test_events_of_a_record_are_its_rows() -> None:
     answer = semi_analytic.solve(scene)
     cycle = last_cycle(answer)
     assert cycle.normal_load[0] == 0
-    first = first_row(cycle, scene)
+    first = index_of_first_row(cycle, scene)
     marked = events(cycle, scene.friction.coefficient, first)
     labels = {event.label: cycle.normal_load[event.index] for event in marked}
     assert (labels["P least"], labels["P largest"]) == (2.0, 4.0)
     assert min(event.index for event in marked) >= first > 0
-    assert first_row(last_cycle(ROUGH), ROUGH.scene) == 0
+    assert index_of_first_row(last_cycle(ROUGH), ROUGH.scene) == 0
 
 
 def test_events_of_the_papers_ellipse() -> None:

@@ -165,9 +165,9 @@ def test_pairs_differ_where_they_must(case: str, a: Findings) -> None:
 def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path) -> None:
     content = json.loads((runs / "a" / "comparison.json").read_text())
     content["metrics"]["shear"].update(value=None)
-    none = baseline.of_content(content, "none")
+    none = baseline.findings_of_content(content, "none")
     content["metrics"]["shear"].update(finite=False)
-    nan = baseline.of_content(content, "nan")
+    nan = baseline.findings_of_content(content, "nan")
     assert verdicts(difference(none, nan)) == {"metric.shear.finite": ONLY_B}
     assert difference(nan, nan).same
 
@@ -306,6 +306,18 @@ def test_what_is_neither_is_refused(
         require_facts(sentence(halfplane(tmp_path, "diff", *pair)), name, *facts)
     line = sentence(halfplane(tmp_path, "diff", str(runs / "failed"), str(runs / "a")))
     require_facts(line, "before an engine failed")
+
+
+def test_a_folder_with_a_damaged_solution_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "semi_analytic.json").write_text('{"format": "halfplane solution 2"}')
+    with refused_for("can't be read as one", "'scene'"):
+        baseline.read_findings(tmp_path)
+
+
+def test_an_energy_is_compared_where_a_baseline_lacks_pressure_and_half_width(a: Findings) -> None:
+    work = {"semi_analytic.dissipation": a.figures["semi_analytic.dissipation"]}
+    alone = replace(a, figures=work)
+    assert difference(alone, replace(alone, source="b")).same
 
 
 # -------------------------------------------------------------------------------- reports/published

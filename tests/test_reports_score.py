@@ -26,7 +26,7 @@ from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, fe_run
 from refusals import refused_for, require_facts
 from reports.cli import main
-from reports.comparison.metrics import missing
+from reports.comparison.metrics import reason_by_missing_field
 from reports.console import Stages
 from reports.field_output.files import write_fields
 from reports.report import Report
@@ -304,7 +304,7 @@ def test_what_is_missing_is_neither_zero_nor_derived() -> None:
     assert frame.comparison.scales == cycle.comparison.scales
     assert frame.comparison.scales.half_width == pytest.approx(1.0, rel=1e-6)
     lacking = {"tangential_displacement", "slip", "dissipation", "dissipation_density"}
-    assert set(missing(cycle.comparison.result)) == lacking
+    assert set(reason_by_missing_field(cycle.comparison.result)) == lacking
     assert np.isnan(cycle.comparison.result.slip).all()
     assert np.isnan(cycle.comparison.result.dissipation)
     require_facts(cycle.metric("slip").note, "slip: not in the result")

@@ -18,7 +18,7 @@ from reports.cli.results import _folder_of
 from reports.cli.solving import exit_code
 from reports.comparison import compare
 from reports.comparison.cycles import events
-from reports.comparison.words import lead, verdict
+from reports.comparison.words import verdict, verdict_in_few_words
 from reports.scoring.against import diagnosed, score, score_file
 from reports.scoring.causes_in_words import coupling_sentence
 from reports.scoring.discrepancy import discrepancy_of
@@ -143,12 +143,17 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
         "not scored, though a tolerance judges it: dissipation: exit code 1"
         in capsys.readouterr().err
     )
-    assert lead(report.comparison) == "Partly scored: within tolerance where it was."
+    assert (
+        verdict_in_few_words(report.comparison) == "Partly scored: within tolerance where it was."
+    )
     assert "Not scored, though a tolerance judges it: dissipation." in verdict(report.comparison)
     left_out = score_file(
         part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
     )
-    assert (exit_code(left_out.comparison), lead(left_out.comparison)) == (0, "Within tolerance.")
+    assert (exit_code(left_out.comparison), verdict_in_few_words(left_out.comparison)) == (
+        0,
+        "Within tolerance.",
+    )
     assert "dissipation" in verdict(left_out.comparison)
 
 

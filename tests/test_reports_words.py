@@ -28,15 +28,15 @@ from reports.comparison.words import (
     first_table,
     headline,
     idealisation,
-    lead,
     question,
+    sentence_on_work,
     summary_rows,
-    tolerance_of,
-    uncertain_work,
-    unit_of,
+    tolerance_in_words,
+    unit_in_words,
     unlike_materials,
-    value_of,
+    value_in_words,
     verdict,
+    verdict_in_few_words,
     with_uncertainty,
 )
 from reports.comparison.work_of_loads import normal_work
@@ -205,17 +205,17 @@ def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> N
     )
     edge = comparison.metric("stick_edge")
     norm = comparison.metric("pressure")
-    assert (value_of(edge), unit_of(edge), tolerance_of(edge)) == (
+    assert (value_in_words(edge), unit_in_words(edge), tolerance_in_words(edge)) == (
         "−1 %",
         "of a_ref (−0.5 elements)",
         "2.5 %",
     )
-    assert (value_of(norm), unit_of(norm)) == ("0 %", "of ‖p_ref‖")
+    assert (value_in_words(norm), unit_in_words(norm)) == ("0 %", "of ‖p_ref‖")
     metric = compare(
         with_fields(TRUTH, dissipation=0.0), with_fields(TRUTH, dissipation=0.01)
     ).metric("dissipation")
-    assert "%" not in value_of(metric) + tolerance_of(metric)
-    assert unit_of(metric) == "A f² P_ref²"
+    assert "%" not in value_in_words(metric) + tolerance_in_words(metric)
+    assert unit_in_words(metric) == "A f² P_ref²"
     # round-off is nothing
     for value, text in (
         (1.87e-16, "0 %"),
@@ -223,8 +223,8 @@ def test_values_have_sign_unit_elements_and_no_more_digits_than_are_known() -> N
         (-2e-13, "−2e−11 %"),
         (1e-5, "+0.001 %"),
     ):
-        assert value_of(replace(METRICS["dissipation_step"], value=value)) == text
-        absolute = value_of(replace(METRICS["dissipation_step"], value=value, absolute=True))
+        assert value_in_words(replace(METRICS["dissipation_step"], value=value)) == text
+        absolute = value_in_words(replace(METRICS["dissipation_step"], value=value, absolute=True))
         assert (absolute == "0") == (text == "0 %")
     known = {
         (2.8512, 0.0614): "2.85 ± 0.06",
@@ -284,7 +284,7 @@ def test_page_terminal_and_file_say_what_the_dissipation_is_of(words: str, tmp_p
         theory, engine="halfplane_fe", dissipation_uncertainty=1e-3 * theory.dissipation
     )
     report = Report(compare(theory, known))
-    assert uncertain_work(report.comparison).startswith(
+    assert sentence_on_work(report.comparison).startswith(
         f"Dissipation of the {words} by finite elements: "
     )
     assert any(f"dissipation of the {words} [" in row[0] for row in summary_rows(theory))
@@ -374,7 +374,7 @@ def test_the_headline_says_how_far_both_agree(
 def test_bodies_without_a_tolerance_are_not_judged() -> None:
     """Errors with uncertainties, no verdict, passed; a tolerance that is asked for judges them."""
     free = bodies(0.98, 1.0, 6e-4)
-    assert (free.verdict, free.passed, lead(free)) == (None, True, "")
+    assert (free.verdict, free.passed, verdict_in_few_words(free)) == (None, True, "")
     assert "nothing is judged" in verdict(free)
     for tolerance, state in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
         report = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
@@ -525,7 +525,7 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
     off = replace(exact, pressure=1.1 * exact.pressure, engine="halfplane_fe")
     comparison = replace(compare(exact, off, tolerances=OWN_TOLERANCES), result_certificates=())
     assert not comparison.passed
-    assert lead(comparison) == (
+    assert verdict_in_few_words(comparison) == (
         "Outside tolerance: a finding about the idealisation."
         if is_finding
         else "Not within tolerance."

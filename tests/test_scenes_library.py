@@ -309,3 +309,14 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(
     assert finding.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
     row = laws.expected_rows([finding])[0]
     assert (row[-1] == "no", row[3] == "none") == (not finding.met, "no " in name)
+
+
+def test_a_moment_expected_to_be_zero_is_judged_over_the_load_times_the_half_width(
+    mindlin: ContactSolution,
+) -> None:
+    """In the scene's units a half-width of one tells nothing of a moment."""
+    scale = float(mindlin.normal_load.max() * mindlin.contact_half_width.max())
+    answer = replace(mindlin, moment=np.full(len(mindlin.time), 1e-3 * scale))
+    planted = Expected(quantity="moment", value=0.0, tolerance=1e-6, source="planted")
+    (finding,) = laws.expected_numbers(answer.scene.vary(expected=(planted,)), [answer])
+    assert finding.difference == pytest.approx(1e-3)

@@ -185,7 +185,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     """
     from dataclasses import replace
 
-    from reports.comparison.laws import derived
+    from reports.comparison.laws import names_of_derived_fields
     from reports.inputs import input_effects
     from reports.validation import against_result
 
@@ -196,7 +196,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
         inputs = input_effects(comparison.scene, comparison.effects)
     report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
     # fields worked out from others: an external result has some, an own solution has none
-    if not derived(comparison.result):
+    if not names_of_derived_fields(comparison.result):
         return report
     return replace(report, validation=against_result(comparison, inputs, mapping.measured))
 

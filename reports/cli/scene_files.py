@@ -342,7 +342,7 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
     """The sentence of `check` on a scene with prescribed displacements: the range of Q, the largest
     P, and how near the contact comes to sliding.
     """
-    from reports.comparison.laws import ratio_of_answer
+    from reports.comparison.laws import largest_load_ratio
     from reports.units import number
 
     scene = solution.scene
@@ -352,7 +352,9 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
     largest_normal_load = number(float(solution.normal_load.max()))
     ratio_in_words = ""
     if scene.friction.coefficient:
-        ratio_in_words = f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
+        ratio_in_words = (
+            f" |Q|/(f P) is at most {largest_load_ratio(solution):.4g}; all slides at 1."
+        )
     return (
         f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
         f" {unit_of_force}/{unit_of_length}, and P up to {largest_normal_load}.{ratio_in_words}"
@@ -367,13 +369,13 @@ def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
     """
     import numpy as np
 
-    from reports.comparison.laws import ratio_of_answer
+    from reports.comparison.laws import largest_load_ratio
 
     return {
         "dissipation": solution.dissipation,
         "largest_half_width": float(solution.contact_half_width.max()),
         "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
-        "largest_sliding_ratio": ratio_of_answer(solution),
+        "largest_sliding_ratio": largest_load_ratio(solution),
     }
 
 

@@ -520,7 +520,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     a line on stderr says so.
     """
     from reports.comparison import laws
-    from reports.comparison.words import lead
+    from reports.comparison.words import verdict_in_few_words
     from reports.page.content import whole_content
 
     comparison = report.comparison
@@ -575,7 +575,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             "headline": report_content["headline"],
             "table": report_content["table"],
             **report_content["verdict"],
-            "lead": lead(comparison),
+            "lead": verdict_in_few_words(comparison),
             "metrics": metrics,
             "why": report_content["why"],
             "inputs": report_content["inputs"],
@@ -594,13 +594,13 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     """
     from reports.comparison.words import (
         first_cells,
-        how_judged,
-        judged_by_size,
-        lead,
-        standing,
+        labels_judged_by_size,
+        sentence_on_judging,
+        sentences_on_missing_values,
         verdict,
+        verdict_for_colour,
+        verdict_in_few_words,
         verdict_in_short,
-        without_value,
     )
 
     comparison = report.comparison
@@ -609,17 +609,17 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     heads, rows = first_cells(comparison, "label" if verbose else "short", with_empty=False)
     yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
-    if metrics_without_value := without_value(comparison):
+    if metrics_without_value := sentences_on_missing_values(comparison):
         yield metrics_without_value
     if comparison.why is not None:
         yield comparison.why.sentence
-    style = _STYLES.get(standing(comparison) or "", "")
-    long_verdict = f"{lead(comparison)} {verdict(comparison)}".strip()
+    style = _STYLES.get(verdict_for_colour(comparison) or "", "")
+    long_verdict = f"{verdict_in_few_words(comparison)} {verdict(comparison)}".strip()
     yield long_verdict if verbose else verdict_in_short(comparison), style
     # Without --verbose the rule of judging is stated only where the size of a difference decides
     # alone, without its uncertainty.
-    if verbose or judged_by_size(comparison):
-        rule_of_judging = how_judged(comparison, has_budget=report.budget is not None)
+    if verbose or labels_judged_by_size(comparison):
+        rule_of_judging = sentence_on_judging(comparison, has_budget=report.budget is not None)
         if rule_of_judging:
             yield rule_of_judging
 
@@ -660,11 +660,11 @@ def _notes_shown(report: Report) -> Iterator[Part]:
     """What a terminal with --verbose shows: the uncertainty of the dissipation, the notes of the
     finite elements, and what was read of the table of measured loads.
     """
-    from reports.comparison.words import uncertain_work
+    from reports.comparison.words import sentence_on_work
     from reports.measured import check_record, record_in_words
 
     scene = report.comparison.scene
-    if work_in_words := uncertain_work(report.comparison):
+    if work_in_words := sentence_on_work(report.comparison):
         yield work_in_words
     for note in report.comparison.result.record.notes:
         yield f"Note: {note}."
@@ -680,7 +680,7 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
     far field): what it contributes to the difference E of the result from theory. Then come the
     rest of E that no source explains, and its uncertainty u. E stands in the table above.
     """
-    from reports.comparison.budget_words import budget_table, cost, negligible_terms
+    from reports.comparison.budget_words import budget_table, cost_in_words, negligible_terms
 
     negligible_sources = negligible_terms(budget)
     heads, rows, _ = budget_table(budget, (*negligible_sources, "E"))
@@ -699,7 +699,7 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
         names = ", ".join(negligible_sources)
         yield f"Below a thousandth of every difference, and not shown: {names}."
     yield f"Covered by the stated uncertainty: {report.honest}"
-    yield cost(budget)
+    yield cost_in_words(budget)
 
 
 def _are_per_cent(rows: Sequence[tuple[str, ...]]) -> bool:
@@ -803,7 +803,7 @@ def _answer_of_one_engine(
         certificates,
         expected_content,
         expected_numbers,
-        ratio_of_answer,
+        largest_load_ratio,
     )
     from reports.comparison.words import summary_rows
     from reports.input_words import content as input_content
@@ -821,7 +821,7 @@ def _answer_of_one_engine(
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
     values_of_rig = {}
     if job.scene.load.is_driven:
-        values_of_rig["largest_sliding_ratio"] = ratio_of_answer(solution)
+        values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
 
     def parts() -> Iterator[Part]:
         """What the terminal shows, from the summary to the path of the solution's file."""
@@ -953,8 +953,8 @@ def write_solution(
     named `name`, by default after the engine. With `states_loads` scene.json is written too.
     """
     from reports.charts.templating import table_text
-    from reports.comparison.cycles import OF_BULK
-    from reports.comparison.findings import SOLUTION
+    from reports.comparison.cycles import NAMES_OF_BULK_SERIES
+    from reports.comparison.findings import FORMAT_OF_SOLUTION
     from reports.comparison.json_values import solution_content, strict
     from reports.comparison.laws import certificates
     from reports.folder import results_folder
@@ -963,7 +963,7 @@ def write_solution(
     with results_folder(out, stale_prefixes=()) as folder:  # other files of the folder stay
         solution.save(folder / f"{stem}.nc")
         content = {
-            "format": SOLUTION,
+            "format": FORMAT_OF_SOLUTION,
             **solution_content(solution, certificates(solution)),
             "scene": solution.scene.model_dump(mode="json"),
         }
@@ -972,7 +972,7 @@ def write_solution(
         columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations
         if solution.tilt is not None:  # bulk stress or tilt: the two edges of a zone differ
-            columns |= {key: getattr(solution, key) for key in OF_BULK}
+            columns |= {key: getattr(solution, key) for key in NAMES_OF_BULK_SERIES}
             edges_of_zone = {"contact": solution.contact_edges, "stick": solution.stick_edges}
             for zone, edges in edges_of_zone.items():
                 columns |= {f"{zone}_left": edges[:, 0], f"{zone}_right": edges[:, 1]}

@@ -4,49 +4,48 @@ verdict.
 Offered to the rest of reports, `Comparison` `compare` first; each file imports those above it only:
 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
-                    `Event` `events` `first_row` `OF_BULK`
+                    `Event` `events` `index_of_first_row` `NAMES_OF_BULK_SERIES`
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
-    datum.py        what displacements count from, c_t and c_n of finite bodies:
-                    `effects_between` `lacks_datum` `from_supports`
+    datum.py        what displacements count from, c_t and c_n of finite bodies: `effects_between`
+                    `lacks_datum` `from_supports`
     isolated.py     single values that no neighbour supports: `spikes` `without_spikes`
-    pairs.py        reference and result on common points: `Pair` `are_half_planes` `coupled`
-                    `name_of`
+    pairs.py        reference and result on common points: `Pair` `are_half_planes`
+                    `has_coupled_tractions` `name_of`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
                     `normal_work` `bulk_strain` `bulk_strains`
     verdicts.py     `Verdict` `verdict_on`
-    measures.py     one function for each metric: `norm` `quotient`
-                    `trapezoidal_weights`
+    measures.py     one function for each metric: `norm` `quotient` `trapezoidal_weights`
     metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
-                    `METRICS` `Metric` `missing` `tolerances_of` `WHOLE_CYCLE`
+                    `METRICS` `Metric` `reason_by_missing_field` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
-                    `certificates` `LIMIT` `DERIVED` `derived`; the numbers of a solution:
-                    `QUANTITIES` `OF_UNSYMMETRIC` `ratio_of_answer`; those that its scene
-                    expects: `Finding` `expected_numbers` `expected_content` `expected_rows`
+                    `certificates` `DERIVED` `names_of_derived_fields`; the numbers of a solution:
+                    `QUANTITIES` `NAMES_OF_UNSYMMETRIC_VALUES` `largest_load_ratio`; those that its
+                    scene expects: `Finding` `expected_numbers` `expected_content` `expected_rows`
                     `EXPECTED_HEADS`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
                     `in_percent`
     judged.py       all of that with its verdict: `JudgedPair`
     words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
-                    `lead` `verdict` `verdict_in_short` `how_judged` `judged_by_size`
-                    `standing` `uncertain_work` `question`
+                    `verdict_in_few_words` `verdict` `verdict_in_short` `sentence_on_judging`
+                    `labels_judged_by_size` `verdict_for_colour` `sentence_on_work` `question`
                     `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
-                    `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `stretch`
-                    `of_stretch` `for_notebook`; in cells: `amount` `value_of`
-                    `with_uncertainty` `shown_unit` `first_table` `first_cells` `first_rows`
-                    `without_value` `row_of_sliding` `summary_rows` `summary`
-                    `summary_csv` `summary_latex` `in_five_lines`
+                    `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `part_of_path`
+                    `text_on_part_of_path` `for_notebook`; in cells: `term_in_words`
+                    `value_in_words` `with_uncertainty` `shown_unit` `first_table` `first_cells`
+                    `first_rows` `sentences_on_missing_values` `row_of_sliding` `summary_rows`
+                    `summary` `summary_csv` `summary_latex` `in_five_lines`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `solve_refinements`
-                    `coarser_settings` `settings_with_halved_steps` `mesh_ratio`
-                    `theory_on_steps` `SHOWN_ON_STEPS` `ROUNDING`; the mesh-refinement study of
-                    one value, its order and value at size zero: `Refinement` `Extrapolation`
-                    `extrapolate`
-    budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms` `cost`
-                    `share` `is_covered` `are_covered` `budget_content`
+                    `coarser_settings` `settings_with_halved_steps` `mesh_ratio` `theory_on_steps`
+                    `SHOWN_ON_STEPS` `ROUNDING`; the mesh-refinement study of one value, its order
+                    and value at size zero: `Refinement` `Extrapolation` `extrapolate`
+    budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
+                    `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
-                    `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
-                    `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
+                    `findings_of_content` `findings_of_solution` `difference` `Difference` `Row`
+                    `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION` `is_baseline` `write_baseline`
+                    `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -59,7 +58,7 @@ from reports.comparison.datum import from_supports, lacks_datum
 from reports.comparison.dimensionless import scales
 from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
-from reports.comparison.metrics import METRICS, judge, missing, tolerances_of
+from reports.comparison.metrics import METRICS, judge, reason_by_missing_field, tolerances_of
 from reports.comparison.pairs import LIGHT, Pair, are_half_planes, name_of
 from scenes import BodyEffects, ContactSolution, InputError
 
@@ -261,12 +260,14 @@ def _notes(pair: Pair) -> Iterator[str]:
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
         # Our finite elements note it themselves, with the change of the dissipation.
-        is_without_note = solution.engine != "halfplane_fe" and not missing(solution)
+        is_without_note = solution.engine != "halfplane_fe" and not reason_by_missing_field(
+            solution
+        )
         if pair.periodic and solution.steady_from is None and is_without_note:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
     has_other_datum = pair.effects is not None or pair.lacks_common_datum
-    if has_other_datum and _DISPLACEMENT not in missing(pair.result):
+    if has_other_datum and _DISPLACEMENT not in reason_by_missing_field(pair.result):
         yield in_template("displacements", pair.effects is not None)
     if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
         yield in_template("steps_not_apart")

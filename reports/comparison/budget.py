@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from meshes import MeshSettings
 
 ROUNDING = 1e-12  # relative: two values that differ by less are the same
-# They are two parts of the dissipation, that of the load increments and that of all else: a budget
-# of them would count it twice.
-_PARTS_OF_METRICS = ("dissipation_polygon", "dissipation_step")
+# Keys of the metrics that are parts of the dissipation, that of the load increments and that of all
+# else: a budget of them would count it twice.
+_PARTS_OF_DISSIPATION = ("dissipation_polygon", "dissipation_step")
 # Metric -> name, in `record.errors` of a solution, of the error estimate that theory states for it.
 _NAMES_OF_ERRORS = {
     "largest_pressure": "pressure",
@@ -62,13 +62,13 @@ _PEAK_METRICS = ("largest_pressure", "peak_pressure")
 # report(done, total, text).
 _Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
-_STATED_BY_RUN = "uncertainty that the run itself states"
+_STATED_BY_RUN_IN_WORDS = "uncertainty that the run itself states"
 
-_LARGEST_ELEMENT = 0.25  # element size that MeshSettings takes, over the contact half-width
+_LARGEST_ELEMENT_SIZE = 0.25  # element size that MeshSettings takes, over the contact half-width
 _LEAST_SIZE_RATIO = 1.2  # of two meshes that differ enough to show an order
 # Radii of a half-disc, over the contact half-width, of which half and twice are radii that
 # MeshSettings takes: 2 to 1000.
-_FAR_RADII = (4.0, 500.0)
+_RANGE_OF_FAR_RADIUS = (4.0, 500.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,16 +92,18 @@ class Refinements(PythonNumbers):
     """
 
     mesh_runs: tuple[Run, ...]  # the run itself and those on coarser meshes
-    # with the radii 2 L, L, L/2 on the coarse mesh; empty for bodies with a size of their own
+    # with the radii 2 L, L, L/2 on the coarse mesh; empty for bodies with a size of their own, or
+    # where it was not measured
     far_field_runs: tuple[Run, ...]
     # (with penalty layer, without) on the mesh of the run and on the next coarser one; empty where
-    # the law is met exactly
+    # the law is met exactly, or where it was not measured
     penalty_pairs: tuple[tuple[Run, Run], ...]
-    coarse_label: str  # label of the mesh on which far field and load increments are measured
-    not_measured: Mapping[str, str]  # source of error -> why it was not measured
+    # label of the mesh on which far field and load increments are measured; "none" without one
+    coarse_label: str
+    reasons_not_measured: Mapping[str, str]  # source of error -> why it was not measured
     cpu_seconds: float  # CPU time of all but the run itself
-    # with the load increments of the run and with halved ones, on the coarse mesh. Only where
-    # theory has no answer on the polygon of the increments; else None
+    # with the load increments of the run and with halved ones, on the coarse mesh; empty where not
+    # measured. None where theory has an answer on the polygon of the increments: none are needed
     step_runs: tuple[Run, ...] | None = None
 
 
@@ -164,7 +166,9 @@ def values_without_step_error(comparison: Comparison) -> dict[str, float | None]
 
 
 def settings_with_halved_steps(settings: SolverSettings) -> SolverSettings:
-    """Solver settings with load increments half as long, whose error is a quarter."""
+    """Solver settings with twice as many load increments in a cycle and a quarter of the tolerance
+    on an increment, which is at least 1e-8: the error of the increments falls to a quarter.
+    """
     return replace(
         settings,
         steps_per_cycle=2 * settings.steps_per_cycle,
@@ -190,7 +194,7 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     ... )
     (2.0, None)
     """
-    largest_ratio = (_LARGEST_ELEMENT / mesh.edge_element_size) ** (1 / 3)
+    largest_ratio = (_LARGEST_ELEMENT_SIZE / mesh.edge_element_size) ** (1 / 3)
     if largest_ratio < _LEAST_SIZE_RATIO:
         return None
     return min(2.0, largest_ratio)
@@ -205,8 +209,8 @@ def coarser_settings(
     The stiffnesses of a penalty layer are stated relative to the element size. They are multiplied
     by the factor too, so that the layer keeps its stiffness wherever no size is limited.
     """
-    middle_size = min(_LARGEST_ELEMENT, factor * mesh.element_size)
-    edge_size = min(_LARGEST_ELEMENT, factor * mesh.edge_element_size)
+    middle_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.element_size)
+    edge_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.edge_element_size)
     if settings.method == "penalty":
         normal_stiffness, tangential_stiffness = settings.stiffnesses
         settings = replace(
@@ -226,12 +230,14 @@ def solve_refinements(
 ) -> Refinements:
     """Solve a scene again by finite elements on coarser meshes, with other far fields, load
     increments or penalty layers. These runs measure the errors of the run with this `mesh` and
-    these `settings`.
+    these `settings`. A run that does not converge stands among them with its reason.
 
-    The meshes have the element sizes h, r h, r^2 h, r^3 h, the first being that of the run. Two
-    coarser meshes are the least that shows an order, at a third of the cost. The far field, a
-    half-disc of finite radius in place of a half-plane, is measured at r^2 h. A penalty layer,
-    springs that let the faces overlap and creep, is measured at h and r h.
+    The meshes have edge elements of the sizes h, r h, r^2 h, r^3 h, the first being that of the
+    run, r = `mesh_ratio(mesh)`. Where that is None, nothing is solved. Two coarser meshes are the
+    least that shows an order, at a third of the cost. The far field, a half-disc of finite radius
+    in place of a half-plane, is measured at r^2 h. So are load increments where theory has no
+    answer on their polygon. A penalty layer, springs that let the faces overlap and creep, is
+    measured at h and r h.
 
     Parameters
     ----------
@@ -268,13 +274,13 @@ def solve_refinements(
     coarse_run = mesh_runs[2]
     coarse_mesh, coarse_settings = coarser_settings(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
-    not_measured: dict[str, str] = {}
+    reasons_not_measured: dict[str, str] = {}
     bodies = comparison.scene.bodies
     if "half_plane" in (bodies.lower.kind, bodies.upper.kind):
-        if _FAR_RADII[0] <= mesh.far_radius <= _FAR_RADII[1]:
+        if _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]:
             far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
         else:
-            not_measured["far field"] = (
+            reasons_not_measured["far field"] = (
                 f"a half-disc of radius {mesh.far_radius:g} a leaves no room for one of half and"
                 " one of twice"
             )
@@ -291,7 +297,7 @@ def solve_refinements(
         far_field_runs=far_field_runs,
         penalty_pairs=penalty_pairs,
         coarse_label=coarse_run.label,
-        not_measured=not_measured,
+        reasons_not_measured=reasons_not_measured,
         cpu_seconds=time.process_time() - start_seconds,
         step_runs=step_runs,
     )
@@ -300,7 +306,7 @@ def solve_refinements(
 def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
     """A refinement study that holds one run only, the one whose errors would be measured
     (`base_run`): its elements are so large that three coarser meshes are not possible. It states
-    this reason for each source of error.
+    this reason for the mesh, the far field and the penalty layer.
     """
     reason = "the run's own elements leave no room for three coarser meshes"
     # without theory on straight increments halved increments are needed, and there are none
@@ -310,7 +316,7 @@ def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
         far_field_runs=(),
         penalty_pairs=(),
         coarse_label="none",
-        not_measured=dict.fromkeys(("mesh", "far field", "penalty"), reason),
+        reasons_not_measured=dict.fromkeys(("mesh", "far field", "penalty"), reason),
         cpu_seconds=0.0,
         step_runs=step_runs,
     )
@@ -334,7 +340,8 @@ class _RunSolver:
 
     def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
         """Solve the scene by finite elements and compare the solution with half-plane theory. The
-        returned run holds the value of each metric, or the reason why there is none.
+        returned run holds the value of each metric. Where the finite elements do not converge, or
+        theory has no answer, it holds the reason and no values.
 
         Parameters
         ----------
@@ -470,14 +477,16 @@ class Budget:
 
     @property
     def rest(self) -> float:
-        """E minus all measured errors: the idealisation error of real bodies; of half-planes, the
-        part of E that is unexplained.
+        """E minus all measured errors, a term without a value counting as 0: the idealisation error
+        of real bodies; of half-planes, the part of E that is unexplained. NaN where E is.
         """
         return self.total - sum(term.value or 0.0 for term in self.terms)
 
     @property
     def uncertainty(self) -> float | None:
-        """u, the uncertainty of the rest; None where a term was not measured."""
+        """u, the uncertainty of the rest: root of the sum of squares of those of the terms, plus
+        the sum of those that are bounds. None where a term was not measured.
+        """
         if not all(term.is_measured for term in self.terms):
             return None
         bounds = [term.uncertainty or 0.0 for term in self.terms if term.bound]
@@ -557,7 +566,7 @@ def error_budget(
     budgets = []
     for metric in comparison.metrics:
         has_value = metric.value is not None and math.isfinite(metric.value)
-        if not has_value or metric.key in _PARTS_OF_METRICS:
+        if not has_value or metric.key in _PARTS_OF_DISSIPATION:
             continue
         terms = (
             _mesh_term(metric, comparison, refinements),
@@ -581,13 +590,15 @@ def _sizes_and_values(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, 
     return pairs
 
 
-def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: str = "") -> Term:
-    """A term without value and uncertainty. It states the reason: `before`, then `why`, else the
-    failures of `runs`.
+def _unmeasured_term(
+    name: str, runs: Iterable[Run] = (), reason: str = "", first_reason: str = ""
+) -> Term:
+    """A term without value and uncertainty, in words why: `first_reason`, then `reason`. Where that
+    is "", the failures of `runs`, else that a run has no finite value.
     """
     failures = "; ".join(run.failure for run in runs if run.failure)
-    reason = why or failures or "a run has no finite value"
-    return Term(name, None, None, f"not measured: {before}{reason}")
+    last_reason = reason or failures or "a run has no finite value"
+    return Term(name, None, None, f"not measured: {first_reason}{last_reason}")
 
 
 def _extrapolated_term(
@@ -596,8 +607,8 @@ def _extrapolated_term(
     """The error of a metric by one source: its value in the run itself (size 1) minus the limit of
     `runs` at size zero.
 
-    The term has no value where the runs only scatter. It is not measured with fewer than three
-    runs.
+    The term has no value where the values of the runs oscillate or diverge. It is not measured
+    where fewer than three runs have a finite value, or the run itself has none.
 
     Parameters
     ----------
@@ -611,9 +622,9 @@ def _extrapolated_term(
         order of convergence that the method has in theory
     """
     value_at_size = dict(_sizes_and_values(metric, runs))
-    reason = refinements.not_measured.get(name, "")
-    if name in refinements.not_measured or len(value_at_size) < 3 or 1.0 not in value_at_size:
-        return _not_measured(name, runs, reason)
+    reason = refinements.reasons_not_measured.get(name, "")
+    if reason or len(value_at_size) < 3 or 1.0 not in value_at_size:
+        return _unmeasured_term(name, runs, reason)
 
     refinement = Refinement(
         sizes=tuple(value_at_size),
@@ -638,12 +649,14 @@ def _extrapolated_term(
 def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
 
-    The limit comes from the coarser meshes. Where the run states an uncertainty of the value
-    itself, three cases are distinguished:
+    The limit comes from the coarser meshes; the term is not measured where they give none. Where
+    the run states an uncertainty of the value itself, three cases are distinguished:
 
     - the error by the coarser meshes is larger than that: both error and uncertainty are theirs;
     - their uncertainty is larger than that of the run: no error, and the uncertainty of the run;
-    - else: their error, and the uncertainty of the run.
+    - else: their error (none where they only scatter), and the uncertainty of the run.
+
+    Where it states none: their error and uncertainty, the latter at least that of an edge or peak.
     """
     formal_order = 2.0
     term = _extrapolated_term("mesh", metric, refinements, refinements.mesh_runs, formal_order)
@@ -664,12 +677,13 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
             " states"
         )
         return Term("mesh", None, stated_uncertainty, method)
-    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_STATED_BY_RUN}")
+    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_STATED_BY_RUN_IN_WORDS}")
 
 
 def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Comparison) -> Term:
     """The `term` of the mesh in a metric, its uncertainty raised to the largest that the run itself
-    states of the metric, of its contact or stick edge, or of its pressure peak.
+    states of the metric, of its contact or stick edge, or of its pressure peak. An infinite one
+    raises nothing.
     """
     least_uncertainty = max(
         metric.uncertainty or 0.0,
@@ -677,7 +691,9 @@ def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Compariso
         _uncertainty_of_peak(metric, comparison),
     )
     if (term.uncertainty or 0.0) < least_uncertainty < math.inf:
-        return replace(term, uncertainty=least_uncertainty, how=f"{term.how}; {_STATED_BY_RUN}")
+        return replace(
+            term, uncertainty=least_uncertainty, how=f"{term.how}; {_STATED_BY_RUN_IN_WORDS}"
+        )
     return term
 
 
@@ -692,7 +708,8 @@ def _uncertainty_of_value(metric: Metric, comparison: Comparison) -> float | Non
 
 def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that a result itself states of a contact or stick edge at the instant of the
-    metric, over the reference half-width. 0 for metrics of no edge, and where none is stated.
+    metric, the larger of left and right, over the reference half-width. 0 for metrics of no edge,
+    and where none is stated.
     """
     result = comparison.result
     # (n_instants, 2), left and right edge [length], as `contact_edge_uncertainty`
@@ -733,8 +750,8 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
     if refinements.step_runs is not None:
         values = [value for _, value in _sizes_and_values(metric, refinements.step_runs)]
         if len(values) < 2:
-            reason_before = "half-plane theory has no answer on the polygon of the steps, and "
-            return _not_measured("step", refinements.step_runs, before=reason_before)
+            first_reason = "half-plane theory has no answer on the polygon of the steps, and "
+            return _unmeasured_term("step", refinements.step_runs, first_reason=first_reason)
         value_with_increments, value_with_halved_increments = values
         change = value_with_increments - value_with_halved_increments
         method = (
@@ -745,7 +762,8 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
     # the first run is the result itself, compared with theory on the polygon
     value_on_polygon = refinements.mesh_runs[0].values.get(metric.key)
     if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
-        return _not_measured("step", why="theory on the polygon of the steps has no such value")
+        reason = "theory on the polygon of the steps has no such value"
+        return _unmeasured_term("step", reason=reason)
     method = (
         "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
     )
@@ -757,7 +775,7 @@ def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinemen
     it.
 
     Its uncertainty is twice the change of that difference on the next coarser mesh. Where the
-    solver uses no layer there is no error, and no uncertainty.
+    solver uses no layer there is no error, and the uncertainty is 0.
     """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         method = "none by construction: the law is met exactly"
@@ -768,9 +786,9 @@ def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinemen
         if len(values) == 2:
             value_with_layer, value_without_layer = values
             differences.append(value_with_layer - value_without_layer)
-    if "penalty" in refinements.not_measured or len(differences) < 2:
-        reason = refinements.not_measured.get("penalty", "")
-        return _not_measured("penalty", chain(*refinements.penalty_pairs), reason)
+    reason = refinements.reasons_not_measured.get("penalty", "")
+    if reason or len(differences) < 2:
+        return _unmeasured_term("penalty", chain(*refinements.penalty_pairs), reason)
     method = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
@@ -783,8 +801,9 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     """The error that the finite radius L of a meshed half-plane makes in a metric phi:
     phi(L) − phi(infinity) on the coarse mesh.
 
-    Where the three radii show no plausible order there is no value, and the uncertainty is the
-    spread of their values.
+    Where the values for the three radii are neither equal nor of a plausible order, there is no
+    error, and the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies
+    with a size of their own.
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
@@ -804,20 +823,22 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
 
 
 def _iteration_term(comparison: Comparison) -> Term:
-    """The error by rounding and by the end of the iteration: the worst residual of any step bounds
-    it, dimensionless.
+    """The error by rounding and by the end of the iteration, the same for every metric: no value,
+    and for uncertainty the worst residual of any step, dimensionless. Not measured where the result
+    states no residuals.
     """
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
-        return _not_measured("solver", why="the result states no residuals")
+        return _unmeasured_term("solver", reason="the result states no residuals")
     worst_check = max(checks, key=lambda check: check.value)
     method = f"worst residual of any step: {worst_check.name}"
     return Term("solver", None, worst_check.value, method, bound=True)
 
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
-    """The error of half-plane theory's own quadratures and series in a metric, as theory itself
-    estimates it; round-off where it uses closed forms. There is no value: the sign is not known.
+    """The error of half-plane theory's own quadratures and series in a metric: no value, since the
+    sign is not known. The uncertainty is the largest estimate by theory itself, on the smooth path
+    and on the polygon; round-off where it states none, as of closed forms.
     """
     prefix = _NAMES_OF_ERRORS.get(metric.key, metric.key)
     theory_solutions = [comparison.reference]
@@ -949,10 +970,10 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
 def kind_of(refinement: Refinement) -> _Kind:
     """How the values of a refinement study change as the element size falls.
 
-    "exact": all values are equal to rounding. Changes of one sign: "monotone" where the curve
-    phi_0 + alpha h^p that fits best has p > 0, else "diverging". Changes of both signs:
-    "oscillating" where the change between the two finest meshes is smaller than the largest of the
-    other changes, else "diverging".
+    "too few": fewer than three values. "exact": all values are equal to rounding. Changes of one
+    sign: "monotone" where the curve phi_0 + alpha h^p that fits best has a p from 0.01 to 16, else
+    "diverging". Other changes (both signs, or some 0): "oscillating" where the change between the
+    two finest meshes is smaller than the largest of the others, else "diverging".
     """
     if len(refinement.values) < 3:
         return "too few"
@@ -971,6 +992,8 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     Returns the order of convergence, the kind of sequence (monotone, oscillating, ...), the value
     at size zero and its uncertainty.
 
+    - One mesh: neither value nor uncertainty. Two: the formal order, three times the correction.
+    - All values equal to rounding: the finest value, and that rounding.
     - Every three neighbouring meshes have plausible orders that agree to a quarter of the formal
       order: Roache's index with the safety factor 1.25, the uncertainty by the lowest order.
     - Otherwise monotone, four meshes or more: least squares. The uncertainty is at least the spread

@@ -8,7 +8,7 @@ from reports.charts.templating import in_template
 from reports.comparison.budget import Budget, ErrorBudget, Term
 from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import Metric
-from reports.comparison.words import amount, value_of
+from reports.comparison.words import term_in_words, value_in_words
 
 # A term below this share of the discrepancy with its uncertainty is negligible.
 _NEGLIGIBLE = 1e-3
@@ -28,7 +28,7 @@ def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
 
 def _is_negligible(entry: Budget, term: Term) -> bool:
     """Whether `term` was measured, and is too small to matter in the budget of a metric."""
-    if term.uncertainty is None or entry.total is None:
+    if term.uncertainty is None:
         return False
     size_of_term = abs(term.value or 0.0) + term.uncertainty
     size_of_error = abs(entry.total) + (entry.uncertainty or 0.0)
@@ -79,21 +79,21 @@ def _budget_row(budget: Budget) -> tuple[str, ...]:
     metric = budget.metric
     uncertainty = "not measured"
     if budget.uncertainty is not None:
-        uncertainty = amount(budget.uncertainty, metric)
-    terms = [share(term, metric) for term in budget.terms]
-    rest = amount(budget.rest, metric, plus=True)
+        uncertainty = term_in_words(budget.uncertainty, metric)
+    terms = [cell_of_term(term, metric) for term in budget.terms]
+    rest = term_in_words(budget.rest, metric, plus=True)
     label = metric.short or metric.label
-    return (label, value_of(metric), *terms, rest, uncertainty, _judgement_in_short(budget))
+    return (label, value_in_words(metric), *terms, rest, uncertainty, _judgement_in_short(budget))
 
 
-def share(term: Term, metric: Metric) -> str:
+def cell_of_term(term: Term, metric: Metric) -> str:
     """A term as the text of a cell: its value and uncertainty, "none", or "not measured"."""
     if term.uncertainty is None:
         return "not measured"
     if term.value is None:
-        return f"± {amount(term.uncertainty, metric)}" if term.uncertainty else "none"
-    value = amount(term.value, metric, plus=True)
-    uncertainty = amount(term.uncertainty, metric)
+        return f"± {term_in_words(term.uncertainty, metric)}" if term.uncertainty else "none"
+    value = term_in_words(term.value, metric, plus=True)
+    uncertainty = term_in_words(term.uncertainty, metric)
     is_exact = not any(digit in uncertainty for digit in "123456789")
     return value if is_exact else f"{value} ± {uncertainty}"
 
@@ -119,12 +119,14 @@ def _judgement_in_short(budget: Budget) -> str:
     return "yes" if is_good else "no"
 
 
-def cost(budget: ErrorBudget) -> str:
+def cost_in_words(budget: ErrorBudget) -> str:
     """A sentence on the runs of an error budget and the time that they took."""
     refinements = budget.refinements
     pairs = [run for pair in refinements.penalty_pairs for run in pair]
     runs = {run.label: run for run in (*refinements.mesh_runs, *refinements.far_field_runs, *pairs)}
-    return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
+    return in_template(
+        "budget_cost", budget.cost, list(runs.values()), refinements.reasons_not_measured
+    )
 
 
 def is_covered(budget: ErrorBudget | None, metric: Metric) -> bool | None:
@@ -147,7 +149,7 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
     """An error budget for comparison.json: cost, coverage, and the terms of every metric."""
     return {
         "cost": budget.cost,
-        "words": cost(budget),
+        "words": cost_in_words(budget),
         "honest": budget.coverage,
         "metrics": {entry.metric.key: _entry_content(entry) for entry in budget.budgets},
     }

@@ -20,7 +20,7 @@ _FIELD_NAMES = ("pressure", "shear", "slip")
 _EDGE_NAMES = ("contact_edges", "stick_edges")
 _SERIES_NAMES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
 # Only of scenes with bulk stress, tilt or an unsymmetric profile.
-OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
+NAMES_OF_BULK_SERIES = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
 
 # Instants closer than this share of a period are the same.
 _FRACTION_TOLERANCE = 1e-9
@@ -78,7 +78,7 @@ class Cycle:
 
 def _names_of_bulk_series(source: ContactSolution | Cycle) -> tuple[str, ...]:
     """Names of the series on bulk stress, tilt and moment that a solution or a cycle states."""
-    return tuple(name for name in OF_BULK if getattr(source, name) is not None)
+    return tuple(name for name in NAMES_OF_BULK_SERIES if getattr(source, name) is not None)
 
 
 # --------------------------------------------------------------------- the last cycle of a solution
@@ -365,7 +365,7 @@ def _interpolate_linearly(places: Array, samples: Array, values: Array) -> Array
 def _interpolation_error(samples: Array, values: Array) -> float:
     """Estimate the error of linear interpolation between samples: every second sample is left out
     and interpolated from the others. Returns the largest difference over the largest |value|; 0 for
-    fewer than four samples.
+    fewer than four samples, or where all values are 0. A NaN is left out.
 
     The even and the odd samples are left out in turn, since the error at a square-root edge depends
     on the place of the edge between two samples.
@@ -407,8 +407,9 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     """At most six instants of a cycle for the page to show, in the order of time, none before the
     index `first_index`. `friction` is the coefficient f.
 
-    First come the extremes of P, Q, Q − f P and Q + f P. Then the instant with the largest distance
-    in time from all chosen ones is added, until there are six or no other instant is left. Without
+    First come the extremes of P, Q, Q − f P and Q + f P; of loads that are constant the first
+    instant. Then the instant with the largest distance in time from all chosen ones is added, until
+    there are six, or all instants but one are chosen: the end of a cycle repeats its start. Without
     bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
     slip ends.
     """
@@ -426,7 +427,7 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     return tuple(Event(index, labels[index]) for index in sorted(labels))
 
 
-def first_row(cycle: Cycle, scene: Scene) -> int:
+def index_of_first_row(cycle: Cycle, scene: Scene) -> int:
     """Index of the first instant of a cycle that lies on the rows of a table of loads over time:
     the path before it leads from no load to the first row. 0 for loads of another kind.
     """

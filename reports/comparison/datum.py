@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from reports.comparison.cycles import Cycle
-from reports.comparison.pairs import coupled
+from reports.comparison.pairs import has_coupled_tractions, is_corrected
 from scenes import BodyEffects, ContactSolution, InputError, freeze
 
 
@@ -22,7 +22,7 @@ def effects_between(reference: ContactSolution, result: ContactSolution) -> Body
     curved faces, coupled materials, bulk stress.
     """
     scene = result.scene
-    if lacks_datum(reference) == lacks_datum(result) or coupled(scene):
+    if lacks_datum(reference) == lacks_datum(result) or has_coupled_tractions(scene):
         return None
     import halfplane_fe
 
@@ -36,7 +36,7 @@ def lacks_datum(solution: ContactSolution) -> bool:
     """Whether the displacements of a solution are counted from no support: it is half-plane theory
     for a scene of finite bodies, without the compliances of these bodies.
     """
-    is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
+    is_plain_theory = solution.engine == "semi_analytic" and not is_corrected(solution)
     return is_plain_theory and not solution.scene.bodies.half_planes
 
 

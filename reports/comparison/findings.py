@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from reports.comparison.dimensionless import energy_scale
-from reports.comparison.laws import OF_UNSYMMETRIC
+from reports.comparison.laws import NAMES_OF_UNSYMMETRIC_VALUES
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.folder import replace_text
 from scenes import ContactSolution, InputError, Scene
@@ -27,13 +27,13 @@ from scenes.files import parsed_json, text_of
 from scenes.scene import WORDS
 
 # What this version writes. The numbers 1 and 2 of each are read.
-_BASELINE = "halfplane baseline 2"
-SOLUTION = "halfplane solution 2"
+_FORMAT_OF_BASELINE = "halfplane baseline 2"
+FORMAT_OF_SOLUTION = "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
 _NEWEST_VERSION = 2
 # The work that a change of the code moves; what the cache of condensed bodies spares would differ
 # from one run to the next.
-COUNTS = (
+NAMES_OF_COUNTS = (
     "degrees of freedom",
     "contact nodes",
     "steps solved",
@@ -99,21 +99,21 @@ def read_findings(source: str | Path) -> Findings:
         raise InputError(f"{source}: there is no such file or folder")
     if path.suffix == ".nc" and not path.is_dir():
         try:
-            return of_solution(ContactSolution.load(path), str(source))
+            return findings_of_solution(ContactSolution.load(path), str(source))
         except (OSError, KeyError, ValueError, TypeError) as reason:
             raise InputError(
                 f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}"
             ) from reason
     file = path / "comparison.json" if path.is_dir() else path
     if file.exists():
-        return of_content(_json_object(file, source), str(source))
+        return findings_of_content(_json_object(file, source), str(source))
     return _findings_in_folder(path, source)
 
 
 def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
-    """The values of every engine's solution (*.json) in a run folder that holds no comparison.
-    InputError where there is no solution, where none converged, or where they answer different
-    scenes.
+    """The values of every converged solution of an engine (*.json) in a run folder that holds no
+    comparison. InputError where there is no solution, where none converged, where one is damaged,
+    or where they answer different scenes.
     """
     contents = [_json_object(file, file) for file in sorted(folder.glob("*.json"))]
     solutions = [
@@ -127,7 +127,9 @@ def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
             " engine"
         )
     findings_of_engines = [
-        of_content(content, str(source)) for content in solutions if content["converged"]
+        findings_of_content(content, str(source))
+        for content in solutions
+        if content.get("converged", True)  # a file without it is damaged, and refused as such
     ]
     if not findings_of_engines:
         raise InputError(
@@ -148,9 +150,10 @@ def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
     return Findings(str(source), findings_of_engines[0].scene, figures, engines)
 
 
-def of_content(content: Mapping[str, Any], source: str) -> Findings:
+def findings_of_content(content: Mapping[str, Any], source: str) -> Findings:
     """The values in the content of comparison.json, <engine>.json or a baseline. InputError, naming
-    `source`, where "format" names another kind of file or another version.
+    `source`, where "format" names another kind of file or another version, or an entry is absent or
+    of the wrong kind.
     """
     format_name = content.get("format")
     match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
@@ -188,7 +191,8 @@ def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Fin
     "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
     "semi_analytic.counts.steps_solved", for example.
 
-    An absent entry, or one that is no number, raises KeyError, TypeError or ValueError.
+    An absent entry, or one of the wrong kind, raises KeyError, TypeError, ValueError or
+    AttributeError.
     """
     scene = Scene.model_validate(content["scene"])
     figures: dict[str, float | None] = {}
@@ -216,12 +220,15 @@ def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Fin
     else:
         solutions = {_key_without_blanks(content["engine"]): content}
     for name, solution in solutions.items():
-        keys = (*_KEYS_OF_SOLUTION, *(key for key in OF_UNSYMMETRIC if key in solution))
+        keys = (
+            *_KEYS_OF_SOLUTION,
+            *(key for key in NAMES_OF_UNSYMMETRIC_VALUES if key in solution),
+        )
         figures |= {f"{name}.{key}": _number_or_none(solution[key]) for key in keys}
         counts = solution["counts"]
         figures |= {
             f"{name}.counts.{_key_without_blanks(key)}": _number_or_none(counts[key])
-            for key in COUNTS
+            for key in NAMES_OF_COUNTS
             if key in counts
         }
         engines[name] = _settings_and_versions(solution)
@@ -230,7 +237,7 @@ def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Fin
     return Findings(source, scene, figures, engines, tuple(failures), tolerances)
 
 
-def of_solution(solution: ContactSolution, source: str) -> Findings:
+def findings_of_solution(solution: ContactSolution, source: str) -> Findings:
     """The values of one solution; `source` names it in messages."""
     from reports.comparison.json_values import solution_content, strict
 
@@ -258,7 +265,7 @@ def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, floa
             f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}"
         )
     content = {
-        "format": _BASELINE,
+        "format": _FORMAT_OF_BASELINE,
         "scene": findings.scene.model_dump(mode="json"),
         "engines": findings.engines,
     }
@@ -309,14 +316,14 @@ def _key_without_blanks(text: str) -> str:
 def _physical_content(scene: Scene) -> dict[str, Any]:
     """Every entry of a scene that its solution depends on, by its path in the scene file."""
     content = scene.model_dump(mode="json")
-    return _flattened({key: value for key, value in content.items() if key not in WORDS})
+    return _with_dotted_names({key: value for key, value in content.items() if key not in WORDS})
 
 
-def _flattened(value: Any, name: str = "") -> dict[str, Any]:
+def _with_dotted_names(value: Any, name: str = "") -> dict[str, Any]:
     """Flatten nested mappings and lists into one mapping: names are joined by dots, places in a
     list stand in brackets. Keys called "file" are left out.
 
-    >>> _flattened({"load": {"cycle": [[1.0, 0.5]]}})
+    >>> _with_dotted_names({"load": {"cycle": [[1.0, 0.5]]}})
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
     """
     if isinstance(value, Mapping):
@@ -332,7 +339,7 @@ def _flattened(value: Any, name: str = "") -> dict[str, Any]:
         return {name: value}
     flat_values: dict[str, Any] = {}
     for entry_name, entry in entries:
-        flat_values |= _flattened(entry, entry_name)
+        flat_values |= _with_dotted_names(entry, entry_name)
     return flat_values
 
 
@@ -377,7 +384,7 @@ def difference(
     """The differences of the values of a run `b` from those of a run `a`.
 
     There is a row for each value of an engine that both runs used, and of a comparison if both
-    hold one. Notes name the other engines.
+    hold one. Notes name the other engines, and settings and versions that differ.
 
     Parameters
     ----------
@@ -394,10 +401,10 @@ def difference(
     """
     _refuse_different_scenes(a, b)
     # a group is an engine, or "metric" for the comparison: the first word of a key
-    groups_of_a = set(map(_group, a.figures))
-    groups_of_b = set(map(_group, b.figures))
+    groups_of_a = set(map(_group_of_key, a.figures))
+    groups_of_b = set(map(_group_of_key, b.figures))
     common_groups = groups_of_a & groups_of_b
-    keys = [key for key in {**a.figures, **b.figures} if _group(key) in common_groups]
+    keys = [key for key in {**a.figures, **b.figures} if _group_of_key(key) in common_groups]
     if not keys:
         engines_of_a = " and ".join(a.engines) or "no engine"
         engines_of_b = " and ".join(b.engines) or "no engine"
@@ -429,7 +436,7 @@ def difference(
     return Difference(a.source, b.source, name, tuple(rows), (*notes, *_notes(a, b)))
 
 
-def _group(key: str) -> str:
+def _group_of_key(key: str) -> str:
     """The first word of a key: "metric" for values of a comparison, else the engine."""
     return key.partition(".")[0]
 
@@ -456,8 +463,8 @@ def _notes(a: Findings, b: Findings) -> Iterator[str]:
     converge.
     """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
-        settings_of_a = _flattened(a.engines[engine])
-        settings_of_b = _flattened(b.engines[engine])
+        settings_of_a = _with_dotted_names(a.engines[engine])
+        settings_of_b = _with_dotted_names(b.engines[engine])
         for key, value_in_a, value_in_b in _differing_keys(settings_of_a, settings_of_b):
             yield f"{engine}: {key} is {value_in_a} in A and {value_in_b} in B"
     for letter, findings in (("A", a), ("B", b)):
@@ -490,9 +497,9 @@ def _row_of_key(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
     """Compare the value of one key in two runs `a` and `b`: both values, the difference b − a, and
     whether that is within the tolerance.
 
-    The difference is divided by the larger of the two absolute values; a metric is relative
-    already, and its difference is not divided. A key that one run lacks has the verdict "only in A"
-    or "only in B".
+    The difference is divided by the larger of the two absolute values, of energies at least by
+    `_least_scale`; a metric is relative already, and its difference is not divided. A key that one
+    run lacks has the verdict "only in A" or "only in B". Values that are None in both are the same.
     """
     value_of_a = a.figures.get(key)
     value_of_b = b.figures.get(key)
@@ -514,11 +521,11 @@ def _row_of_key(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
 
 def _least_scale(key: str, findings: Findings) -> float:
     """The smallest number that a difference is divided by: for energies 1e-6 of A f^2 P^2, P being
-    largest pressure times largest half-width; for other values 0.
+    largest pressure times largest half-width; 0 for other values, and where these two are unknown.
     """
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
-    pressure = findings.figures[f"{engine}.largest_pressure"] or 0.0
-    half_width = findings.figures[f"{engine}.largest_half_width"] or 0.0
+    pressure = findings.figures.get(f"{engine}.largest_pressure") or 0.0
+    half_width = findings.figures.get(f"{engine}.largest_half_width") or 0.0
     return _LEAST_SHARE_OF_ENERGY * energy_scale(findings.scene, pressure * half_width)

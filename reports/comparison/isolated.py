@@ -71,7 +71,8 @@ def _has_enough_points(values: Array) -> Mask:
 
 def without_spikes(values: Array) -> Array:
     """A field of values (n_steps, n_points) without its spikes, single values that are far larger
-    than all others: each is replaced by the mean of its neighbours in x that are no spikes.
+    than all others: each is replaced by the mean of its neighbours in x that are no spikes, by 0
+    where both are.
     """
     is_spike = spikes(values)
     if not is_spike.any():

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from reports.comparison.laws import Certificate, of_unsymmetric
+from reports.comparison.laws import Certificate, values_of_unsymmetric
 from reports.comparison.metrics import Metric
-from reports.comparison.words import of_stretch
+from reports.comparison.words import text_on_part_of_path
 from reports.measured import load_cycles
 from scenes import ContactSolution, Scene
 
@@ -61,9 +61,9 @@ def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dic
     """
     return {
         **{name: getattr(metric, name) for name in _FIELDS_OF_METRIC},
-        "norm": of_stretch(metric.norm, scene),
-        "region": of_stretch(metric.region, scene),
-        "definition": of_stretch(metric.how, scene),
+        "norm": text_on_part_of_path(metric.norm, scene),
+        "region": text_on_part_of_path(metric.region, scene),
+        "definition": text_on_part_of_path(metric.how, scene),
         "finite": metric.value is None or math.isfinite(metric.value),
         "honest": is_covered,
         "worst_at": metric.time,
@@ -94,7 +94,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     cycles = load_cycles(solution)
     return {
         **{name: getattr(solution, name) for name in names_of_values},
-        **of_unsymmetric(solution),
+        **values_of_unsymmetric(solution),
         "load_cycles": cycles.content() if cycles else None,
         "largest_half_width": np.nanmax(solution.contact_half_width),
         "largest_pressure": np.max(solution.pressure),

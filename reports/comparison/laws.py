@@ -18,7 +18,7 @@ import numpy as np
 
 from reports.comparison.cycles import last_cycle
 from reports.comparison.dimensionless import energy_scale
-from reports.comparison.pairs import name_of
+from reports.comparison.pairs import is_corrected, name_of
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.work_of_loads import bulk_work
 from reports.python_numbers import PythonNumbers
@@ -75,28 +75,24 @@ class Certificate(PythonNumbers):
         return bool(self.value <= self.limit)
 
 
-def derived(solution: ContactSolution) -> frozenset[str]:
+def names_of_derived_fields(solution: ContactSolution) -> frozenset[str]:
     """Names of the fields of an external result that were derived from its other fields."""
     return frozenset(solution.settings.get(DERIVED, ()))
-
-
-def is_corrected(solution: ContactSolution) -> bool:
-    """Whether a solution is theory corrected by the responses of finite bodies."""
-    return "effects" in solution.settings
 
 
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """How far a solution violates each law of contact, with the largest admitted violation.
 
-    From its fields: no tension, |q| <= f p, slip along the shear, loads as in the scene. From its
-    record: the residuals that the engine states. For an external result a law is left out if the
-    fields were derived from it. The limit allows for printed digits there, and for straight load
-    steps in theory corrected by responses of finite bodies.
+    From its fields: no tension, |q| <= f p ("cone"; left out where the solution has no shear), slip
+    along the shear, loads as in the scene. From its record: the residuals that the engine states.
+    For an external result a law is left out if the fields were derived from it. The limit allows
+    for printed digits there, and for straight load steps in theory corrected by responses of finite
+    bodies.
     """
     violations_in_fields = {"tension": _violation_by_tension(solution)}
     if not np.isnan(solution.shear).all():
         violations_in_fields["cone"] = _violation_of_coulomb_limit(solution)
-    derived_fields = derived(solution)
+    derived_fields = names_of_derived_fields(solution)
     # states that were derived from the tractions obey the law by construction; loads likewise
     if "state" not in derived_fields:
         violations_in_fields["slip"] = _violation_in_slip(solution)
@@ -140,8 +136,9 @@ def _violation_by_tension(solution: ContactSolution) -> Array:
 
 
 def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
-    """Violation of the Coulomb limit, (n_steps,): the largest |q| − f p of any point, over f times
-    the largest pressure of the path; over that pressure itself where f = 0.
+    """Violation of the Coulomb limit, (n_steps,): the largest |q| − f p of any point, 0 where none
+    exceeds the limit, over f times the largest pressure of the path; over that pressure itself
+    where f = 0.
     """
     friction = solution.scene.friction.coefficient
     excess = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
@@ -231,17 +228,18 @@ def _stick_edges(solution: ContactSolution) -> list[float]:
 
 
 def _moment_at_largest_load(solution: ContactSolution) -> float:
-    """Moment M at the largest load of the last cycle; NaN where the solution states none."""
-    return (
-        math.nan
-        if solution.moment is None
-        else float(solution.moment[_index_of_largest_load(solution)])
-    )
+    """Moment M at the largest load of the last cycle [force]; NaN where the solution states
+    none.
+    """
+    if solution.moment is None:
+        return math.nan
+    return float(solution.moment[_index_of_largest_load(solution)])
 
 
 def _bulk_work(solution: ContactSolution) -> float:
-    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants, the part of
-    `loop_work` that is the bulk term.
+    """Work of the bulk stress in the last cycle [energy / thickness], a part of `loop_work`:
+    −(closed integral of m_q d(eps)) by the trapezoidal rule, m_q the moment of the shear, eps the
+    bulk strain. NaN where the solution holds no whole cycle.
     """
     if "whole_cycle" in solution.work.skipped or len(solution.last_cycle) < 2:
         return math.nan
@@ -256,7 +254,7 @@ class _Quantity:
 
     words: str
     kind: str
-    of: Callable[[ContactSolution], float]
+    compute: Callable[[ContactSolution], float]
 
 
 # In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own
@@ -311,39 +309,42 @@ QUANTITIES = {
     ),
 }
 # What solutions with bulk stress, tilt or unequal sides have beside the others.
-OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
+NAMES_OF_UNSYMMETRIC_VALUES = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
 
 
-def of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
+def values_of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
     """Values, by name, that only a solution with bulk stress, tilt or unequal sides has; empty for
     others.
     """
     if solution.permanent_stick_edges is None:
         return {}
-    return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC}
+    return {key: QUANTITIES[key].compute(solution) for key in NAMES_OF_UNSYMMETRIC_VALUES}
 
 
 def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
-    """The number that the tolerance of an expected number is relative to: the expected number
-    itself. Where that is 0, a typical size of its kind of quantity in the solution.
+    """The number that the tolerance of an expected number is relative to: the size of the expected
+    number. Where that is 0, a typical size of its kind in the solution: of an energy A f^2 P^2, of
+    a stress the largest p, of a length the largest half-width a, of a moment P a, P the largest
+    load; 1 of a share.
     """
     if expected.value:
         return abs(expected.value)
+    largest_load = float(solution.normal_load[solution.last_cycle].max())
     match QUANTITIES[expected.quantity].kind:
         case "energy":
-            return energy_scale(
-                solution.scene, float(solution.normal_load[solution.last_cycle].max())
-            )
+            return energy_scale(solution.scene, largest_load)
         case "stress":
             return float(np.max(solution.pressure))
+        case "moment":
+            return largest_load * _largest_half_width(solution)
         case "share":
             return 1.0
     return _largest_half_width(solution)
 
 
-def ratio_of_answer(solution: ContactSolution) -> float:
-    """Largest |Q|/(f P) of the last cycle of an answer, whose loads may follow from displacements;
-    NaN without friction.
+def largest_load_ratio(solution: ContactSolution) -> float:
+    """Largest |Q|/(f P) of the last cycle of a solution, from its own loads, which under a
+    prescribed displacement are found by solving; NaN without friction.
     """
     friction = solution.scene.friction.coefficient
     if not friction:
@@ -363,7 +364,7 @@ def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iter
     for expected in scene.expected:
         if expected.engine in solution_by_engine:
             solution = solution_by_engine[expected.engine]
-            value = QUANTITIES[expected.quantity].of(solution)
+            value = QUANTITIES[expected.quantity].compute(solution)
             difference = (value - expected.value) / _scale_of_tolerance(expected, solution)
             yield Finding(expected, value, difference)
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
-from reports.comparison.pairs import Mask, Pair, name_of
+from reports.comparison.pairs import Mask, Pair, is_corrected, name_of
 from reports.comparison.work_of_loads import bulk_work, loop_work, on_straight_steps
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
@@ -124,7 +124,8 @@ class Measured(PythonNumbers):
         """Whether `value` compares the result with the reference's value on the result's points and
         instants, in place of the amount of the reference.
 
-        It then differs from (result amount − reference amount)/denominator.
+        It then differs from (result amount − reference amount)/denominator. False without a value
+        or amounts.
 
         >>> Measured(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
@@ -274,8 +275,9 @@ def _difference_of_extremes(
     reference)/reference.
 
     An external result has points and instants of its own choice, which may miss the extremum. It is
-    therefore compared with the reference on the same points and instants, and a note says so. There
-    is no value where these points miss more than a tenth of the reference's extremum.
+    therefore compared with the reference on the same points and instants, and a note says so where
+    that changes digits. There is no value where these points miss more than a tenth of the
+    reference's extremum. None either where the reference is infinite and the result finite.
 
     Parameters
     ----------
@@ -321,7 +323,7 @@ def _difference_of_largest_values(
     reference)/reference.
 
     Half-plane theory states its largest value over the whole surface and cycle. Of another
-    reference the largest value at the common points and instants is taken.
+    reference, corrected theory too, the largest value at the common points and instants is taken.
 
     Parameters
     ----------
@@ -348,7 +350,7 @@ def _with_stated_uncertainties(
     pair: Pair, measurement: Measured, name: str, name_of_error: str = ""
 ) -> Measured:
     """A measured metric together with the uncertainties that reference and result themselves state
-    of the two amounts that it compares.
+    of the two amounts that it compares; as it is without amounts.
 
     Parameters
     ----------
@@ -371,7 +373,8 @@ def _stated_uncertainty(
     solution: ContactSolution, amount: float, name: str, name_of_error: str
 ) -> float | None:
     """Uncertainty that a solution itself states of an amount, in the unit of the amount. NaN where
-    it has no estimate; None for an external result, which states nothing.
+    finite elements have no estimate, 0 where theory has none; None for an external result, which
+    states nothing.
 
     Parameters
     ----------
@@ -401,20 +404,20 @@ def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
     reference_value = float(pair.reference_cycle.pressure.max())
     result_value = float(pair.result_cycle.pressure.max())
-    beside_theory = _difference_of_largest_values(
+    measurement = _difference_of_largest_values(
         pair, "pressure", reference_value, result_value, pair.scales.pressure
     )
-    return _with_stated_uncertainties(pair, beside_theory, "largest_pressure", "pressure")
+    return _with_stated_uncertainties(pair, measurement, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
     reference_value = _largest_half_distance(pair.reference_cycle)
     result_value = _largest_half_distance(pair.result_cycle)
-    beside_theory = _difference_of_largest_values(
+    measurement = _difference_of_largest_values(
         pair, "half_width", reference_value, result_value, pair.scales.half_width
     )
-    return _with_stated_uncertainties(pair, beside_theory, "largest_half_width")
+    return _with_stated_uncertainties(pair, measurement, "largest_half_width")
 
 
 def _largest_half_distance(cycle: Cycle) -> float:
@@ -424,15 +427,15 @@ def _largest_half_distance(cycle: Cycle) -> float:
 
 def permanent_stick(pair: Pair) -> Measured:
     """Half-width of the zone that sticks through the whole cycle, result − reference over a_ref."""
-    length = _length_of_stick_zone(pair, _permanent_half_width)
-    return _with_stated_uncertainties(pair, length, "permanent_stick_half_width")
+    measurement = _difference_of_stick_zones(pair, _permanent_half_width)
+    return _with_stated_uncertainties(pair, measurement, "permanent_stick_half_width")
 
 
 def stick_eccentricity(pair: Pair) -> Measured:
     """Middle x of the zone that sticks through the whole cycle, result − reference over a_ref."""
-    distance = _length_of_stick_zone(pair, _middle_of_stick)
+    measurement = _difference_of_stick_zones(pair, _middle_of_stick)
     # Half the sum of two edges is as uncertain as half their distance.
-    return _with_stated_uncertainties(pair, distance, "permanent_stick_half_width")
+    return _with_stated_uncertainties(pair, measurement, "permanent_stick_half_width")
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
@@ -444,11 +447,13 @@ def _middle_of_stick(solution: ContactSolution) -> float:
     return math.nan if edges is None else float(np.mean(edges))
 
 
-def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], float]) -> Measured:
+def _difference_of_stick_zones(
+    pair: Pair, length_of: Callable[[ContactSolution], float]
+) -> Measured:
     """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
 
     `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
-    value where one solution lacks the zone: the note then names it.
+    value where one solution lacks the zone or both do: the note then names them.
     """
     reference_value = float(length_of(pair.reference))
     result_value = float(length_of(pair.result))
@@ -471,7 +476,8 @@ def largest_slip(pair: Pair) -> Measured:
     """Largest range of the slip s that any point has while in contact, each solution over its own
     contact: (result − reference)/reference.
 
-    No value where the finite elements slip by no more than round-off and theory does slip.
+    No value where the finite elements slip by no more than round-off and the reference by more;
+    none without friction, or where the result never has contact.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -500,7 +506,7 @@ def largest_slip(pair: Pair) -> Measured:
 
 def largest_slip_common(pair: Pair) -> Measured:
     """Largest range of the slip s that any point has, over the points and instants in contact in
-    both solutions: (result − reference)/reference.
+    both solutions: (result − reference)/reference. No value without such a point.
     """
     is_closed = _is_closed_in_both(pair)
     if not is_closed.any():
@@ -615,12 +621,16 @@ def _without_both_tensions(
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
     """Largest tensile stress along a face at an edge of contact, and its uncertainty [stress]; None
-    where the solution does not state it.
+    where the solution does not state it: an external one, theory corrected by the responses of
+    finite bodies, or theory that is compared with a reference which is not theory.
     """
     import halfplane_fe
 
-    if solution.engine == "semi_analytic" and pair.theory_extremes is not None:
-        return pair.theory_extremes.edge_tension, pair.theory_extremes.edge_tension_uncertainty
+    if solution.engine == "semi_analytic":
+        extremes = pair.theory_extremes
+        if extremes is None or is_corrected(solution):
+            return None
+        return extremes.edge_tension, extremes.edge_tension_uncertainty
     if solution.engine != "halfplane_fe":
         return None
     largest_tension = halfplane_fe.largest_edge_tension(solution)
@@ -634,7 +644,8 @@ def peak_pressure(pair: Pair) -> Measured:
     """Largest pressure p of an instant, (result − reference)/reference, at the worst instant.
 
     Both maxima are over the same points, so that the distance of the points from the true peak
-    cancels. With the reference's true peak every result would look too low, by up to (h/a)^2/8.
+    cancels. With the reference's true peak every result would look too low, by up to (h/a)^2/8,
+    h the spacing of the points.
     """
     reference_value = pair.reference_cycle.pressure.max(axis=1)
     result_value = pair.result_cycle.pressure.max(axis=1)
@@ -769,10 +780,12 @@ def contact_edge(pair: Pair) -> Measured:
 
 
 def stick_edge(pair: Pair) -> Measured:
-    """Outward shift of the worse edge of the stick zone over a_ref, at the worst of the instants at
-    which result and reference both have a stick zone.
+    """Outward shift of the worse edge of the stick zone over a_ref, at the worst of the judged
+    instants at which result and reference both have a stick zone.
 
-    The note counts the instants at which the two differ in full stick, partial slip or full slip.
+    Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
+    note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,
+    which fails, where they differ and no instant is left; no value where both always slip fully.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -847,7 +860,8 @@ def _has_comparable_stick_edges(
     """(k,) whether the edges of two stick zones can be compared at an instant.
 
     The arguments are the status of the whole contact in reference and result, (k,): -1 out of
-    contact (which passes; the caller leaves it out), 0 full slip, 1 partial slip, 2 full stick.
+    contact, 0 full slip, 1 partial slip, 2 full stick. Out of contact passes: the caller leaves out
+    instants at which both are, and the shift is NaN at those at which one is.
     Neither may be in full slip, which has no edges. Left out too is an instant at which the two
     differ because one changes its status one instant earlier: the edge jumps there, which is an
     error of time and not of place. Of a cycle the first and last instant are neighbours.
@@ -874,8 +888,9 @@ def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np
 
 
 def state(pair: Pair) -> Measured:
-    """Share of the length in contact on which the states (stick, slip, open) of result and
-    reference differ, at each instant. The value is the mean over the time in contact.
+    """Share of the length in contact, in result or reference, on which their states (stick, slip
+    forward or reverse, open) differ, at each instant. The value is the mean over the time in
+    contact; none where that is a single instant or there is no contact.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -894,7 +909,8 @@ def state(pair: Pair) -> Measured:
 
 def slip(pair: Pair) -> Measured:
     """Root mean square over x of the difference of the slips, s − s_ref, divided by the range of
-    s_ref, at the worst instant. Only points in contact in both solutions count.
+    s_ref, at the worst instant. Only points in contact in both solutions count; no value without
+    any.
 
     Where the range of s_ref is below 1e-12 of f p_ref a_ref/E* the difference is divided by that,
     and the metric is marked `absolute`.
@@ -980,8 +996,9 @@ def approach_amplitude(pair: Pair) -> Measured:
 
 
 def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
-    """Half the range of a displacement (its `name` in a cycle), (result − reference)/reference;
-    `reason_for_none` is the note where the reference does not vary.
+    """Half the range of a displacement (its `name` in a cycle), (result − reference)/reference. No
+    value where a solution does not state it, or the reference does not vary: then with the note
+    `reason_for_none`.
     """
     reference_value = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
     result_value = float(np.ptp(getattr(pair.result_cycle, name))) / 2

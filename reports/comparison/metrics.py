@@ -24,7 +24,7 @@ from scenes.scene import OWN_TOLERANCES
 WHOLE_CYCLE = "whole_cycle"
 FRICTION = "friction"
 # Fields that are 0 or have no meaning where a contact carries no shear.
-OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
+FIELDS_OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
 # A shear of the reference below this share of f p_ref is round-off.
 _NO_SHEAR = 1e-9
 
@@ -133,7 +133,7 @@ class Metric(Measured):
 # ----------------------------------------------------------------------------- judging by the table
 
 
-def missing(solution: ContactSolution) -> dict[str, str]:
+def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
     """Fields that some metric needs and a solution lacks: name of the field -> reason.
 
     The solution states them in `work.skipped`, whether its engine was not asked for the field or an
@@ -151,10 +151,13 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     """Every metric that a comparison has, in the order of the table, with its value and the
     tolerance that judges it, from `tolerances` (key -> |E| admitted).
 
-    A metric that needs a field which a solution lacks has no value, and the reason as its note.
+    A metric that needs a field which a solution lacks has no value, and the reason as its note. It
+    keeps its tolerance, unless it is one of shear or slip and the contact carries no shear. Other
+    metrics without a value, and those of friction in a frictionless scene, have no tolerance.
     """
     reasons_by_engine = {
-        name_of(solution.engine): missing(solution) for solution in (pair.result, pair.reference)
+        name_of(solution.engine): reason_by_missing_field(solution)
+        for solution in (pair.result, pair.reference)
     }
     largest_shear = np.abs(np.nan_to_num(pair.reference_cycle.shear)).max()
     carries_shear = bool(largest_shear > _NO_SHEAR * pair.scales.shear)
@@ -169,7 +172,7 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
             metrics.append(replace(metric, note=note, tolerance=None))
         elif reason:
             # Where the contact carries no shear, a metric of shear or slip has nothing to judge.
-            needs_shear = not set(metric.needs).isdisjoint(OF_FRICTION)
+            needs_shear = not set(metric.needs).isdisjoint(FIELDS_OF_FRICTION)
             tolerance_of_metric = tolerance if carries_shear or not needs_shear else None
             metrics.append(
                 replace(metric, note=reason, tolerance=tolerance_of_metric, lacks_field=True)

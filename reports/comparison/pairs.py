@@ -40,7 +40,7 @@ def name_of(engine: str) -> str:
     return _ENGINES.get(engine, engine)
 
 
-def coupled(scene: Scene) -> bool:
+def has_coupled_tractions(scene: Scene) -> bool:
     """Whether normal and shear tractions of these materials feel each other: Dundurs' beta is not
     0, and there is friction.
     """
@@ -51,6 +51,11 @@ def coupled(scene: Scene) -> bool:
     return abs(dundurs(scene.material).beta) >= _NO_COUPLING
 
 
+def is_corrected(solution: ContactSolution) -> bool:
+    """Whether a solution is theory corrected by the responses of finite bodies."""
+    return "effects" in solution.settings
+
+
 def are_half_planes(scene: Scene) -> bool:
     """Whether theory is exact for the bodies of `scene`: half-planes whose normal and shear
     tractions do not feel each other.
@@ -58,7 +63,7 @@ def are_half_planes(scene: Scene) -> bool:
     Unlike materials couple the two by Dundurs' beta, which theory leaves out: that is an
     idealisation too.
     """
-    return scene.bodies.half_planes and not coupled(scene)
+    return scene.bodies.half_planes and not has_coupled_tractions(scene)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +86,12 @@ class Pair:
     @cached_property
     def theory_extremes(self) -> Extremes | None:
         """Largest pressure, slip, ... of half-plane theory over the whole surface and cycle, not
-        only at the compared points; None where the reference is not theory.
+        only at the compared points. None where the reference is not theory, or is theory corrected
+        by the responses of finite bodies, whose largest values are not searched for.
         """
         import semi_analytic
 
-        if self.plain_reference.engine != "semi_analytic":
+        if self.plain_reference.engine != "semi_analytic" or is_corrected(self.plain_reference):
             return None
         return semi_analytic.extremes(self.plain_reference)
 

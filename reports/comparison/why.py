@@ -130,8 +130,9 @@ class Why(PythonNumbers):
     def main_cause(self) -> str:
         """In words, the cause of most of the difference of W between finite elements and theory.
 
-        "" where the difference is not resolved, where the largest part has the other sign or is not
-        resolved, where it is less than half of all parts, or where too much is unexplained.
+        "" where the difference is not split or not resolved, where the largest part has the other
+        sign or is not resolved, where it is less than half of all parts, or where more than a third
+        of it is unexplained.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause

@@ -21,11 +21,11 @@ from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import (
     Certificate,
     certificates,
-    of_unsymmetric,
-    ratio_of_answer,
+    largest_load_ratio,
+    values_of_unsymmetric,
 )
 from reports.comparison.metrics import Metric
-from reports.comparison.pairs import are_half_planes, coupled, name_of
+from reports.comparison.pairs import are_half_planes, has_coupled_tractions, name_of
 from reports.comparison.verdicts import Verdict
 from reports.comparison.work_of_loads import normal_work
 from reports.measured import load_cycles
@@ -43,12 +43,12 @@ SUPPORT_WORDS = {
 
 
 # ------------------------------------------------------------------------------------ what is asked
-def stretch(scene: Scene) -> str:
+def part_of_path(scene: Scene) -> str:
     """The part of the load path to which the values of a scene belong, in words: the "last cycle"
     where loads repeat, the "whole record" for a table of loads over time, else the "whole path".
 
     >>> from scenes import load_scene
-    >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
+    >>> [part_of_path(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
     ['last cycle', 'whole record', 'whole path']
     """
     load = scene.load
@@ -58,25 +58,25 @@ def stretch(scene: Scene) -> str:
     return "whole path" if load.path().period is None else "last cycle"
 
 
-def of_stretch(text: str, scene: Scene) -> str:
+def text_on_part_of_path(text: str, scene: Scene) -> str:
     """A text on the last cycle, as in the table of metrics, for a given scene: where its loads do
     not repeat, "whole record" or "whole path" replaces "last cycle".
 
     >>> from scenes import load_scene
     >>> (
-    ...     of_stretch("one value; last cycle", load_scene("time-series")),
-    ...     of_stretch("over the cycle", load_scene("hertz-normal")),
+    ...     text_on_part_of_path("one value; last cycle", load_scene("time-series")),
+    ...     text_on_part_of_path("over the cycle", load_scene("hertz-normal")),
     ... )
     ('one value; whole record', 'over the path')
     """
     if "cycle" not in text:
         return text
-    stretch_name = stretch(scene)
-    if stretch_name == "last cycle":
+    path_in_words = part_of_path(scene)
+    if path_in_words == "last cycle":
         return text
-    noun = stretch_name.split()[-1]
-    text = text.replace("whole last cycle", stretch_name)
-    text = text.replace("last cycle", stretch_name)
+    noun = path_in_words.split()[-1]
+    text = text.replace("whole last cycle", path_in_words)
+    text = text.replace("last cycle", path_in_words)
     return text.replace("the cycle", f"the {noun}")
 
 
@@ -148,7 +148,11 @@ def idealisation(scene: Scene) -> str:
     """A sentence on what theory leaves out for these bodies, so that the difference of the two
     engines holds it beside their errors; empty where theory is exact.
     """
-    return "" if are_half_planes(scene) else in_template("idealisation", scene, coupled(scene))
+    return (
+        ""
+        if are_half_planes(scene)
+        else in_template("idealisation", scene, has_coupled_tractions(scene))
+    )
 
 
 def unlike_materials(scene: Scene) -> str:
@@ -158,7 +162,7 @@ def unlike_materials(scene: Scene) -> str:
     from halfplane_fe.dundurs import dundurs
 
     return in_template(
-        "unlike", dundurs(scene.material), coupled(scene), scene.friction.coefficient
+        "unlike", dundurs(scene.material), has_coupled_tractions(scene), scene.friction.coefficient
     )
 
 
@@ -220,29 +224,30 @@ def _in_digits(
     return f"{sign}{minus(size_in_words)}{unit}"
 
 
-def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
-    """A term of a metric as the text of a cell, in the unit of the metric; a value below 1e-11 is
+def term_in_words(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
+    """An amount in the unit of a metric, such as a term of its error budget, as the text of a cell:
+    in per cent unless the metric is absolute, with a plus sign if `plus`. An amount below 1e-11 is
     round-off, written as 0.
     """
     shown_value = 0.0 if abs(value) < 1e-11 else value
     return _in_digits(shown_value, is_relative=not metric.absolute, plus=plus, digits=digits)
 
 
-def value_of(metric: Metric) -> str:
+def value_in_words(metric: Metric) -> str:
     """The value of a metric in words, in per cent unless it is absolute; a dash without a value."""
     if metric.value is None:
         return "–"
     return _in_digits(metric.value, is_relative=not metric.absolute, plus=metric.signed)
 
 
-def unit_of(metric: Metric) -> str:
+def unit_in_words(metric: Metric) -> str:
     """The unit of a metric's value, and for an edge its shift in element sizes in brackets."""
     if metric.elements is None:
         return metric.unit
     return f"{metric.unit} ({_in_digits(metric.elements, is_relative=False)} elements)"
 
 
-def uncertainty_of(metric: Metric) -> str:
+def uncertainty_in_words(metric: Metric) -> str:
     """The uncertainty of a metric in words, "± ..." with two digits; empty where none is known."""
     if metric.uncertainty is None:
         return ""
@@ -252,7 +257,7 @@ def uncertainty_of(metric: Metric) -> str:
     return f"± {uncertainty_in_words}"
 
 
-def tolerance_of(metric: Metric) -> str:
+def tolerance_in_words(metric: Metric) -> str:
     """The tolerance of a metric in words; a dash where it has none."""
     if metric.tolerance is None:
         return "–"
@@ -332,7 +337,12 @@ def headline(comparison: JudgedPair) -> str:
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
     return in_template(
-        "headline", comparison, _names(comparison), kind_of_sentence, claims, stated_errors
+        "headline",
+        comparison,
+        _names_of_engines(comparison),
+        kind_of_sentence,
+        claims,
+        stated_errors,
     )
 
 
@@ -386,10 +396,10 @@ def _sentence_of_failure(comparison: JudgedPair) -> str:
     return in_template(
         "failure",
         comparison,
-        _names(comparison),
+        _names_of_engines(comparison),
         comparison.verdict,
         len(worst_metrics),
-        _count_of_judged(comparison),
+        _count_of_judged_metrics(comparison),
         [_texts_of_metric(metric) for metric in named_metrics],
         [check for _, check in _violated_checks(comparison)],
     )
@@ -411,14 +421,14 @@ def _violated_checks(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
     ]
 
 
-def _count_of_judged(comparison: JudgedPair) -> int:
+def _count_of_judged_metrics(comparison: JudgedPair) -> int:
     """Number of metrics with a tolerance and a value."""
     return sum(
         metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
     )
 
 
-def _names(comparison: JudgedPair) -> tuple[str, str]:
+def _names_of_engines(comparison: JudgedPair) -> tuple[str, str]:
     """Names of the engines of the reference and of the result."""
     return name_of(comparison.reference.engine), name_of(comparison.result.engine)
 
@@ -447,7 +457,7 @@ def _claim_of_agreement(metric: Metric) -> tuple[str, str, str]:
 
 def _claim_of_difference(metric: Metric) -> tuple[str, str, str]:
     """The difference in a metric as (kind, name, per cent in words). Kinds: the result has "more"
-    or "less" than the reference, has "none", or is "equal".
+    or "less" than the reference, has "none", or is "equal"; the last two have no per cent ("").
 
     The kind is "open" (not resolved) where the uncertainty exceeds half of the difference.
     """
@@ -473,14 +483,14 @@ def _texts_of_metric(metric: Metric) -> dict[str, str]:
     """Texts of a metric for the templates of sentences: name, value, "open" (value with
     uncertainty), unit, tolerance.
     """
-    value = value_of(metric)
-    value_and_uncertainty = f"{value} {uncertainty_of(metric)}".strip()
+    value = value_in_words(metric)
+    value_and_uncertainty = f"{value} {uncertainty_in_words(metric)}".strip()
     return {
         "name": _label_in_sentence(metric),
         "value": value,
         "open": value_and_uncertainty,
-        "unit": unit_of(metric),
-        "tolerance": tolerance_of(metric),
+        "unit": unit_in_words(metric),
+        "tolerance": tolerance_in_words(metric),
     }
 
 
@@ -494,20 +504,20 @@ def verdict(comparison: JudgedPair) -> str:
         if metric.verdict is not None:
             metrics_by_verdict[metric.verdict].append(_texts_of_metric(metric))
     dissipation = comparison.metric("dissipation")
-    dissipation_in_words = None if dissipation.value is None else value_of(dissipation)
+    dissipation_in_words = None if dissipation.value is None else value_in_words(dissipation)
     has_no_shear = np.isnan(comparison.result.shear).all()
     isolated_count = sum(int(mask.sum()) for mask in comparison.isolated.values())
     sentences = in_template(
         "verdict",
-        _names(comparison),
+        _names_of_engines(comparison),
         metrics_by_verdict,
-        _count_of_judged(comparison),
+        _count_of_judged_metrics(comparison),
         dissipation_in_words,
         violated_laws,
         has_no_shear,
         isolated_count,
     )
-    return f"{sentences} {not_scored(comparison)}".strip()
+    return f"{sentences} {sentence_on_unscored(comparison)}".strip()
 
 
 def verdict_in_short(comparison: JudgedPair) -> str:
@@ -516,22 +526,22 @@ def verdict_in_short(comparison: JudgedPair) -> str:
     result has isolated values.
     """
     has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
-    first_words = lead(comparison)
+    first_words = verdict_in_few_words(comparison)
     if not first_words or has_isolated_points or not comparison.admissible:
         return f"{first_words} {verdict(comparison)}".strip()
     # "Undecided." is left out: the next sentence starts with that word.
-    sentences = [] if standing(comparison) == "undecided" else [first_words]
+    sentences = [] if verdict_for_colour(comparison) == "undecided" else [first_words]
     for kind, kind_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
         names = [
             _label_in_sentence(metric) for metric in comparison.metrics if metric.verdict is kind
         ]
         if names:
             sentences.append(f"{kind_in_words}: {'; '.join(names)}.")
-    sentences += ["Both answers obey the laws of contact.", not_scored(comparison)]
+    sentences += ["Both answers obey the laws of contact.", sentence_on_unscored(comparison)]
     return " ".join(filter(None, sentences))
 
 
-def not_scored(comparison: JudgedPair) -> str:
+def sentence_on_unscored(comparison: JudgedPair) -> str:
     """A sentence on metrics without a value because a solution lacks what they need: those with a
     tolerance, then others of the first table.
     """
@@ -544,7 +554,7 @@ def not_scored(comparison: JudgedPair) -> str:
     return in_template("not_scored", names, headlines)
 
 
-def judged_by_size(comparison: JudgedPair) -> list[str]:
+def labels_judged_by_size(comparison: JudgedPair) -> list[str]:
     """Names of the metrics that are judged by |E| alone, since their uncertainty is not known."""
     return [
         _label_in_sentence(metric)
@@ -553,7 +563,7 @@ def judged_by_size(comparison: JudgedPair) -> list[str]:
     ]
 
 
-def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
+def sentence_on_judging(comparison: JudgedPair, *, has_budget: bool) -> str:
     """A sentence on how the verdicts were reached: by |E| and its uncertainty, or by |E| alone
     where no uncertainty is known. Empty where no metric is judged.
     """
@@ -563,11 +573,14 @@ def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
     if not is_judged:
         return ""
     return in_template(
-        "how_judged", judged_by_size(comparison), has_budget, _are_both_of_project(comparison)
+        "how_judged",
+        labels_judged_by_size(comparison),
+        has_budget,
+        _are_both_of_project(comparison),
     )
 
 
-def lead(comparison: JudgedPair) -> str:
+def verdict_in_few_words(comparison: JudgedPair) -> str:
     """The verdict in a few words; empty where no metric is judged.
 
     Where theory is an idealisation (real bodies, half-planes of unlike materials) an exceeded
@@ -579,7 +592,7 @@ def lead(comparison: JudgedPair) -> str:
     )
 
 
-def uncertain_work(comparison: JudgedPair) -> str:
+def sentence_on_work(comparison: JudgedPair) -> str:
     """A sentence on the dissipation of the result and its uncertainty; empty where that is not
     known.
     """
@@ -596,15 +609,15 @@ def uncertain_work(comparison: JudgedPair) -> str:
         solution,
         share_in_words,
         energy_unit(comparison.scene),
-        stretch(comparison.scene),
+        part_of_path(comparison.scene),
     )
 
 
-def standing(comparison: JudgedPair) -> Verdict | None:
+def verdict_for_colour(comparison: JudgedPair) -> Verdict | None:
     """The verdict that sets the colour on the page; None where no metric is judged.
 
     It is that of the comparison, with two exceptions. Outside: a law of contact is violated.
-    Undecided: all values are within, and a metric with a tolerance has no value.
+    Undecided: no value is outside or undecided, and a metric with a tolerance has no value.
     """
     if not comparison.admissible:
         return Verdict.OUTSIDE
@@ -640,9 +653,9 @@ def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
     """
     heads, rows = first_cells(comparison)
     sentences = (
-        lead(comparison),
+        verdict_in_few_words(comparison),
         verdict(comparison),
-        how_judged(comparison, has_budget=has_budget),
+        sentence_on_judging(comparison, has_budget=has_budget),
     )
     texts = {
         "headline": headline(comparison),
@@ -709,7 +722,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
                 "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
-                "tolerance": tolerance_of(metric),
+                "tolerance": tolerance_in_words(metric),
                 "note": metric.note,
             }
         )
@@ -784,7 +797,7 @@ def is_empty(row: Mapping[str, str]) -> bool:
     return row["reference"] == row["result"] == row["difference"] == "–"
 
 
-def without_value(comparison: JudgedPair) -> str:
+def sentences_on_missing_values(comparison: JudgedPair) -> str:
     """Sentences that name the rows of the first table for which neither solution has a value, and
     those for which one of them has none, each with the reason where that is known; empty where each
     row has both.
@@ -815,9 +828,13 @@ def _difference_of(metric: Metric) -> str:
         return "–"
     # a metric without absolute values states its unit itself
     if not metric.headline:
-        return " ".join(filter(None, [value_of(metric), uncertainty_of(metric), unit_of(metric)]))
+        return " ".join(
+            filter(
+                None, [value_in_words(metric), uncertainty_in_words(metric), unit_in_words(metric)]
+            )
+        )
     if not math.isfinite(metric.value) or metric.absolute:
-        return f"{value_of(metric)} {uncertainty_of(metric)}".strip()
+        return f"{value_in_words(metric)} {uncertainty_in_words(metric)}".strip()
     value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
     uncertainty = None if metric.uncertainty is None else 100 * metric.uncertainty
     difference_in_words = with_uncertainty(value, uncertainty)
@@ -958,13 +975,16 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"permanent stick half-width [{unit_of_length}]", permanent_stick),
     ]
     # only an unsymmetric contact has two different ends of permanent stick
-    values_of_ends = of_unsymmetric(solution)
+    values_of_ends = values_of_unsymmetric(solution)
     if values_of_ends:
         ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
         rows.append(
             (f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_digits_or_none, ends)))
         )
-    return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
+    return [
+        *rows,
+        (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation),
+    ]
 
 
 def _stated_uncertainty(solution: ContactSolution, name: str) -> str:
@@ -978,9 +998,11 @@ def _stated_uncertainty(solution: ContactSolution, name: str) -> str:
 
 
 def row_of_sliding(solution: ContactSolution) -> tuple[str, str]:
-    """A row (label, value): how near the loads of a solution come to gross sliding."""
-    label = f"largest |Q|/(f P) of the {stretch(solution.scene)}, 1 where all slides"
-    return label, f"{ratio_of_answer(solution):.4g}"
+    """A row (label, value): how near the loads of a solution come to gross sliding, as the largest
+    |Q|/(f P).
+    """
+    label = f"largest |Q|/(f P) of the {part_of_path(solution.scene)}, 1 where all slides"
+    return label, f"{largest_load_ratio(solution):.4g}"
 
 
 def summary_rows(
@@ -1048,7 +1070,7 @@ def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
     In the labels U is the tangential displacement, V the approach, m_q the moment of the shear.
     """
     unit = energy_unit(solution.scene)
-    bulk_work = of_unsymmetric(solution).get("bulk_work")
+    bulk_work = values_of_unsymmetric(solution).get("bulk_work")
     integrand = "(Q dU - m_q d(eps)), eps the bulk strain" if bulk_work else "Q dU"
     yield f"closed integral of {integrand} [{unit}]", f"{solution.loop_work:.10g}"
     if bulk_work:

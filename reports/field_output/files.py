@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.comparison.cycles import events, first_row, last_cycle
+from reports.comparison.cycles import events, index_of_first_row, last_cycle
 from reports.field_output.fatigue import principal
 from scenes import ContactSolution, InputError
 from scenes.array_types import Array
@@ -85,7 +85,9 @@ def instants_of(
         if text == "events":
             cycle = last_cycle(solution)
             for event in events(
-                cycle, solution.scene.friction.coefficient, first_row(cycle, solution.scene)
+                cycle,
+                solution.scene.friction.coefficient,
+                index_of_first_row(cycle, solution.scene),
             ):
                 if cycle.normal_load[event.index] > 0:
                     label_at[float(cycle.time[event.index])] = event.label

@@ -23,7 +23,7 @@ from reports.charts.plate import (
 from reports.charts.templating import Table
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
 from reports.comparison.why import Why, percent_of
-from reports.comparison.words import value_of
+from reports.comparison.words import value_in_words
 from reports.page.cycle_view import LINE_LOOKS, broad_panel
 from reports.units import minus
 from scenes.array_types import Array
@@ -72,7 +72,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, axis_end)
         metric = stack.budget.metric
         cut_in_words = ", cut off" if stack.largest_distance > axis_end else ""
-        label = f"{metric.label}: {value_of(metric)}{cut_in_words}"
+        label = f"{metric.label}: {value_in_words(metric)}{cut_in_words}"
         marks.append(Note(-axis_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
 
     panel = broad_panel(

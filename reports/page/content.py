@@ -10,13 +10,13 @@ from typing import Any
 from reports.charts.templating import in_template
 from reports.comparison.budget_words import budget_content, is_covered
 from reports.comparison.json_values import metric_content, solution_content, strict
-from reports.comparison.laws import derived, expected_content, expected_numbers
+from reports.comparison.laws import expected_content, expected_numbers, names_of_derived_fields
 from reports.comparison.words import (
     beyond_theory,
     bodies_in_words,
     first_table,
-    how_judged,
     question,
+    sentence_on_judging,
     unlike_materials,
     verdict,
 )
@@ -68,7 +68,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     # The solutions that hold every instant of the scene. An external result may have few instants,
     # and then the reference beside it is solved at these alone.
     complete_solutions: tuple[ContactSolution, ...] = ()
-    if not derived(comparison.result):
+    if not names_of_derived_fields(comparison.result):
         complete_solutions = (comparison.reference, comparison.result)
     verdicts = {
         name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
@@ -81,7 +81,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "verdict": {
             **verdicts,
             "unscored": unscored_keys,
-            "judged": how_judged(comparison, has_budget=budget is not None),
+            "judged": sentence_on_judging(comparison, has_budget=budget is not None),
             "honest": report.honest,
             "sentence": verdict(comparison),
         },

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from reports.charts.plate import Axis, Key, Mark, Panel, Rule, limits
 from reports.comparison import Comparison, words
-from reports.comparison.cycles import Cycle, events, first_row
+from reports.comparison.cycles import Cycle, events, index_of_first_row
 from reports.comparison.pairs import name_of
 from reports.units import minus
 from scenes import ContactSolution
@@ -64,7 +64,7 @@ class CycleView:
         self.comparison = comparison
         self.scene = comparison.scene
         self.scales = comparison.scales
-        self.stretch = words.stretch(comparison.scene)
+        self.stretch = words.part_of_path(comparison.scene)
         self.noun = self.stretch.split()[-1]
         self.reference_cycle = comparison.reference_cycle
         self.result_cycle = comparison.result_cycle
@@ -77,7 +77,7 @@ class CycleView:
         self.chosen_events = events(
             self.result_cycle,
             self.scene.friction.coefficient,
-            first_row(self.result_cycle, self.scene),
+            index_of_first_row(self.result_cycle, self.scene),
         )
         chosen_instants = [event.index for event in self.chosen_events]
         self.shown_instant = max(chosen_instants, key=self._slip_points_and_load)

@@ -26,7 +26,7 @@ from reports.charts.plate import (
     limits,
 )
 from reports.charts.templating import STATE_NAMES
-from reports.comparison.words import value_of
+from reports.comparison.words import value_in_words
 from reports.page.cycle_view import (
     ZERO,
     CycleView,
@@ -282,7 +282,7 @@ def state_map(view: CycleView) -> Plate:
     metric = view.comparison.metric("state")
     # The share of points that differ is that of the metric, weighted by lengths. Points crowd at
     # the edges, so that counting them would give a larger share.
-    share_in_words = "" if metric.value is None else value_of(metric)
+    share_in_words = "" if metric.value is None else value_in_words(metric)
     reference_engine, result_engine = view.engines
     difference_title = f"they differ: {share_in_words}".rstrip(": ")
     maps = (

@@ -24,7 +24,7 @@ from reports.charts.plate import (
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
 from reports.comparison.judged import JudgedPair
-from reports.comparison.metrics import missing
+from reports.comparison.metrics import reason_by_missing_field
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.work_of_loads import bulk_strain, bulk_work, loop_work
 from reports.measured import load_cycles
@@ -532,7 +532,7 @@ def hysteresis(view: CycleView) -> Plate | None:
     displacements_u = [cycle.tangential_displacement for cycle in cycles]
     loop_series = [view.result_cycle.tangential_load, *displacements_u]
     nothing_moves = all(np.ptp(values) == 0 for values in loop_series)
-    if "tangential_displacement" in missing(comparison.result) or nothing_moves:
+    if "tangential_displacement" in reason_by_missing_field(comparison.result) or nothing_moves:
         return None
 
     _, unit_of_length, _ = units(scene)

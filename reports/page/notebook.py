@@ -12,7 +12,7 @@ import numpy as np
 
 from reports.charts.templating import template
 from reports.comparison.datum import lacks_datum
-from reports.comparison.words import bulk_and_tilt, first_rows, stretch
+from reports.comparison.words import bulk_and_tilt, first_rows, part_of_path
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 from scenes.notebook_forms import NotebookForms, register
 
@@ -185,7 +185,7 @@ def loop_figure(solution: ContactSolution) -> Figure:
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
         repeats = scene.load.path().period is not None
-        stretch_in_words = "per cycle" if repeats else f"of the {stretch(scene)}"
+        stretch_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
         work_in_words = (
             f"W = {solution.dissipation:.4g} {force}·{length}/{length} {stretch_in_words}"
         )

@@ -27,7 +27,7 @@ from reports.charts.plate import STATE_KEYS, Panel, Plate, write_tables
 from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
 from reports.comparison.cycles import last_cycle
-from reports.comparison.metrics import missing
+from reports.comparison.metrics import reason_by_missing_field
 from reports.comparison.pairs import name_of
 from reports.comparison.words import headline, verdict
 from reports.comparison.work_of_loads import bulk_work, normal_work
@@ -219,7 +219,7 @@ def render(
         without_terms=terms_left_out,
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
-        stretch=words.stretch(scene),
+        stretch=words.part_of_path(scene),
         measured=section(scene, (comparison.reference, comparison.result)),
         figures={drawing.name: drawing for drawing in drawings},
         engines=[
@@ -235,7 +235,7 @@ def render(
         live=_as_script(dict(script_data) if script_data else {"instants": 0}),
         carried=_extent_of_slider_in_words(script_data) if script_data else "",
         states=STATE_KEYS,
-        uncertain_work=words.uncertain_work(comparison),
+        uncertain_work=words.sentence_on_work(comparison),
         seconds=seconds,
     )
 
@@ -539,7 +539,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
         ("slip", "slip_history"),
         ("dissipation_density", "dissipation_density"),
     ):
-        if field in missing(comparison.result):
+        if field in reason_by_missing_field(comparison.result):
             names_left_out.add(name)
     if len(view.time) < 2:
         names_left_out |= {"state_map", "half_widths", "slip_history", "errors"}

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from reports.comparison import compare
 from reports.comparison.datum import effects_between
 from reports.comparison.dimensionless import scales
-from reports.comparison.laws import DERIVED, certificates, derived
+from reports.comparison.laws import DERIVED, certificates, names_of_derived_fields
 from reports.comparison.metrics import WHOLE_CYCLE
 from reports.report import Report
 from reports.scoring.mapping import Mapping
@@ -223,7 +223,7 @@ def score_solution(
         from reports.comparison.budget import theory_on_steps
 
         theory_on_polygon = theory_on_steps(solution)
-    if theory_of_path is None and derived(solution):
+    if theory_of_path is None and names_of_derived_fields(solution):
         theory_of_path = whole_path(solution.scene)
     # States, edges and dissipation that another program does not state were found from its
     # tractions by a rule. The metrics are those of the reference by the same rule.

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.isolated import without_spikes
-from reports.comparison.laws import DERIVED, derived
-from reports.comparison.metrics import WHOLE_CYCLE, missing
+from reports.comparison.laws import DERIVED, names_of_derived_fields
+from reports.comparison.metrics import WHOLE_CYCLE, reason_by_missing_field
 from reports.scoring.history import History, history_of_result, resultants
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import TOUCHES, SurfaceResult
@@ -319,9 +319,9 @@ def reference_by_same_rule(
     the reference stays as it is. Its dissipation also stays where its instants are not those of the
     result. `length` is the reference half-width a_ref.
     """
-    if "state" not in derived(result):
+    if "state" not in names_of_derived_fields(result):
         return reference, ()
-    missing_fields = missing(result)
+    missing_fields = reason_by_missing_field(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
     reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work

@@ -20,7 +20,7 @@ import numpy as np
 from reports.comparison import Comparison
 from reports.comparison.budget import Extrapolation, Refinement, extrapolate
 from reports.comparison.metrics import Metric
-from reports.comparison.words import amount
+from reports.comparison.words import term_in_words
 from reports.scoring.field_files import collected_files
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import OWN_SUFFIX, READERS
@@ -250,7 +250,7 @@ def _cells_of_row(row: StudyRow) -> tuple[str, ...]:
     is_signed = row.metric.signed
 
     def cell_of(value: float | None, has_plus: bool = is_signed) -> str:
-        return "–" if value is None else amount(value, row.metric, plus=has_plus, digits=3)
+        return "–" if value is None else term_in_words(value, row.metric, plus=has_plus, digits=3)
 
     order = f"{extrapolation.order:.2f}" if extrapolation.order is not None else extrapolation.kind
     limit = None if row.error_of_finest_mesh is None else extrapolation.value

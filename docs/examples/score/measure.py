@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from reports.comparison.words import tolerance_of, value_of
+from reports.comparison.words import tolerance_in_words, value_in_words
 from reports.report import Report
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.mapping import load_mapping
@@ -87,7 +87,9 @@ def block_of(report: Report, origin: dict[str, Any]) -> str:
     lines += ["| against half-plane theory | difference | tolerance |", "|---|---|---|"]
     for key in HEADLINES:
         metric = report.metric(key)
-        lines.append(f"| {metric.label} | {value_of(metric)} | {tolerance_of(metric)} |")
+        lines.append(
+            f"| {metric.label} | {value_in_words(metric)} | {tolerance_in_words(metric)} |"
+        )
     lines += ["", "Likely faults of the result:", ""]
     for diagnosis in report.diagnoses:
         lines.append(f"- {diagnosis.sentence}")

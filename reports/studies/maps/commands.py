@@ -124,7 +124,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     causes.
     """
     from reports.advising_by_numbers import sentence
-    from reports.comparison.pairs import coupled
+    from reports.comparison.pairs import has_coupled_tractions
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
@@ -136,7 +136,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
         causes = [(cause, _percent(share)) for cause, share in advice.parts.items()]
         if advice.neglected_part:
             name_of_rest = "tilt and bulk strain, a size"
-            if coupled(advice.scene):
+            if has_coupled_tractions(advice.scene):
                 name_of_rest = "coupling, tilt and bulk strain, a size"
             causes.append((name_of_rest, f"± {100 * advice.neglected_part:.2g} %"))
         yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)

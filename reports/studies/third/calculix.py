@@ -27,7 +27,7 @@ from halfplane_fe.solution import versions
 from reports.charts.templating import words_of
 from reports.comparison import Comparison
 from reports.comparison.json_values import strict
-from reports.comparison.words import stretch, value_of
+from reports.comparison.words import part_of_path, value_in_words
 from reports.console import Stages
 from reports.report import Report
 from reports.scoring.against import score_solution
@@ -117,8 +117,8 @@ class ThirdSolver:
                 (
                     f"{metric.label}: error",
                     "reference",
-                    value_of(metric),
-                    value_of(third_comparison.metric(key)) if third_comparison else "–",
+                    value_in_words(metric),
+                    value_in_words(third_comparison.metric(key)) if third_comparison else "–",
                 )
             )
         time_cells = []
@@ -422,8 +422,8 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
     whole path where nothing repeats.
     """
     _, length_unit, stress_unit = units(scene)
-    part_of_path = stretch(scene)  # "last cycle" or "whole path"
-    largest_in_words = f"the largest of the {part_of_path}"
+    path_in_words = part_of_path(scene)  # "last cycle" or "whole path"
+    largest_in_words = f"the largest of the {path_in_words}"
 
     def largest_pressure(solution: ContactSolution) -> float:
         return float(solution.pressure[solution.last_cycle].max())
@@ -436,7 +436,7 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
 
     return [
         (
-            f"work of friction, {part_of_path}",
+            f"work of friction, {path_in_words}",
             energy_unit(scene),
             lambda solution: solution.dissipation,
         ),
