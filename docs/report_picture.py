@@ -28,7 +28,7 @@ import reports
 import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
-from reports.advising_by_numbers import split
+from reports.advising_by_numbers import split_difference_of_work
 from reports.charts.plate import Cell, Plate, stacks
 from reports.comparison.budget import error_budget, solve_refinements, theory_on_steps
 from reports.console import Stages
@@ -86,7 +86,7 @@ def drawn() -> dict[str, str]:
     stage = Stages(quiet=True).stage
     meshes = solve_refinements(comparison, MeshSettings(), SolverSettings(), stage, coarsenings=2)
     report = with_budget(comparison, error_budget(comparison, meshes, cost))
-    causes = split(report.comparison, report.budget)
+    causes = split_difference_of_work(report.comparison, report.budget)
     report = replace(report, comparison=replace(report.comparison, why=causes))
     figures = {plate.name: plate for plate in draw(report)}
     return {file: narrow(figures[name]).svg() + "\n" for name, file in FIGURES.items()}

@@ -131,25 +131,25 @@ def changes_of(
     last_cycle = solution.last_cycle
     half_width = np.nanmax(solution.contact_half_width[last_cycle])
     changes = {
-        WORK: _change(
+        WORK: _change_from_theory(
             "dissipation",
             theory.dissipation,
             solution.dissipation,
             solution.dissipation_uncertainty,
         ),
-        "peak_pressure": _change(
+        "peak_pressure": _change_from_theory(
             "largest pressure",
             largest_of_theory.pressure,
             solution.pressure[last_cycle].max(),
             stated_uncertainties["largest_pressure"],
         ),
-        "half_width": _change(
+        "half_width": _change_from_theory(
             "largest contact half-width",
             largest_of_theory.half_width,
             half_width,
             stated_uncertainties["largest_half_width"],
         ),
-        "permanent_stick": _change(
+        "permanent_stick": _change_from_theory(
             "permanent stick half-width",
             theory.permanent_stick_half_width,
             solution.permanent_stick_half_width,
@@ -158,7 +158,7 @@ def changes_of(
     }
     tension = halfplane_fe.largest_edge_tension(solution)
     if tension is not None:
-        changes["edge_tension"] = _change(
+        changes["edge_tension"] = _change_from_theory(
             "largest edge tension",
             largest_of_theory.edge_tension,
             tension.value,
@@ -179,7 +179,7 @@ def _dissipating_theory(scene: Scene) -> ContactSolution:
     return theory
 
 
-def _change(words: str, theory: float, value: float, uncertainty: float) -> Change:
+def _change_from_theory(words: str, theory: float, value: float, uncertainty: float) -> Change:
     """The change value/theory - 1 of the quantity called `words`, with its uncertainty; NaN where
     theory has no value. `uncertainty` is that of `value`.
     """
@@ -188,7 +188,7 @@ def _change(words: str, theory: float, value: float, uncertainty: float) -> Chan
     return Change(words, theory, Estimate(float(value / theory - 1), float(uncertainty / theory)))
 
 
-def _why(advice: KernelAdvice) -> str:
+def _reason_in_few_words(advice: KernelAdvice) -> str:
     """Why theory corrected by responses of the bodies does not answer, in a few words."""
     if advice.scene.bodies.faces_are_true:
         return "their faces are curved"
@@ -205,7 +205,8 @@ def sentence(advice: KernelAdvice) -> str:
     first_sentence = (
         f"Half-plane theory is expected to err by {in_percent(change.value)}"
         f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
-        f" (finite elements/theory − 1), by the kernel solve of the bodies: {_why(advice)}."
+        " (finite elements/theory − 1), by the kernel solve of the bodies:"
+        f" {_reason_in_few_words(advice)}."
     )
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
     if advice.verdict is Verdict.WITHIN:

@@ -228,13 +228,17 @@ def advise_by_numbers(
             f"{scene.name}: half-plane theory dissipates nothing: no error is relative to it"
         )
     corrected_solution = semi_analytic.solve(
-        scene, x=theory.x, time=theory.time, effects=_even(effects), fields=(WORK, "pressure")
+        scene,
+        x=theory.x,
+        time=theory.time,
+        effects=_without_odd_numbers(effects),
+        fields=(WORK, "pressure"),
     )
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
     uncertainties = uncertain_fraction_of_curvatures(effects, half_width)
     next_order_ratio = ratio_of_next_order(effects, half_width)
-    parts = _parts(effects, theory, corrected_solution, uncertainties)
+    parts = _parts_by_curvatures(effects, theory, corrected_solution, uncertainties)
     size_of_odd_part = _size_of_odd_part(effects, scene, half_width)
     neglected_part = size_of_odd_part  # unless the odd part is followed below
     if is_coupled:
@@ -248,7 +252,7 @@ def advise_by_numbers(
     # largest values of theory over all x and time, not only on the points of the solution
     exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
-    for key, (name, words) in _QUANTITIES.items():
+    for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
         theory_value = QUANTITIES[name].compute(theory)
         change = QUANTITIES[name].compute(corrected_solution) / theory_value - 1
         uncertainty = abs(change) * max(uncertainties.values())
@@ -308,7 +312,7 @@ def _change_of_stick(
     theory_value
         the half-width by half-plane theory [length]
     uncertainty
-        relative uncertainty of the change by the curvatures of the faces
+        of that relative change by the curvatures of the faces alone
     """
     import semi_analytic
     from semi_analytic.odd_memory import Declined, odd_answer
@@ -324,7 +328,7 @@ def _change_of_stick(
     return Estimate(corrected_half_width / theory_value - 1, uncertainty + _ERROR_OF_STICK)
 
 
-def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
+def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     """Split the difference of the dissipation W between finite elements of real bodies and
     half-plane theory into its causes.
 
@@ -378,7 +382,7 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
     They are those of theory corrected by the bodies' elastic responses (`advice`). Where that gives
     sizes without a checked uncertainty, half-planes with the whole compliance of the bodies
     (kernels) are solved by finite elements: their change beyond the sum of the causes is a further
-    cause.
+    cause, which has the uncertainty of all.
     """
     parts = dict(advice.parts)
     if not advice.reason_for_size_alone:
@@ -430,7 +434,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
 
     scene = comparison.scene
     work_by_kernels = _work_by_kernels(comparison)
-    mesh, settings = _coarser_than(comparison)
+    mesh, settings = _coarser_settings_of(comparison)
     solution_of_half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
     theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
     change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
@@ -444,15 +448,17 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
 
 
 def _work_by_kernels(comparison: JudgedPair) -> Estimate:
-    """W of half-planes with the compliance of the bodies added (kernels), by finite elements."""
+    """W of half-planes with the compliance of the bodies added (kernels), by finite elements of
+    twice the size. InputError for bodies whose compliance is not known.
+    """
     import halfplane_fe
 
-    mesh, settings = _coarser_than(comparison)
+    mesh, settings = _coarser_settings_of(comparison)
     solution = halfplane_fe.solve(comparison.scene, mesh, settings, bodies="kernel")
     return Estimate(solution.dissipation, solution.dissipation_uncertainty)
 
 
-def _coarser_than(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
+def _coarser_settings_of(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
     """Settings of a mesh with elements twice as large as in the comparison, and of its load steps:
     it takes a third of the time, and the parts are uncertain by some 1e-3.
     """
@@ -465,7 +471,7 @@ def _coarser_than(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]
 
 # Key of an answer -> key of the quantity in `laws.QUANTITIES`, which has it on the points that
 # both solutions have; and its name in words.
-_QUANTITIES = {
+_QUANTITIES_OF_ADVICE = {
     WORK: ("dissipation", "dissipation"),
     "peak_pressure": ("largest_pressure", "largest pressure"),
     "half_width": ("largest_half_width", "largest contact half-width"),
@@ -473,7 +479,7 @@ _QUANTITIES = {
 }
 
 
-def _parts(
+def _parts_by_curvatures(
     effects: BodyEffects,
     theory: ContactSolution,
     corrected_solution: ContactSolution,
@@ -509,8 +515,8 @@ def _parts(
     return parts
 
 
-def _even(effects: BodyEffects) -> BodyEffects:
-    """The effects without tilt and bulk strain."""
+def _without_odd_numbers(effects: BodyEffects) -> BodyEffects:
+    """The elastic responses of the bodies without the odd ones, tilt and bulk strain."""
     from semi_analytic.odd_memory import ODD_NUMBERS
 
     nothing: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, Estimate(0.0))

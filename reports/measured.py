@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from reports.comparison.pairs import name_of
-from reports.record_parts import parts_in_words, turns_of
+from reports.record_parts import parts_in_words, rows_of_turns
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.array_types import Array
@@ -84,7 +84,9 @@ class RecordCheck:
 
     @property
     def noise_share(self) -> float | None:
-        """What noise adds to W, over W without it, at least; None where no noise is seen."""
+        """What noise adds to W, over W without it, at least; None where no noise is seen, or one
+        of the two W is not known.
+        """
         if not (self.work_of_all_rows and self.work_of_means):
             return None
         return self.work_of_all_rows / self.work_of_means - 1
@@ -101,7 +103,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
         return None
     rows = load.used_rows().values
     n_path_rows = len(load.kept_rows())
-    noise_of_loads = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
+    noise_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
         return RecordCheck(
             n_rows=len(rows),
@@ -162,7 +164,7 @@ def _work(scene: Scene, **changes: Any) -> float | None:
         return None
 
 
-def noise_of(values: Array) -> float:
+def sigma_of_noise(values: Array) -> float:
     """Standard deviation sigma of white noise in the values of rows, (n,), from the median of their
     fourth differences; 0 where no noise shows.
 
@@ -172,8 +174,8 @@ def noise_of(values: Array) -> float:
 
     >>> t = np.linspace(0, 20, 2000)
     >>> (
-    ...     noise_of(np.sin(t)),
-    ...     round(noise_of(np.sin(t) + np.random.default_rng(1).normal(0, 0.1, 2000)), 2),
+    ...     sigma_of_noise(np.sin(t)),
+    ...     round(sigma_of_noise(np.sin(t) + np.random.default_rng(1).normal(0, 0.1, 2000)), 2),
     ... )
     (0.0, 0.1)
     """
@@ -199,8 +201,8 @@ def noise_of(values: Array) -> float:
 
 
 def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
-    """Standard deviation of white noise from the median of differences of an order, whose variance
-    is so many sigma^2.
+    """Standard deviation sigma of white noise in values (n,), from the median size of their
+    differences of this order, whose variance is `variance` sigma^2.
     """
     median = float(np.median(np.abs(np.diff(values, order))))
     return 1.4826 * median / variance**0.5
@@ -228,7 +230,7 @@ def _longest_means(rows: Array, noise_of_loads: tuple[float, float]) -> int:
     rows_per_mean = 1
     while len(rows) // (rows_per_mean + 1) >= _LEAST_ROWS:
         longer_means = means(rows, rows_per_mean + 1)
-        if not all(noise_of(longer_means[:, column]) for column in noisy_columns):
+        if not all(sigma_of_noise(longer_means[:, column]) for column in noisy_columns):
             break
         if any(
             np.ptp(longer_means[:, column]) < _LEAST_RANGE * np.ptp(rows[:, column])
@@ -268,7 +270,7 @@ def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentenc
 
 
 def _change(value: float | None, value_before: float | None) -> float:
-    """Relative change of a value; 0 where either is unknown."""
+    """Relative change of a value; 0 where either is unknown, or the value before is 0."""
     return value / value_before - 1 if value is not None and value_before else 0.0
 
 
@@ -373,8 +375,8 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
 # ---------------------------------------------------------------------------- cycles and their work
 @dataclass(frozen=True)
 class LoadCycle:
-    """A cycle of Q that rainflow counts: 1 for a closed one, 0.5 for half of one; `end` is when it
-    closes.
+    """A cycle of Q that rainflow counts (`count` 1 for a closed one, 0.5 for half of one), from
+    `start` to `end`, when it closes; `range` and `mean` are those of Q [load].
 
     `dissipation` is that of its own time, without what closed cycles within it dissipate: all of
     them add up to W.
@@ -396,27 +398,29 @@ class LoadCycles:
     ----------
     cycles
         in the order in which they end
-    time, cumulative
+    time, work_so_far
         (n,) instants, and the dissipation from the first instant to each [energy]
-    last_whole
+    last_whole_cycle
         the load cycle between the last three turning points of Q, with all its work; None for a
         record that repeats, and where Q turns less often
     """
 
     cycles: tuple[LoadCycle, ...]
     time: Array
-    cumulative: Array
-    last_whole: LoadCycle | None = None
+    work_so_far: Array
+    last_whole_cycle: LoadCycle | None = None
 
     @property
-    def counted(self) -> float:
+    def number_of_cycles(self) -> float:
         """Number of cycles; a half cycle counts 0.5."""
         return sum(cycle.count for cycle in self.cycles)
 
     @property
-    def per_cycle(self) -> float:
+    def work_per_cycle(self) -> float:
         """W over the number of cycles; NaN where there is none."""
-        return float(self.cumulative[-1]) / self.counted if self.counted else float("nan")
+        if not self.number_of_cycles:
+            return float("nan")
+        return float(self.work_so_far[-1]) / self.number_of_cycles
 
     def content(self) -> dict[str, Any]:
         """The load cycles for JSON: their number, W over it, the last whole cycle, a list of the
@@ -427,14 +431,16 @@ class LoadCycles:
         instants = np.unique(np.linspace(0, len(self.time) - 1, _MOST_LISTED_INSTANTS).astype(int))
         return {
             "method": "rainflow count of Q, ASTM E1049",
-            "counted": self.counted,
-            "dissipation_per_cycle": self.per_cycle,
-            "last_whole_cycle": None if self.last_whole is None else asdict(self.last_whole),
+            "counted": self.number_of_cycles,
+            "dissipation_per_cycle": self.work_per_cycle,
+            "last_whole_cycle": None
+            if self.last_whole_cycle is None
+            else asdict(self.last_whole_cycle),
             "not_listed": len(self.cycles) - len(listed_cycles),
             "cycles": [asdict(cycle) for cycle in listed_cycles],
             "cumulative": {
                 "time": self.time[instants],
-                "dissipation": self.cumulative[instants],
+                "dissipation": self.work_so_far[instants],
             },
         }
 
@@ -466,7 +472,7 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
     row_cycles = _cycles_of_rows(solved_rows, repeats=load.repeats)
     if not load.repeats:
-        cycles = with_work(row_cycles, time, work_so_far)
+        cycles = cycles_with_work(row_cycles, time, work_so_far)
         last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
         return LoadCycles(tuple(cycles), time, work_so_far, last_whole_cycle)
 
@@ -480,7 +486,7 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
             start=cycle.start + shift_to_last_but_one,
             end=cycle.end + shift_to_last_but_one,
         )
-        for cycle in with_work(row_cycles, time_of_two_periods, work_of_two_periods)
+        for cycle in cycles_with_work(row_cycles, time_of_two_periods, work_of_two_periods)
     ]
     return LoadCycles(tuple(shifted_cycles), time + shift_to_last, work_so_far)
 
@@ -520,7 +526,7 @@ def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
     """
     if repeats:
         return _cycles_of_repeating_rows(rows)
-    return counted(rows[:, _TIME], rows[:, _TANGENTIAL])
+    return rainflow_cycles(rows[:, _TIME], rows[:, _TANGENTIAL])
 
 
 def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
@@ -533,7 +539,7 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     shift_by_period = np.array([period, 0.0, 0.0])
     rows_of_next_period = rows[1 : row_of_largest + 1] + shift_by_period
     counted_rows = np.concatenate([rows[row_of_largest:], rows_of_next_period])
-    cycles = counted(counted_rows[:, _TIME], counted_rows[:, _TANGENTIAL])
+    cycles = rainflow_cycles(counted_rows[:, _TIME], counted_rows[:, _TANGENTIAL])
     # Rainflow counts the largest cycle, between two equal peaks, as two half cycles.
     half_cycles = [cycle for cycle in cycles if cycle.count < 1]
     if len(half_cycles) != 2:
@@ -548,7 +554,7 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     where Q turns less often. Its dissipation is the increase of `work_so_far` (m,), the dissipation
     since the first of the times `time` (m,).
     """
-    turns = turns_of(rows[:, _TANGENTIAL])[-3:]
+    turns = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
         return None
     times, _, loads_at_turns = rows[turns].T.tolist()
@@ -600,7 +606,7 @@ def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Arra
     return time, solution.record.energy["dissipation"]
 
 
-def counted(time: Array, force: Array) -> list[LoadCycle]:
+def rainflow_cycles(time: Array, force: Array) -> list[LoadCycle]:
     """Load cycles of a force (n,), linear between the times (n,), by rainflow count. They are in
     the order in which they end; their dissipation, not known here, is 0.
 
@@ -618,7 +624,9 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
-def with_work(cycles: Sequence[LoadCycle], time: Array, work_so_far: Array) -> Iterator[LoadCycle]:
+def cycles_with_work(
+    cycles: Sequence[LoadCycle], time: Array, work_so_far: Array
+) -> Iterator[LoadCycle]:
     """The cycles, in the order in which they end, with the dissipation of each, without that of
     cycles within it. It is taken from `work_so_far` (m,), the dissipation since the first of the
     times `time` (m,), linear between them.
@@ -660,7 +668,7 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     """For JSON: how the files of a scene were read, the check of its record of loads (noise; W with
     and without reduction and averaging), and sentences on it. None where nothing was measured.
     """
-    tables_read = read_in_pairs(scene)
+    tables_read = read_as_by_key(scene)
     record_check = check_record(scene)
     if not tables_read and record_check is None:
         return None
@@ -683,7 +691,7 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     return {"read_as": tables_read, "loads": numbers, "sentences": sentences}
 
 
-def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
+def read_as_by_key(scene: Scene) -> dict[str, ReadAs]:
     """How each file beside the scene was read, by its key: what was found in it, what was stated,
     what was assumed.
     """
@@ -702,7 +710,7 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
     loads; "cycles" name and load cycles of each solution; "most" numbers, from 0, of up to ten load
     cycles with most dissipation.
     """
-    tables_read = read_in_pairs(scene)
+    tables_read = read_as_by_key(scene)
     record_check = check_record(scene)
     if not tables_read and record_check is None:
         return None

@@ -90,12 +90,13 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
 
     Measurements are simulated: random noise is added to the fitted curve, and the curve is fitted
     again. The uncertainty is twice the standard deviation of the values under these fits, plus a
-    bias, their mean change. For a smoothing spline the bias is at least the change under a tenth
-    of the smoothing: what smoothing takes from the rows, the fitted curve has lost already.
+    bias, the size of their mean change. For a smoothing spline the bias is at least the change
+    under a tenth of the smoothing: what smoothing takes from the rows, the fitted curve has lost
+    already.
 
     Residuals with a pattern along x are no noise. Then each simulated measurement gets this pattern
-    too, moved along x. The change by a smoothing spline through the same rows is added as well: it
-    follows shapes that this kind of profile does not have.
+    too, moved along x. Of other fits than a smoothing spline, 1.25 times the change by such a
+    spline through the same rows is added: it follows shapes that the fitted kind does not have.
 
     Parameters
     ----------
@@ -107,7 +108,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     Raises
     ------
     InputError
-        For a scene whose profile is not fitted, and where too few of the other fits carry the load.
+        For a scene whose profile is not fitted, and where too few of the other fits, or no
+        smoothing spline that is needed, carry the load.
     """
     fit = fit_of(scene)
     if fit is None:
@@ -120,8 +122,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     count = (
         min(resamples, _MOST_MARCHED_RESAMPLES) if work_method is _WorkMethod.MARCHED else resamples
     )
-    pattern = _pattern(scene)
-    values_of_fit = _values(scene, work_method)
+    pattern = _pattern_of_residuals(scene)
+    values_of_fit = _values_under_fit(scene, work_method)
     values_of_resamples = _values_with_other_noise(scene, fit, pattern, work_method, count, seed)
     changes = values_of_resamples - values_of_fit
     # The mean change is the error that the fit makes by itself at this noise: a curve that may not
@@ -130,12 +132,12 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     is_smoothing_spline = bool(fit.weight)
     if is_smoothing_spline:
         less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
-        values_less_smoothed = _values_of_another_fit(scene, less_smoothed_profile, work_method)
+        values_less_smoothed = _values_under_other_fit(scene, less_smoothed_profile, work_method)
         if values_less_smoothed is not None:
             bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":
-        values_of_spline = _values_of_another_fit(
+        values_of_spline = _values_under_other_fit(
             scene, fitted_by_spline(scene.profile), work_method
         )
         if values_of_spline is None:
@@ -176,7 +178,7 @@ def _work_method_of(scene: Scene) -> _WorkMethod:
     return _WorkMethod.MARCHED
 
 
-def _values_of_another_fit(
+def _values_under_other_fit(
     scene: Scene, profile_keys: dict[str, Any] | None, work_method: _WorkMethod
 ) -> NDArray[np.float64] | None:
     """Dissipation, largest half-width and peak pressure, (3,), of the scene with another fit of its
@@ -188,7 +190,7 @@ def _values_of_another_fit(
     if profile_keys is None:
         return None
     try:
-        return _values(scene.vary(profile={**profile_keys, "fitted": None}), work_method)
+        return _values_under_fit(scene.vary(profile={**profile_keys, "fitted": None}), work_method)
     except InputError:
         return None
 
@@ -204,7 +206,8 @@ def _values_with_other_noise(
     """Dissipation, half-width and peak pressure, (n, 3), under fits to `count` simulated
     measurements: the fitted curve with other noise.
 
-    n is less than `count` where fits cannot carry the load; InputError where half of them cannot.
+    n is less than `count` where fits cannot carry the load; InputError where fewer than half of
+    them can.
 
     Parameters
     ----------
@@ -221,9 +224,9 @@ def _values_with_other_noise(
     random = np.random.default_rng(seed)
     values_of_resamples = []
     for _ in range(count):
-        noise = _noise(random, fit, pattern)
+        noise = _simulated_noise(random, fit, pattern)
         profile_keys = fitted_again(scene.profile, noise)
-        values = _values_of_another_fit(scene, profile_keys, work_method)
+        values = _values_under_other_fit(scene, profile_keys, work_method)
         if values is not None:
             values_of_resamples.append(values)
     if len(values_of_resamples) < max(2, count // 2):
@@ -235,7 +238,7 @@ def _values_with_other_noise(
     return np.array(values_of_resamples)
 
 
-def _pattern(scene: Scene) -> NDArray[np.float64] | None:
+def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     """Residuals of a profile's n fitted rows about their mean, (n,) row minus curve [length], where
     they have a pattern along x; None where they may be white noise.
 
@@ -265,7 +268,7 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     return residuals if has_pattern else None
 
 
-def _noise(
+def _simulated_noise(
     random: np.random.Generator, fit: Fitted, pattern: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
     """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise. The
@@ -279,7 +282,7 @@ def _noise(
     return np.asarray(noise + random.choice([-1.0, 1.0]) * moved_pattern / fit.noise)
 
 
-def _values(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
+def _values_under_fit(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
     """Dissipation W, largest half-width a and peak pressure p0, (3,); W is 0 where left out."""
     contact = largest_contact(scene, scene.name)
     work = 0.0
@@ -291,7 +294,9 @@ def _values(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
 
 
 def _work_of_ellipse(scene: Scene) -> float:
-    """Dissipation W of a cycle under an elliptical load path. InputError where it has no value."""
+    """Dissipation W of a cycle under an elliptical load path. InputError where it has no value, as
+    where all slides.
+    """
     load = scene.load
     names = (
         "mean_normal_load",
@@ -393,7 +398,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
         return []
     _, unit_of_length, _ = units(scene)
     warnings = []
-    pattern = _pattern(scene)
+    pattern = _pattern_of_residuals(scene)
     if pattern is not None:
         warnings.append(
             "The residuals are no noise: they have a pattern along x. Rows that are"
@@ -451,7 +456,7 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
 
 
 @lru_cache(maxsize=4)
-def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
+def findings_on_fit(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     """Sentences on a fitted profile, and the uncertainty of W, a and p0 by the noise of its rows.
     No sentences and None for a profile that is not fitted; None where the uncertainty has no value.
 
@@ -477,7 +482,7 @@ def content(scene: Scene) -> dict[str, Any] | None:
     profile_fit = fit_of(scene)
     if profile_fit is None:
         return None
-    sentences, uncertainty = findings(scene)
+    sentences, uncertainty = findings_on_fit(scene)
     fit = profile_fit.model_dump(mode="json", exclude={"rows"})
     fit["count"] = len(profile_fit.used_rows())
     return {

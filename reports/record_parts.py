@@ -67,8 +67,8 @@ class RecordPart:
 
 
 @dataclass(frozen=True, eq=False)
-class _Cycles:
-    """The n swings of Q of a record, each from one turning point to the next; two are a cycle.
+class _Swings:
+    """The n swings of Q of a record, each from one turning point of Q to the next; two are a cycle.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class _Cycles:
     means: Array
 
     @property
-    def rows_of_cycle(self) -> int:
+    def n_rows_of_cycle(self) -> int:
         """Number of rows of a cycle: twice the median of those of a swing."""
         return max(int(2 * np.median(np.diff(self.turns))), 2)
 
@@ -92,7 +92,8 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     """The parts of a measured record of loads (rows without load, at rest, of cycles that are
     alike, ...) in the order of their first rows. Parts may overlap, and need not hold all rows.
 
-    Empty for other loads, for rows that are one cycle, and for records too long to look through.
+    Empty for other loads, for rows that are one cycle, under a prescribed displacement, and for
+    records too long to look through.
 
     Examples
     --------
@@ -114,18 +115,18 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
         return ()
     unit = load_unit(scene)
     has_no_load = rows[:, _NORMAL] < _LEAST_LOAD * float(np.max(rows[:, _NORMAL]))
-    cycles = _cycles_of(rows, ~has_no_load)
+    swings = _swings_of(rows, ~has_no_load)
     parts: list[RecordPart] = []
     words_of_no_load = f"no load: P is below {100 * _LEAST_LOAD:g} % of its largest"
     # of each part the first row, and the row after its last one
     for begin, end in _runs(has_no_load):
         if end - begin > 2:
             parts.append(RecordPart("no load", begin + 1, end, words_of_no_load))
-    if cycles is not None:
-        is_at_rest = _is_at_rest(rows, cycles.rows_of_cycle) & ~has_no_load
+    if swings is not None:
+        is_at_rest = _is_at_rest(rows, swings.n_rows_of_cycle) & ~has_no_load
         for begin, end in _runs(is_at_rest):
             parts.append(RecordPart("rest", begin + 1, end, "at rest: neither P nor Q moves"))
-        parts += _parts_of_cycles(cycles, unit)
+        parts += _parts_of_swings(swings, unit)
     ordered_parts = sorted(parts, key=lambda part: (part.first_row, part.last_row))
     return tuple(
         RecordPart(part.kind, part.first_row + first_row, part.last_row + first_row, part.words)
@@ -133,26 +134,26 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     )
 
 
-def _cycles_of(rows: Array, is_loaded: Mask) -> _Cycles | None:
-    """Swings of Q in rows (n, 3: time, P, Q), with Q = 0 where there is no load (`is_loaded` (n,)
-    is False); None for fewer than three cycles.
+def _swings_of(rows: Array, is_loaded: Mask) -> _Swings | None:
+    """Swings of Q, each from one turning point to the next, in rows (n, 3: time, P, Q), with Q = 0
+    where there is no load (`is_loaded` (n,) is False); None for fewer than six turning points.
     """
     tangential_load = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
-    turns = turns_of(tangential_load)
+    turns = rows_of_turns(tangential_load)
     if len(turns) < 2 * _FEWEST_CYCLES:
         return None
-    return _Cycles(
+    return _Swings(
         turns=turns,
         ranges=np.abs(np.diff(tangential_load[turns])),
         means=(tangential_load[turns[1:]] + tangential_load[turns[:-1]]) / 2,
     )
 
 
-def turns_of(force: Array) -> NDArray[np.int64]:
+def rows_of_turns(force: Array) -> NDArray[np.int64]:
     """Indices (m,) of the rows at which a force (n,) turns; swings smaller than a fifth of its
     range are left out.
 
-    >>> turns_of(np.array([0.0, 1.0, -1.0, -0.9, -1.0, 1.0, 0.0])).tolist()
+    >>> rows_of_turns(np.array([0.0, 1.0, -1.0, -0.9, -1.0, 1.0, 0.0])).tolist()
     [1, 2, 5]
     """
     least_swing = _LEAST_SWING * float(np.ptp(force))
@@ -197,13 +198,14 @@ def _runs(mask: Mask) -> Iterator[tuple[int, int]]:
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
-def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
-    """Parts of a record of loads by the range of Q of its swings: runs of swings whose ranges are
-    alike, and runs of others, of which the first may be the run-in. A run of alike swings whose
-    mean of Q moves is a drift too. `unit` is that of the loads.
+def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
+    """Parts of a record of loads by the range of Q of its swings, each from one turning point to
+    the next: runs of swings whose ranges are alike, and runs of others, of which the first may be
+    the run-in. A run of five or more alike swings whose mean of Q moves is a drift too. `unit` is
+    that of the loads.
     """
-    median_range = float(np.median(cycles.ranges[len(cycles.ranges) // 2 :]))
-    is_alike = np.abs(cycles.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
+    median_range = float(np.median(swings.ranges[len(swings.ranges) // 2 :]))
+    is_alike = np.abs(swings.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
     for begin, end in _runs(is_alike):
         is_single_swing = end - begin < 2
         if is_single_swing:
@@ -211,19 +213,19 @@ def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
 
     parts = []
     for begin, end in _runs(~is_alike):
-        first_row = int(cycles.turns[begin]) + 1
-        last_row = int(cycles.turns[end]) + 1
-        words_of_part = _other_cycles_in_words(cycles.ranges[begin:end], begin, unit)
+        first_row = int(swings.turns[begin]) + 1
+        last_row = int(swings.turns[end]) + 1
+        words_of_part = _other_cycles_in_words(swings.ranges[begin:end], begin, unit)
         parts.append(RecordPart("other cycles", first_row, last_row, words_of_part))
     for begin, end in _runs(is_alike):
-        first_row = int(cycles.turns[begin]) + 1
-        last_row = int(cycles.turns[end]) + 1
-        mean_range = number(float(np.mean(cycles.ranges[begin:end])))
+        first_row = int(swings.turns[begin]) + 1
+        last_row = int(swings.turns[end]) + 1
+        mean_range = number(float(np.mean(swings.ranges[begin:end])))
         words_of_part = (
             f"{_cycles_in_words(end - begin)} that are alike, range of Q {mean_range} {unit}"
         )
         parts.append(RecordPart("alike", first_row, last_row, words_of_part))
-        means_of_part = cycles.means[begin:end]
+        means_of_part = swings.means[begin:end]
         drift_of_mean = float(means_of_part[-2:].mean() - means_of_part[:2].mean())
         if end - begin > 4 and abs(drift_of_mean) > _LEAST_DRIFT * median_range:
             words_of_drift = f"drift: the mean of Q moves by {number(drift_of_mean)} {unit}"

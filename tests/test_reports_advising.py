@@ -18,7 +18,13 @@ from meshes import MeshSettings
 from reports import advising, advising_by_kernels
 from reports.advising import NoAdvice, advise
 from reports.advising_by_kernels import KernelAdvice, advise_by_kernels, changes_of
-from reports.advising_by_numbers import WORK, Advice, advise_by_numbers, sentence, split
+from reports.advising_by_numbers import (
+    WORK,
+    Advice,
+    advise_by_numbers,
+    sentence,
+    split_difference_of_work,
+)
 from reports.cli.application import Options
 from reports.comparison.verdicts import Verdict
 from reports.studies.maps import commands
@@ -80,7 +86,7 @@ def run_of(scene: Scene, error: float, uncertainty: float) -> Any:
 
 def test_a_difference_is_split_by_what_makes_it_and_its_main_cause_named() -> None:
     error = OF_BLOCKS[WORK]
-    why = split(run_of(load_scene("blocks"), error, 5e-5), None)
+    why = split_difference_of_work(run_of(load_scene("blocks"), error, 5e-5), None)
     *parts, left, numerical = why.steps
     assert [step.words for step in parts] == [*PARTS_OF_BLOCKS, "both together"]
     assert sum(step.change.value for step in why.steps) == pytest.approx(error, rel=1e-12)
@@ -104,7 +110,7 @@ def test_a_difference_is_split_by_what_makes_it_and_its_main_cause_named() -> No
 def test_no_main_cause_is_named_where_the_parts_do_not_explain_the_difference(
     error: float, uncertainty: float
 ) -> None:
-    why = split(run_of(load_scene("blocks"), error, uncertainty), None)
+    why = split_difference_of_work(run_of(load_scene("blocks"), error, uncertainty), None)
     assert why.main_cause == ""
     assert len(why.steps) == 5
 
@@ -114,7 +120,7 @@ def test_what_the_numbers_do_not_cover_is_not_split_and_says_why() -> None:
     pad = load_scene("pad-on-block").vary(profile=profile, expected=[])
     run = run_of(pad, -0.1, 1e-3)
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
-    why = split(run, None)
+    why = split_difference_of_work(run, None)
     assert why.steps == []
     assert "the face of this pad is none" in why.sentence
     assert why.content()["main_cause"] is None
@@ -162,7 +168,7 @@ def test_coupling_of_unlike_bodies_and_what_kernels_find_are_parts(
     monkeypatch.setattr(halfplane_fe, "solve", solve)
     run = run_of(scene, -0.103, 5e-4)
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
-    why = split(run, None)
+    why = split_difference_of_work(run, None)
     assert list(why.parts) == ["coupling", "finite bodies"]
     assert why.parts["coupling"] == pytest.approx((-0.05, 1e-3))
     assert why.parts["finite bodies"] == pytest.approx((-0.05, 2e-3))
@@ -181,7 +187,7 @@ def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(halfplane_fe, "solve", solve)
     run = run_of(scene, -0.0598, 5e-4)
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
-    why = split(run, None)
+    why = split_difference_of_work(run, None)
     assert why.parts == {"finite bodies": pytest.approx((-0.06, 1e-3))}
     assert why.unexplained == pytest.approx((2e-4, 1.5e-3))
 
@@ -198,7 +204,7 @@ def test_parts_whose_errors_have_no_estimate_are_not_shown(
     monkeypatch.setattr(halfplane_fe, "solve", solve)
     run = run_of(scene, -0.06, 5e-3)
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
-    why = split(run, None)
+    why = split_difference_of_work(run, None)
     assert why.steps == []
     assert "finite bodies has no estimate; a finer mesh splits it" in why.sentence
 
@@ -217,7 +223,7 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
     work = semi_analytic.solve(scene, fields=WORK).dissipation
     run = run_of(scene, elements.dissipation / work - 1, elements.dissipation_uncertainty / work)
     run.result = elements
-    why = split(run, None)
+    why = split_difference_of_work(run, None)
     assert why.main_cause == cause
     assert abs(why.unexplained.value) < 1e-3
     assert why.explains

@@ -17,7 +17,13 @@ from command_line import refused
 from reports.checking import largest_contact
 from reports.cli import scene_files
 from reports.page.body_figures import fit_residuals
-from reports.profile_fit import content, findings, fit_in_words, fit_uncertainty, fit_warnings
+from reports.profile_fit import (
+    content,
+    findings_on_fit,
+    fit_in_words,
+    fit_uncertainty,
+    fit_warnings,
+)
 from scenes import (
     CallableProfile,
     Compound,
@@ -454,7 +460,7 @@ def test_check_draws_trace_fit_and_residuals(tmp_path):
 
 def test_page_and_json_state_the_fit():
     scene = scene_of(rows_of(TRUTHS["flat_rounded"], 301, 20e-6), "flat_rounded", 20e-6)
-    sentences, uncertainty = findings(scene)
+    sentences, uncertainty = findings_on_fit(scene)
     assert "W = 0.000" in sentences[-1]
     page_content = content(scene)
     assert page_content["uncertainty_95"]["dissipation"]["value"] == uncertainty.dissipation.value

@@ -20,7 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refusals import refused_for, require_facts
-from reports.measured import read_in_pairs
+from reports.measured import read_as_by_key
 from reports.studies.sweep.study import expand, load_study, study_of
 from scenes import (
     Block,
@@ -1077,7 +1077,7 @@ def trace_scene(folder, head, factor, **keys):
 def test_a_unit_is_read_in_any_form_of_a_heading(tmp_path, head, factor):
     scene = trace_scene(tmp_path, head, factor, columns={"x": 1, "h": 2})
     assert scene.profile.radius == pytest.approx(90.0, rel=1e-6)
-    read = dict(read_in_pairs(scene)["profile.file"])
+    read = dict(read_as_by_key(scene)["profile.file"])
     assert repr(head.partition("\n")[0].split(",")[1]) in read["h"]
     assert f"times {1 / factor:.9g}" in read["h"] or "no unit stated" in read["h"]
 

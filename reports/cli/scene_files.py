@@ -146,7 +146,7 @@ def check(source: str, options: Options) -> Answer:
         rows_of_sliding,
     )
     from reports.input_words import stated_content
-    from reports.measured import read_in_pairs
+    from reports.measured import read_as_by_key
     from reports.profile_fit import content as fit_content
     from scenes import InputError, TimeSeriesLoad
 
@@ -176,7 +176,7 @@ def check(source: str, options: Options) -> Answer:
             f"The record has {n_rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    columns_of_table = read_in_pairs(scene) | columns_of_loop
+    columns_of_table = read_as_by_key(scene) | columns_of_loop
     half_width = contact.half_width if contact else 0.0
     notes, further_remarks = _notes_and_remarks(scene, columns_of_table, half_width)
     remarks_on_scene += further_remarks
@@ -226,7 +226,7 @@ def _notes_and_remarks(
     from reports.input_words import sliding_in_words, stated_in_words
     from reports.inputs import omissions_in_words, sliding_of_loads
     from reports.measured import check_record, record_in_words
-    from reports.profile_fit import findings, fit_warnings
+    from reports.profile_fit import findings_on_fit, fit_warnings
 
     notes = _question_in_words(scene)
     remarks: list[str] = []
@@ -240,7 +240,7 @@ def _notes_and_remarks(
     sliding = sliding_in_words(sliding_of_loads(scene))
     remarks += filter(None, [sliding, omissions_in_words(scene)])
     remarks += fit_warnings(scene, half_width)
-    sentences_on_fit, _ = findings(scene)
+    sentences_on_fit, _ = findings_on_fit(scene)
     notes += [sentence for sentence in sentences_on_fit if sentence not in remarks]
     notes += filter(None, [stated_in_words(scene)])
     return notes, remarks
@@ -302,7 +302,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
     from reports.inputs import omissions_in_words
-    from reports.measured import read_in_pairs
+    from reports.measured import read_as_by_key
     from scenes import InputError
 
     if options.loop is not None:
@@ -312,7 +312,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
-    columns_of_table = read_in_pairs(scene)
+    columns_of_table = read_as_by_key(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
     notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
     remarks = [f"{engines.in_words(source)}.", *filter(None, [omissions_in_words(scene)])]

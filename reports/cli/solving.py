@@ -419,9 +419,9 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     if are_half_planes(job.scene):
         return report
     with job.stages.stage("why"):
-        from reports.advising_by_numbers import split
+        from reports.advising_by_numbers import split_difference_of_work
 
-        causes = split(report.comparison, report.budget)
+        causes = split_difference_of_work(report.comparison, report.budget)
     return replace(report, comparison=replace(report.comparison, why=causes))
 
 
@@ -828,7 +828,7 @@ def _answer_of_one_engine(
         rows = summary_rows(solution, loads_are_found=job.scene.load.is_driven)
         yield Sheet(scene.title or scene.name, ("quantity", "value"), rows)
         yield from _inputs_shown(inputs, job.scene)
-        yield from profile_fit.findings(scene)[0]
+        yield from profile_fit.findings_on_fit(scene)[0]
         yield from _expected_shown(findings)
         yield path
 

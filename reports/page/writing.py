@@ -60,7 +60,7 @@ from reports.page.history_figures import (
     load_path,
     slip_histories,
 )
-from reports.profile_fit import findings
+from reports.profile_fit import findings_on_fit
 from reports.report import Report, ThirdAnswer
 from reports.units import load_unit, minus, units
 from scenes import InputError
@@ -201,7 +201,7 @@ def render(
     comparison = report.comparison
     scene = comparison.scene
     sentences = common_content(report)
-    sentences_on_fit, _ = findings(scene)
+    sentences_on_fit, _ = findings_on_fit(scene)
     terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
     bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
     program, script_digest = script()
