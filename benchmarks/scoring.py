@@ -29,7 +29,7 @@ from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import friction_work, zones
 from reports.scoring.traces import NOISE, UNKNOWN
-from reports.scoring.variants import stiffer, with_friction
+from reports.scoring.variants import scene_with_friction, scene_with_modulus_factor
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
 
 SCENES = ("hertz-paper", "cattaneo-mindlin", "flat-rounded-paper")
@@ -186,7 +186,7 @@ def soft(name: str) -> Plant:
 
 
 def rougher(scene: Scene, factor: float) -> Scene:
-    return with_friction(scene, factor * scene.friction.coefficient)
+    return scene_with_friction(scene, factor * scene.friction.coefficient)
 
 
 class Fault(NamedTuple):
@@ -211,10 +211,13 @@ FAULTS = {
     "shear_factor": Fault((1.5, 1.1, 1.02), altered(shear=lambda p, q, k: k * q)),
     "x_scale": Fault((1.1, 0.5, 1.02), stretched),
     "offset": Fault((0.3, 0.03, 0.01, 0.001), moved),
-    "stiffness": Fault((2.0, 0.91, 0.97, 0.99, 0.998), asked(stiffer)),
-    "half_model": Fault((0.5, 2.0), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)),
+    "stiffness": Fault((2.0, 0.91, 0.97, 0.99, 0.998), asked(scene_with_modulus_factor)),
+    "half_model": Fault(
+        (0.5, 2.0), asked(lambda scene, k: scene_with_modulus_factor(scene, 1 / k), lambda k: k)
+    ),
     "loads": Fault(
-        (1.3, 1.05, 1.01, 1.002), asked(lambda scene, k: stiffer(scene, 1 / k), lambda k: k)
+        (1.3, 1.05, 1.01, 1.002),
+        asked(lambda scene, k: scene_with_modulus_factor(scene, 1 / k), lambda k: k),
     ),
     "friction": Fault((1.5, 1.1, 0.97, 1.01), asked(rougher)),
     "full_stick": Fault((50.0,), asked(rougher)),

@@ -23,7 +23,7 @@ from reports.profile_fit import fit_in_words
 from reports.scoring.against import stored_solution
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution, whole_path
+from reports.scoring.solution import contact_solution, theory_of_whole_path
 from reports.studies.sweep.store import canonical, checksum, read_index
 from reports.studies.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text
@@ -228,7 +228,7 @@ def _read(path: Path) -> object:
 
 
 def _scored(path: Path) -> object:
-    return contact_solution(_read(path), Mapping(), whole_path(load_scene("hertz-paper")))
+    return contact_solution(_read(path), Mapping(), theory_of_whole_path(load_scene("hertz-paper")))
 
 
 def _stored_result(path: Path) -> object:

@@ -24,8 +24,8 @@ from reports.scoring.diagnosis import diagnose
 from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import surface_result
-from reports.scoring.traces import FAULTS, NOISE, UNKNOWN, Diagnosis, scatter
-from reports.scoring.variants import stiffer, with_friction
+from reports.scoring.traces import FAULTS, NOISE, UNKNOWN, Diagnosis, find_scatter
+from reports.scoring.variants import scene_with_friction, scene_with_modulus_factor
 from scenes import Materials, Scene, load_scene
 from semi_analytic.elasticity import coupling_constant
 
@@ -280,9 +280,9 @@ def test_of_two_faults_at_once_both_are_among_the_first_three(
     for key in {first, second} & set(factor):
         k = factor[key]
         solved_scene = (
-            stiffer(solved_scene, k)
+            scene_with_modulus_factor(solved_scene, k)
             if key == "stiffness"
-            else with_friction(solved_scene, k * solved_scene.friction.coefficient)
+            else scene_with_friction(solved_scene, k * solved_scene.friction.coefficient)
         )
     x = true.x - (0.03 if second == "offset" else 0.0)
     faulty = replace(
@@ -341,7 +341,10 @@ def test_a_frictionless_scene_has_no_fault_of_friction() -> None:
         compare(
             true,
             replace(
-                semi_analytic.solve(stiffer(scene, 0.5), x=true.x, time=true.time), scene=scene
+                semi_analytic.solve(
+                    scene_with_modulus_factor(scene, 0.5), x=true.x, time=true.time
+                ),
+                scene=scene,
             ),
         )
     )
@@ -415,7 +418,7 @@ def judged(
     ).comparison
     difference = discrepancy_of(comparison)
     assert difference is not None
-    return comparison, list(scatter(difference))
+    return comparison, list(find_scatter(difference))
 
 
 def test_scattered_points_beyond_the_coulomb_limit_are_one_finding_with_a_count() -> None:

@@ -17,7 +17,7 @@ from reports.scoring.mapping import Mapping
 from reports.scoring.other_problems import other_problems
 from reports.scoring.surface import surface_result
 from reports.scoring.traces import WORDS, Diagnosis
-from reports.scoring.variants import stiffer
+from reports.scoring.variants import scene_with_modulus_factor
 from scenes import SLIP_FORWARD, SLIP_REVERSE, load_scene
 from semi_analytic.profiles import contact_of
 
@@ -198,7 +198,7 @@ def tension_of_one_node() -> Tractions:
 def stiffer_cylinder(factor: float = 4 / np.pi) -> Tractions:
     """As steep as a sphere's pressure, with P for its sum."""
     answer = semi_analytic.solve(
-        stiffer(CATTANEO, factor), x=X, time=TIME, fields=("pressure", "shear")
+        scene_with_modulus_factor(CATTANEO, factor), x=X, time=TIME, fields=("pressure", "shear")
     )
     return answer.pressure, answer.shear
 

@@ -19,7 +19,7 @@ from reports.comparison.metrics import WHOLE_CYCLE
 from reports.report import Report
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import OWN_SUFFIX, read
-from reports.scoring.solution import contact_solution, reference_by_same_rule, whole_path
+from reports.scoring.solution import contact_solution, reference_by_same_rule, theory_of_whole_path
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated
@@ -179,7 +179,7 @@ def score_surface(
     Units and signs are guessed where `mapping` states none. With `sure_of_times` the result's times
     are those of the scene's load path. Without it the instants may be found by the loads instead.
     """
-    theory_of_path = whole_path(scene)
+    theory_of_path = theory_of_whole_path(scene)
     solution, guesses = contact_solution(
         result, mapping, theory_of_path, sure_of_times=sure_of_times
     )
@@ -224,7 +224,7 @@ def score_solution(
 
         theory_on_polygon = theory_on_steps(solution)
     if theory_of_path is None and names_of_derived_fields(solution):
-        theory_of_path = whole_path(solution.scene)
+        theory_of_path = theory_of_whole_path(solution.scene)
     # States, edges and dissipation that another program does not state were found from its
     # tractions by a rule. The metrics are those of the reference by the same rule.
     reference_by_rule = reference

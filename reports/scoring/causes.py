@@ -21,30 +21,30 @@ from scenes import InputError
 _FINE_ELEMENTS = 12.0
 # Largest share of what blocks of `BLOCK_HEIGHT` add: blocks of height 1.8 a_ref, no higher than the
 # contact is wide.
-_NEAREST_BODY = 8.0
+_LARGEST_SHARE_OF_BLOCKS = 8.0
 # Dundurs' constants that are tried first: 0.5 is the largest of all.
 _BETAS = (-0.15, 0.15)
 _LARGEST_BETA = 0.5
 # Compliance of a layer that is tried first [a_ref/E*].
-_LAYERS = (0.02, 0.1)
+_COMPLIANCES_OF_LAYER = (0.02, 0.1)
 # Delays of a revolution that are tried first.
 _DELAYS = tuple((np.arange(16) - 7.5) / 16)
 # Logarithms of f that are tried first; those at which next to nothing slips: a mesh keeps the
 # infinite shear of bonded faces finite, as a large f does.
-_FRICTIONS = tuple(np.log([0.4, 0.6, 0.8, 1.25, 1.7, 3.0]))
-_NO_SLIP = tuple(np.log([15.0, 50.0, 300.0]))
-_BONDED = 7.0
+_LOGS_OF_FRICTION = tuple(np.log([0.4, 0.6, 0.8, 1.25, 1.7, 3.0]))
+_LOGS_OF_FRICTION_WITHOUT_SLIP = tuple(np.log([15.0, 50.0, 300.0]))
+_LARGEST_LOG_OF_FRICTION = 7.0
 # A factor counts as the power of ten that it is near to: a mesh does not move a resultant by more.
 # A factor of a hundred or more is one of units even farther off.
-_NEAR = 0.02
-_NEAR_OF_UNITS = 0.25
+_NEARNESS_TO_POWER = 0.02
+_NEARNESS_TO_POWER_OF_UNITS = 0.25
 # Logarithm of the largest factor of units.
-_UNITS = 25.0
+_LARGEST_LOG_OF_UNITS = 25.0
 # Longest cycle, in steps, whose steps may be too long as a solver takes them whose law holds at
 # their ends.
-_MOST_STEPS = 64
+_MOST_STEPS_OF_CYCLE = 64
 # A moment of the pressures tells a factor to this; a search must not start at no change at all.
-_START = 0.02
+_LEAST_START = 0.02
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Cause:
     largest_size: float = 3.5
 
 
-def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
+def _compared_moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     """How the pressure of the result compares with the reference's, over all points and instants:
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
     between the centroids, result minus reference [length]. 1, 1, 0 where either has no pressure.
@@ -107,47 +107,47 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
 
 
 def _away_from_zero(value: float) -> float:
-    return value if abs(value) > _START else float(np.copysign(_START, value))
+    return value if abs(value) > _LEAST_START else float(np.copysign(_LEAST_START, value))
 
 
-def _of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
-    _, width_ratio, _ = _moments(discrepancy)
+def _starts_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
+    _, width_ratio, _ = _compared_moments(discrepancy)
     return (_away_from_zero(-2 * np.log(width_ratio)),)
 
 
-def _of_factor(discrepancy: Discrepancy) -> Sequence[float]:
-    ratio, _, _ = _moments(discrepancy)
+def _starts_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
+    ratio, _, _ = _compared_moments(discrepancy)
     return (_away_from_zero(np.log(ratio)),)
 
 
-def _of_units(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_units(discrepancy: Discrepancy) -> Sequence[float]:
     """The power of ten that the sum of the pressures is near to."""
-    ratio, _, _ = _moments(discrepancy)
-    power = round_power(ratio)
+    ratio, _, _ = _compared_moments(discrepancy)
+    power = nearest_power_of_ten(ratio)
     return () if power is None else (float(np.log(power)),)
 
 
-def round_power(factor: float) -> float | None:
+def nearest_power_of_ten(factor: float) -> float | None:
     """The power of ten that a factor is near to; None where it is near to none."""
     if factor <= 0:
         return None
     order = round(np.log10(factor))
-    nearness = _NEAR_OF_UNITS if abs(order) >= 2 else _NEAR
+    nearness = _NEARNESS_TO_POWER_OF_UNITS if abs(order) >= 2 else _NEARNESS_TO_POWER
     if order == 0 or abs(factor / 10.0**order - 1) >= nearness:
         return None
     return float(10.0**order)
 
 
-def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Under a wrong factor of the pressure the shear is right."""
-    right = (
+    is_shear_right = (
         discrepancy.is_within(SHEAR)
         or discrepancy.residual(discrepancy.reference_tractions, SHEAR).is_noise
     )
-    return _of_factor(discrepancy) if right and _has_shear(discrepancy) else ()
+    return _starts_of_factor(discrepancy) if is_shear_right and _has_shear(discrepancy) else ()
 
 
-def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Size at which to start the search for a factor of the shear, in a tuple: the logarithm of the
     ratio of the sums of the shear over x, result to reference.
 
@@ -167,21 +167,21 @@ def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
 
 
-def _of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a stretch of x starts: logarithms of the ratio of widths, and
     of that of the sums, which a coarse mesh leaves alone.
     """
-    _, width_ratio, _ = _moments(discrepancy)
+    _, width_ratio, _ = _compared_moments(discrepancy)
     starts = [_away_from_zero(np.log(width_ratio))]
     if discrepancy.resultant_ratio > 0:
         starts.append(_away_from_zero(np.log(discrepancy.resultant_ratio)))
     return starts
 
 
-def _of_offset(discrepancy: Discrepancy) -> Sequence[float]:
-    _, _, shift = _moments(discrepancy)
+def _starts_of_offset(discrepancy: Discrepancy) -> Sequence[float]:
+    _, _, shift = _compared_moments(discrepancy)
     limit = 2 * discrepancy.half_width
-    return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _START,)
+    return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _LEAST_START,)
 
 
 def _has_shear(discrepancy: Discrepancy) -> bool:
@@ -193,46 +193,49 @@ def _has_shear(discrepancy: Discrepancy) -> bool:
     )
 
 
-def _where_it_has_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
+def _starts_where_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
     return lambda discrepancy: starts if _has_shear(discrepancy) else ()
 
 
-def _of_delay(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_delay(discrepancy: Discrepancy) -> Sequence[float]:
     return _DELAYS if discrepancy.is_on_cycle and len(discrepancy.rows) >= 4 else ()
 
 
-def _of_cycle(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_on_cycle(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if _has_shear(discrepancy) and discrepancy.is_on_cycle else ()
 
 
-def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
-    is_short = len(discrepancy.comparison.result_cycle.time) - 1 <= _MOST_STEPS
-    return (1.0,) if _of_cycle(discrepancy) and is_short and not discrepancy.unsymmetric else ()
+def _starts_of_short_steps(discrepancy: Discrepancy) -> Sequence[float]:
+    is_short = len(discrepancy.comparison.result_cycle.time) - 1 <= _MOST_STEPS_OF_CYCLE
+    return (
+        (1.0,) if _starts_on_cycle(discrepancy) and is_short and not discrepancy.unsymmetric else ()
+    )
 
 
-def _of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if discrepancy.elements_per_half_width < _FINE_ELEMENTS else ()
 
 
-def _of_body(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_body(discrepancy: Discrepancy) -> Sequence[float]:
     return () if discrepancy.unsymmetric else (0.5,)
 
 
-def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a soft layer starts: none where the contact is not wider than
     theory's.
     """
-    _, width_ratio, _ = _moments(discrepancy)
-    return _LAYERS if width_ratio > 1 and not discrepancy.unsymmetric else ()
+    _, width_ratio, _ = _compared_moments(discrepancy)
+    return _COMPLIANCES_OF_LAYER if width_ratio > 1 and not discrepancy.unsymmetric else ()
 
 
-def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
-    shear = discrepancy.has_shear and bool(discrepancy.scene.friction.coefficient)
-    may_be_coupled = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
+def _starts_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
+    has_shear = discrepancy.has_shear and bool(discrepancy.scene.friction.coefficient)
+    is_plain = not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
+    may_be_coupled = has_shear and is_plain
     return _BETAS if may_be_coupled and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
 
 
-def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
+def _starts_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
     """The function that gives the start of a search for a wrong load `key`, such as a tilt left
     out; it gives none where the scene has no such load.
     """
@@ -245,7 +248,7 @@ def _of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
     return starts
 
 
-def _scaled(variant: Variant, log_factor: float) -> Variant:
+def _with_tractions_times(variant: Variant, log_factor: float) -> Variant:
     """The variant with pressure and shear of the file multiplied by exp(log_factor)."""
     k = float(np.exp(log_factor))
     return replace(
@@ -255,42 +258,54 @@ def _scaled(variant: Variant, log_factor: float) -> Variant:
     )
 
 
-def _loaded(variant: Variant, log_factor: float) -> Variant:
+def _with_loads_times(variant: Variant, log_factor: float) -> Variant:
     """Loads k times too large: bodies 1/k times as stiff, and every traction times k."""
-    scaled_tractions = _scaled(variant, log_factor)
+    scaled_tractions = _with_tractions_times(variant, log_factor)
     return replace(scaled_tractions, stiffness=variant.stiffness * float(np.exp(-log_factor)))
 
 
-def _factor(size: float) -> float:
+def _factor_of_log(size: float) -> float:
     return float(np.exp(size))
 
 
 STIFFNESS = Cause(
     "stiffness",
     lambda variant, m: replace(variant, stiffness=variant.stiffness * float(np.exp(m))),
-    _of_stiffness,
+    _starts_of_stiffness,
     group="size",
 )
-LOADS = Cause("loads", _loaded, _of_factor, group="size", resultant=_factor)
+LOADS = Cause("loads", _with_loads_times, _starts_of_factor, group="size", resultant=_factor_of_log)
 TRACTION_FACTOR = Cause(
-    "traction_factor", _scaled, _of_factor, group="size", resultant=_factor, largest_size=_UNITS
+    "traction_factor",
+    _with_tractions_times,
+    _starts_of_factor,
+    group="size",
+    resultant=_factor_of_log,
+    largest_size=_LARGEST_LOG_OF_UNITS,
 )
-UNITS = Cause("units", _scaled, _of_units, has_size=False, resultant=_factor, largest_size=_UNITS)
+UNITS = Cause(
+    "units",
+    _with_tractions_times,
+    _starts_of_units,
+    has_size=False,
+    resultant=_factor_of_log,
+    largest_size=_LARGEST_LOG_OF_UNITS,
+)
 PRESSURE_FACTOR = Cause(
     "pressure_factor",
     lambda variant, k: replace(variant, pressure_factor=float(np.exp(k)) * variant.pressure_factor),
-    _of_pressure_alone,
+    _starts_of_pressure_alone,
     group="size",
-    resultant=_factor,
+    resultant=_factor_of_log,
 )
 X_SCALE = Cause(
     "x_scale",
     lambda variant, k: replace(variant, stretch=float(np.exp(k))),
-    _of_stretch,
+    _starts_of_stretch,
     group="size",
-    resultant=_factor,
+    resultant=_factor_of_log,
 )
-OFFSET = Cause("offset", lambda variant, d: replace(variant, offset=d), _of_offset)
+OFFSET = Cause("offset", lambda variant, d: replace(variant, offset=d), _starts_of_offset)
 PRESSURE_SIGN = Cause(
     "pressure_sign",
     lambda variant, _: replace(variant, pressure_factor=-variant.pressure_factor),
@@ -299,61 +314,67 @@ PRESSURE_SIGN = Cause(
 )
 SWAPPED = Cause(
     "swapped",
-    lambda variant, _: replace(variant, swapped=True),
-    _where_it_has_shear(1.0),
+    lambda variant, _: replace(variant, is_swapped=True),
+    _starts_where_shear(1.0),
     has_size=False,
 )
 COARSE_MESH = Cause(
-    "coarse_edge", lambda variant, _: replace(variant, on_mesh=True), _of_mesh, has_size=False
+    "coarse_edge",
+    lambda variant, _: replace(variant, has_nodal_forces=True),
+    _starts_of_mesh,
+    has_size=False,
 )
 SMALL_BODY = Cause(
     "small_body",
     lambda variant, share: replace(variant, small_body=share),
-    _of_body,
+    _starts_of_body,
     group="size",
-    largest_size=_NEAREST_BODY,
+    largest_size=_LARGEST_SHARE_OF_BLOCKS,
 )
 SOFT_NORMAL = Cause(
     "soft_normal",
     lambda variant, compliance: replace(variant, soft_normal=compliance),
-    _of_layer,
+    _starts_of_layer,
     group="size",
 )
 COUPLING = Cause(
     "coupling",
     lambda variant, beta: replace(variant, beta=beta),
-    _of_coupling,
+    _starts_of_coupling,
     channel=SHEAR,
     largest_size=_LARGEST_BETA,
 )
 ODD_PART = Cause(
     "coupling",
-    lambda variant, _: replace(variant, odd=True),
-    lambda discrepancy: (1.0,) if _of_coupling(discrepancy) else (),
+    lambda variant, _: replace(variant, takes_odd_part=True),
+    lambda discrepancy: (1.0,) if _starts_of_coupling(discrepancy) else (),
     channel=SHEAR,
     has_size=False,
 )
 OTHER_TIMES = Cause(
-    "other_times", lambda variant, delay: replace(variant, delay=delay), _of_delay, group="history"
+    "other_times",
+    lambda variant, delay: replace(variant, delay=delay),
+    _starts_of_delay,
+    group="history",
 )
 SHEAR_SIGN = Cause(
     "shear_sign",
     lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
-    _where_it_has_shear(1.0),
+    _starts_where_shear(1.0),
     channel=SHEAR,
     has_size=False,
 )
 SHEAR_FACTOR = Cause(
     "shear_factor",
     lambda variant, k: replace(variant, shear_factor=float(np.exp(k)) * variant.shear_factor),
-    _of_shear_alone,
+    _starts_of_shear_alone,
     channel=SHEAR,
     group="friction",
 )
 FRICTIONLESS = Cause(
     "frictionless",
     lambda variant, _: replace(variant, shear_factor=0.0),
-    _where_it_has_shear(1.0),
+    _starts_where_shear(1.0),
     channel=SHEAR,
     group="history",
     has_size=False,
@@ -361,23 +382,25 @@ FRICTIONLESS = Cause(
 FRICTION = Cause(
     "friction",
     lambda variant, k: replace(variant, friction=variant.friction * float(np.exp(k))),
-    _where_it_has_shear(*_FRICTIONS),
+    _starts_where_shear(*_LOGS_OF_FRICTION),
     channel=SHEAR,
     group="friction",
-    largest_size=_BONDED,
+    largest_size=_LARGEST_LOG_OF_FRICTION,
 )
 FULL_STICK = Cause(
     "full_stick",
     lambda variant, k: replace(variant, friction=float(np.exp(k))),
-    _where_it_has_shear(*_NO_SLIP),
+    _starts_where_shear(*_LOGS_OF_FRICTION_WITHOUT_SLIP),
     channel=SHEAR,
     group="friction",
     has_size=False,
-    largest_size=_BONDED,
+    largest_size=_LARGEST_LOG_OF_FRICTION,
 )
 
 
-def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence[float]]) -> Cause:
+def _cause_by_history(
+    key: str, history: str, starts: Callable[[Discrepancy], Sequence[float]]
+) -> Cause:
     """The cause that the history of friction is treated wrongly, in one way."""
     return Cause(
         key,
@@ -389,18 +412,18 @@ def _of_history(key: str, history: str, starts: Callable[[Discrepancy], Sequence
     )
 
 
-def _of_load(key: str) -> Cause:
+def _cause_by_load(key: str) -> Cause:
     """The cause that a bulk stress or tilt has the wrong sign or is left out."""
     return Cause(
         key,
         lambda variant, _: replace(variant, wrong_load=key),
-        _of_wrong_load(key),
+        _starts_of_wrong_load(key),
         channel=PRESSURE if key.startswith("tilt") else SHEAR,
         has_size=False,
     )
 
 
-def _with_memory(discrepancy: Discrepancy) -> Sequence[float]:
+def _starts_of_lost_memory(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if _has_shear(discrepancy) and not discrepancy.unsymmetric else ()
 
 
@@ -418,19 +441,19 @@ CAUSES = (
     SMALL_BODY,
     SOFT_NORMAL,
     OTHER_TIMES,
-    _of_load("tilt_sign"),
-    _of_load("tilt_left_out"),
+    _cause_by_load("tilt_sign"),
+    _cause_by_load("tilt_left_out"),
     SHEAR_SIGN,
     SHEAR_FACTOR,
     FRICTIONLESS,
     FRICTION,
     FULL_STICK,
-    _of_history("memoryless", "no memory", _with_memory),
-    _of_history("not_steady", "first revolution", _of_cycle),
-    _of_history("steps", "straight steps", _of_cycle),
-    _of_history("steps", "end of steps", _of_ends),
-    _of_load("bulk_sign"),
-    _of_load("bulk_left_out"),
+    _cause_by_history("memoryless", "no memory", _starts_of_lost_memory),
+    _cause_by_history("not_steady", "first revolution", _starts_on_cycle),
+    _cause_by_history("steps", "straight steps", _starts_on_cycle),
+    _cause_by_history("steps", "end of steps", _starts_of_short_steps),
+    _cause_by_load("bulk_sign"),
+    _cause_by_load("bulk_left_out"),
     COUPLING,
     ODD_PART,
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from halfplane_fe.dundurs import dundurs
-from reports.scoring.causes import COUPLING, Cause, round_power
+from reports.scoring.causes import COUPLING, Cause, nearest_power_of_ten
 from reports.scoring.discrepancy import PRESSURE, Discrepancy
 from reports.scoring.fits import Fit
 from reports.scoring.judgement import NO_COUPLING
@@ -17,7 +17,7 @@ from reports.scoring.variants import BLOCK_HEIGHT
 from reports.units import minus
 
 # A factor of the loads this near to one half or two is that of a symmetric model.
-_HALF = 0.03
+_NEARNESS_TO_HALF = 0.03
 # Elements over the half-width that an engineer should take.
 _ENOUGH_ELEMENTS = 10
 
@@ -28,14 +28,14 @@ def key_of_sentence(cause: Cause, size: float) -> str:
     it is the logarithm.
     """
     factor = float(np.exp(size))
-    if cause.key == "loads" and min(abs(factor / 2 - 1), abs(2 * factor - 1)) < _HALF:
+    if cause.key == "loads" and min(abs(factor / 2 - 1), abs(2 * factor - 1)) < _NEARNESS_TO_HALF:
         return "half_model"
-    if cause.key == "traction_factor" and round_power(factor) is not None:
+    if cause.key == "traction_factor" and nearest_power_of_ten(factor) is not None:
         return "units"
     return cause.key
 
 
-def size_of(cause: Cause, size: float) -> str:
+def size_in_words(cause: Cause, size: float) -> str:
     """The size of a cause in a few words; empty of a cause without one."""
     key = key_of_sentence(cause, size)
     if key not in WORDS["sizes"]:
@@ -53,11 +53,11 @@ def _numbers_of_size(cause: Cause, size: float) -> dict[str, float]:
     """
     factor = float(np.exp(size))
     if key_of_sentence(cause, size) == "units":
-        factor = round_power(factor) or factor
+        factor = nearest_power_of_ten(factor) or factor
     return {"factor": factor, "distance": size, "delay": size}
 
 
-def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
+def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
     """The sentence of a page that names a known fault of a result and says what to do about it.
 
     Parameters

@@ -13,16 +13,16 @@ import numpy as np
 
 from reports.comparison import Comparison
 from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
-from reports.scoring.causes_in_words import key_of_sentence, sentence_of, size_of
+from reports.scoring.causes_in_words import key_of_sentence, sentence_on_cause, size_in_words
 from reports.scoring.discrepancy import PRESSURE, TRACTIONS, Discrepancy, discrepancy_of
 from reports.scoring.fits import (
-    CHANCE,
-    MOST_LEFT,
+    LARGEST_PROBABILITY_BY_CHANCE,
+    LARGEST_SHARE_LEFT,
     ROUND_OFF,
     Fit,
     Search,
-    by_chance,
     explains,
+    probability_by_chance,
     share_left,
 )
 from reports.scoring.judgement import Judgement, Verdict
@@ -33,14 +33,14 @@ from reports.scoring.traces import (
     UNKNOWN,
     WORDS,
     Diagnosis,
-    alternating_nodes,
-    coarse_edge,
-    elastic_slip,
-    full_slip,
-    long_steps_by_work,
-    near_edges,
-    outliers,
-    scatter,
+    find_alternating_nodes,
+    find_elastic_slip,
+    find_full_slip,
+    find_long_steps,
+    find_outliers,
+    find_scatter,
+    points_near_edges,
+    tractions_of_coarse_mesh,
 )
 from reports.scoring.variants import Predictions
 
@@ -58,14 +58,14 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
-    outlier_findings = outliers(comparison)
+    outlier_findings = find_outliers(comparison)
     trace_findings = [
-        *full_slip(discrepancy),
-        *elastic_slip(discrepancy),
-        *alternating_nodes(discrepancy),
+        *find_full_slip(discrepancy),
+        *find_elastic_slip(discrepancy),
+        *find_alternating_nodes(discrepancy),
     ]
     if discrepancy.is_within_tolerances:
-        findings = (*outlier_findings, *trace_findings) or tuple(long_steps_by_work(comparison))
+        findings = (*outlier_findings, *trace_findings) or tuple(find_long_steps(comparison))
         if findings or comparison.verdict == "within":
             return findings or tuple(_finding_beyond_coulomb_limit(discrepancy))
 
@@ -76,7 +76,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     sign_findings = [finding for finding in findings_of_fit if finding.fault == SHEAR_SIGN.key]
     # shear of the wrong sign hides creep in stick: look again with the right one
     if sign_findings and not has_trace:
-        hidden_trace_findings = list(elastic_slip(discrepancy, shear_sign=-1.0))
+        hidden_trace_findings = list(find_elastic_slip(discrepancy, shear_sign=-1.0))
         if hidden_trace_findings:
             findings_on_pressure = _findings_of_fit(judgement, verdict, has_trace=True)
             findings_of_fit = [*findings_on_pressure, *sign_findings, *hidden_trace_findings]
@@ -87,7 +87,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         findings_of_fit = [
             *_finding_of_scene_bodies(judgement),
             *_finding_of_mesh_at_edges(judgement),
-            *scatter(discrepancy),
+            *find_scatter(discrepancy),
         ][:1]
     findings = (*outlier_findings, *trace_findings, *findings_of_fit)
     if not findings and not discrepancy.is_within_tolerances:
@@ -149,10 +149,10 @@ def _findings_of_fit(
             )
         yield Diagnosis(
             key_of_sentence(cause, size),
-            sentence_of(judgement.discrepancy, cause, size, fit),
+            sentence_on_cause(judgement.discrepancy, cause, size, fit),
             tuple(evidence_sentences),
             strength=1 - min(share_left_by_cause, 1.0),
-            size=size_of(cause, size),
+            size=size_in_words(cause, size),
         )
 
 
@@ -223,7 +223,7 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
     fit_with_bodies = judgement.no_cause  # its reference has the bodies in it
     share_left_by_bodies = share_left(fit_with_bodies, fit_of_theory, judgement.channels)
-    if share_left_by_bodies < MOST_LEFT:
+    if share_left_by_bodies < LARGEST_SHARE_LEFT:
         yield Diagnosis(
             OWN_BODIES,
             WORDS["others"][OWN_BODIES],
@@ -240,7 +240,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     from scipy.stats import f as f_distribution
 
     discrepancy = judgement.discrepancy
-    prediction = coarse_edge(discrepancy)
+    prediction = tractions_of_coarse_mesh(discrepancy)
     if prediction is None or judgement.is_right(judgement.no_cause, PRESSURE):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
     predicted_tractions, is_near_edge = prediction
@@ -254,7 +254,11 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     far_square = max(float(np.mean(far_differences**2)), ROUND_OFF)
     ratio_of_squares = np.mean(near_differences**2) / far_square
     chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
-    if share_left_by_mesh > MOST_LEFT or ratio_of_squares < MOST_LEFT**-2 or chance > CHANCE:
+    if (
+        share_left_by_mesh > LARGEST_SHARE_LEFT
+        or ratio_of_squares < LARGEST_SHARE_LEFT**-2
+        or chance > LARGEST_PROBABILITY_BY_CHANCE
+    ):
         return
     yield Diagnosis(
         "coarse_edge",
@@ -312,7 +316,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
         f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
         f" {_UNITS[channel]}"
     )
-    is_near_edge = near_edges(discrepancy)
+    is_near_edge = points_near_edges(discrepancy)
     squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)
     share_of_square = float(squares[is_near_edge].sum() / squares.sum())
     share_of_points = float(np.mean(is_near_edge[is_in_contact]))
@@ -339,7 +343,11 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
             continue
         (cause,) = fit.causes
         share = share_left(fit, judgement.no_cause, (cause.channel,))
-        if share < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
+        if (
+            share < 1
+            and probability_by_chance(fit, judgement.no_cause, (cause.channel,))
+            < LARGEST_PROBABILITY_BY_CHANCE
+        ):
             least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
     keys_by_share = sorted(least_share_by_key, key=least_share_by_key.__getitem__)
     shares_in_words = ", ".join(

@@ -162,7 +162,7 @@ class Discrepancy:
     @property
     def units(self) -> Array:
         """(2, 1, 1): p_ref and f p_ref, what pressure and shear are divided by [stress]."""
-        return pair(self.comparison.scales.pressure, self.comparison.scales.shear)
+        return by_traction(self.comparison.scales.pressure, self.comparison.scales.shear)
 
     def in_contact(self, predicted: Tractions) -> Mask:
         """(k, n) whether a point has a pressure in the result or in the prediction, and numbers in
@@ -191,14 +191,16 @@ class Discrepancy:
         """
         friction = self.comparison.scales.friction
         pressure_norm = norm(self.x, self.reference_tractions[PRESSURE])
-        norms_of_reference = pressure_norm * pair(1, friction)[:, :, 0]
+        norms_of_reference = pressure_norm * by_traction(1, friction)[:, :, 0]
         norms_of_difference = norm(self.x, self.result_tractions - self.reference_tractions)
         relative_errors = quotient(norms_of_difference, norms_of_reference)
         pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return pressure_error, shear_error
 
     def is_within(self, channel: int) -> bool:
-        """Whether the error of the pressure or of the shear is within its tolerance."""
+        """Whether the error of the pressure or of the shear is within its tolerance; without one,
+        whether there is none.
+        """
         key = TRACTIONS[channel]
         limit = self.comparison.scene.tolerances.limit(key) or 0.0
         return verdict_on(self.errors()[channel], limit) is Verdict.WITHIN
@@ -312,8 +314,10 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
 
-def pair(of_pressure: float, of_shear: float) -> Array:
-    """(2, 1, 1): one number for the pressure and one for the shear, to multiply tractions by."""
+def by_traction(of_pressure: float, of_shear: float) -> Array:
+    """(2, 1, 1): one number for the pressure and one for the shear, to multiply tractions (2, k, n)
+    by.
+    """
     return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
 
 

@@ -21,33 +21,33 @@ from scenes import InputError
 from scenes.array_types import Array
 
 # Of the norm of the difference, what a cause may leave.
-MOST_LEFT = 1 / 3
+LARGEST_SHARE_LEFT = 1 / 3
 # Probability that chance alone gives the gain of a fit: some thirty causes and forty pairs are
 # tried for one file, and one file in a thousand may be named by chance.
-CHANCE = 1e-6
-# Of the probability for a cause without a size, see `gain_by_chance`.
+LARGEST_PROBABILITY_BY_CHANCE = 1e-6
+# Of the probability for a cause without a size, see `probability_of_gain`.
 _FACTOR_WITHOUT_SIZE = 1e-2
 # Of the round-off of one traction over its scale, squared: less is no difference.
 ROUND_OFF = 1e-20
 # Difference of the sums of squares, over the variance of the noise, below which two causes are not
 # told apart: four standard deviations. Without noise: the ratio of both sums.
-_APART = 16.0
-_APART_EXACT = 4.0
+_LEAST_DIFFERENCE_APART = 16.0
+_LEAST_RATIO_APART = 4.0
 # Calls of one search by Levenberg and Marquardt; a size is found in ten to twenty.
 _MOST_CALLS = 40
 # Starts from which a size that the shear shows is searched.
 _SEARCHES_OF_SHEAR = 2
 # Of a size, to which it is found: mistakes of a table are larger; and to which it is found first.
-_CLOSE = 1e-6
-_ROUGH = 1e-2
+_FINE_TOLERANCE = 1e-6
+_ROUGH_TOLERANCE = 1e-2
 # Of the norm of the difference, noise and all: a first search that leaves more is not refined.
-_HOPELESS = 0.8
+_SHARE_LEFT_WITHOUT_HOPE = 0.8
 # Of the sizes at which the search for a cause alone starts, every third one beside another cause;
 # all of them where they are few.
 _STRIDE = 3
-_FEW_STARTS = 3
+_MOST_STARTS_TAKEN_WHOLE = 3
 # Of the difference, where a prediction has no solution.
-_NO_SOLUTION = 1e20
+_RESIDUAL_WITHOUT_SOLUTION = 1e20
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,7 @@ class Search:
         squares = [self._square(causes, combination, channels) for combination in combinations]
         order_of_squares = np.argsort(squares, kind="stable")
         least_square = squares[order_of_squares[0]]
-        if least_square >= _NO_SOLUTION**2:
+        if least_square >= _RESIDUAL_WITHOUT_SOLUTION**2:
             return None
         sizes = combinations[order_of_squares[0]]
         fitted_indices = [
@@ -189,14 +189,21 @@ class Search:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
             n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
             rough_sizes = [
-                self._least_squares(causes, combinations[number], fitted_indices, channels, _ROUGH)
+                self._least_squares(
+                    causes, combinations[number], fitted_indices, channels, _ROUGH_TOLERANCE
+                )
                 for number in order_of_squares[:n_searches]
-                if squares[number] < _NO_SOLUTION**2
+                if squares[number] < _RESIDUAL_WITHOUT_SOLUTION**2
             ]
             sizes = min(rough_sizes, key=lambda trial: self._square(causes, trial, channels))
             square_without_causes = self._square((), (), channels)
-            if self._square(causes, sizes, channels) <= _HOPELESS**2 * square_without_causes:
-                sizes = self._least_squares(causes, sizes, fitted_indices, channels, _CLOSE)
+            if (
+                self._square(causes, sizes, channels)
+                <= _SHARE_LEFT_WITHOUT_HOPE**2 * square_without_causes
+            ):
+                sizes = self._least_squares(
+                    causes, sizes, fitted_indices, channels, _FINE_TOLERANCE
+                )
         return self._fit_of(causes, sizes, channels)
 
     def refined(
@@ -207,7 +214,7 @@ class Search:
         """
         fitted_indices = [index for index, cause in enumerate(causes) if cause.has_size]
         if fitted_indices:
-            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _CLOSE)
+            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _FINE_TOLERANCE)
         return self._fit_of(causes, sizes, channels)
 
     def _starts(
@@ -228,7 +235,11 @@ class Search:
             return starts[:1]
         if SHEAR in channels:
             return (*starts[::_STRIDE], fit_alone.sizes[0])
-        return (fit_alone.sizes[0],) if len(starts) > _FEW_STARTS else (*starts, fit_alone.sizes[0])
+        return (
+            (fit_alone.sizes[0],)
+            if len(starts) > _MOST_STARTS_TAKEN_WHOLE
+            else (*starts, fit_alone.sizes[0])
+        )
 
     def _least_squares(
         self,
@@ -286,14 +297,14 @@ class Search:
             predicted_tractions = self._predicted_tractions(causes, sizes, channels)
         except InputError:  # gross sliding, separation, a size that means nothing
             n_values = discrepancy.weight.size * len(channels)
-            return np.full(n_values, _NO_SOLUTION)
+            return np.full(n_values, _RESIDUAL_WITHOUT_SOLUTION)
         root_of_weight = np.sqrt(discrepancy.weight)
         residuals_of_channels = []
         for channel in channels:
             difference = discrepancy.result_tractions[channel] - predicted_tractions[channel]
             residual = root_of_weight * difference / discrepancy.units[channel]
             residuals_of_channels.append(residual.ravel())
-        return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_NO_SOLUTION)
+        return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_RESIDUAL_WITHOUT_SOLUTION)
 
     def _predicted_tractions(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
@@ -308,7 +319,7 @@ class Search:
             if abs(size) > cause.largest_size:
                 raise InputError("beyond the range of the search")
             variant = cause.change(variant, size)
-        return self.predictions.of(variant, sheared=SHEAR in channels)
+        return self.predictions.tractions_of(variant, sheared=SHEAR in channels)
 
     def _fit_of(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
@@ -353,11 +364,11 @@ def share_of_norm(square_left: float, square_before: float, square_of_noise: flo
     return float(np.sqrt(smooth_square_left / smooth_square_before))
 
 
-def by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
+def probability_by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
     """Probability that noise alone lets a fit leave so much less than `fit_before`, see
-    `gain_by_chance`. `channels` are the tractions that count: pressure, shear or both.
+    `probability_of_gain`. `channels` are the tractions that count: pressure, shear or both.
     """
-    return gain_by_chance(
+    return probability_of_gain(
         fit.square(channels),
         fit_before.square(channels),
         fit.count(channels),
@@ -366,7 +377,7 @@ def by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
     )
 
 
-def gain_by_chance(
+def probability_of_gain(
     square_left: float,
     square_before: float,
     n_values: int,
@@ -375,7 +386,8 @@ def gain_by_chance(
     n_parameters_before: int = 0,
 ) -> float:
     """Probability that noise alone brings the mean square of n values from `square_before` down to
-    `square_left` when a cause (a known fault of a result) is fitted to them: the F test.
+    `square_left` when a cause (a known fault of a result) is fitted to them: the F test. 1 where it
+    does not fall, or where there are no more values than parameters.
 
     Parameters
     ----------
@@ -416,20 +428,15 @@ def are_apart(square_left: float, least_square: float, n_values: int, *, is_nois
     """
     least_square = max(least_square, ROUND_OFF)
     if is_noise:
-        return (square_left - least_square) / least_square * n_values > _APART
-    return square_left > _APART_EXACT * least_square
+        return (square_left - least_square) / least_square * n_values > _LEAST_DIFFERENCE_APART
+    return square_left > _LEAST_RATIO_APART * least_square
 
 
-def explains(
-    fit: Fit | None,
-    fit_before: Fit,
-    channels: Sequence[int],
-) -> bool:
+def explains(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     """Whether a fit explains the difference that `fit_before` leaves in the tractions `channels`:
     less than a third of it is left, and not by chance.
     """
     return (
-        fit is not None
-        and share_left(fit, fit_before, channels) < MOST_LEFT
-        and by_chance(fit, fit_before, channels) < CHANCE
+        share_left(fit, fit_before, channels) < LARGEST_SHARE_LEFT
+        and probability_by_chance(fit, fit_before, channels) < LARGEST_PROBABILITY_BY_CHANCE
     )

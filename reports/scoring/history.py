@@ -21,23 +21,23 @@ Loads = tuple[Array, Array]
 # Largest distance in the plane of P and Q, over the largest P of the path: of loads as the file
 # states them, printed to some digits; and of resultants, which the trapezoidal rule takes from the
 # pressures of a mesh of perhaps ten elements.
-_STATED = 0.005
-_INTEGRATED = 0.05
+_LARGEST_MISFIT_OF_LOADS = 0.005
+_LARGEST_MISFIT_OF_SUMS = 0.05
 # Times that are stated for certain are believed where the pressures add up to 3 P and less: a wrong
 # thickness or scale is then found by its cause. Others must agree better.
-_INTEGRATED_AT_TIMES = 2.0
-_UNSURE = 4 * _INTEGRATED
-_CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
-_PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
-_PRINTED_LOAD = 1e-5  # of the largest load: those printed to six digits miss one another by less
-_SAMPLES = 720  # of a revolution and of the initial loading
-_SAME = 1e-6  # over the largest P: places as near as that are equally near
-_PLACES = 64  # at which one instant may lie
+_LARGEST_MISFIT_AT_SURE_TIMES = 2.0
+_LARGEST_MISFIT_AT_UNSURE_TIMES = 4 * _LARGEST_MISFIT_OF_SUMS
+_N_CORRECTIONS = 2  # of the trapezoidal rule: the first leaves a sixtieth of what it misses
+_ERROR_OF_PRINTED_TIME = 1e-5  # of a cycle: times printed to six digits miss its ends by less
+_ERROR_OF_PRINTED_LOAD = 1e-5  # of the largest load, as of six digits
+_N_SAMPLES = 720  # of a revolution and of the initial loading
+_EQUAL_DISTANCE = 1e-6  # over the largest P: places as near as that are equally near
+_MOST_PLACES = 64  # at which one instant may lie
 # Costs of a place, over that of a mean step, and for each revolution gone ahead among equal
 # matches; a step back by so small a part of a revolution costs as much as a mean step ahead.
-_DISTANCE = 1e3
-_AHEAD = 1e-9
-_BACK = 3000.0
+_COST_OF_DISTANCE = 1e3
+_COST_OF_A_CYCLE_AHEAD = 1e-9
+_DIVISOR_OF_STEP_BACK = 3000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +74,13 @@ def resultants(surface: SurfaceResult) -> Loads:
     return np.asarray(normal_force), np.asarray(tangential_force)
 
 
-def without_tangential_load(scene: Scene) -> bool:
+def has_no_tangential_load(scene: Scene) -> bool:
     """Whether Q is 0 throughout the path of the scene, so that P alone says which instant is
     which.
     """
     path = scene.load.path()
-    normal_load, tangential_load = path.at(_samples(path, 1))
-    return float(np.max(np.abs(tangential_load))) <= _SAME * float(np.max(normal_load))
+    normal_load, tangential_load = path.at(_sample_times(path, 1))
+    return float(np.max(np.abs(tangential_load))) <= _EQUAL_DISTANCE * float(np.max(normal_load))
 
 
 def history_of_result(
@@ -96,7 +96,8 @@ def history_of_result(
     Raises
     ------
     InputError
-        Naming the first instant that is not on the path in this order, with both loads there.
+        Naming the first instant that is not on the path in this order, with both loads there. Also
+        where the file has too little to find its instants by: no shear, or hardly any P.
     """
     if surface.time is not None:
         try:
@@ -115,7 +116,9 @@ def history_of_result(
             return replace(history, guess=guess)
     if surface.normal_load is not None and surface.tangential_load is not None:
         loads = (surface.normal_load, surface.tangential_load)
-        return _history_by_loads(surface, scene, loads, _STATED, "the loads that it states")
+        return _history_by_loads(
+            surface, scene, loads, _LARGEST_MISFIT_OF_LOADS, "the loads that it states"
+        )
     return _history_by_resultants(surface, scene)
 
 
@@ -127,7 +130,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     InputError where the resultants do not follow the path with either sign of the shear.
     """
     source_in_words = "the integrals of its pressure and shear over x"
-    if not surface.sheared and not without_tangential_load(scene):
+    if not surface.sheared and not has_no_tangential_load(scene):
         raise InputError(
             f"{surface.source}: without a shear the pressure alone does not say which instant is"
             " which: state the times of the scene's path, by a column or by times of a mapping, or"
@@ -146,14 +149,16 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         """
         loads = (normal_force, sign * tangential_force)
         try:
-            return _history_by_loads(surface, scene, loads, _INTEGRATED, origin_in_words)
+            return _history_by_loads(
+                surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, origin_in_words
+            )
         except InputError:
             return None
 
     shear_sign = 1.0
     loads = (normal_force, tangential_force)
     try:
-        history = _history_by_loads(surface, scene, loads, _INTEGRATED, source_in_words)
+        history = _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, source_in_words)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         shear_sign = -1.0
@@ -162,15 +167,19 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             raise
         history = turned_history
     corrected_in_words = f"{source_in_words}, less what that misses of theory"
-    for _ in range(_CORRECTIONS):
+    for _ in range(_N_CORRECTIONS):
         normal_error, tangential_error = _errors_of_rule(surface, scene, history)
         corrected_normal = normal_force
         if surface.normal_load is None:
             corrected_normal = normal_force - normal_error
         corrected_tangential = shear_sign * tangential_force - tangential_error
         loads = (corrected_normal, corrected_tangential)
-        history = _history_by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
-    has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
+        history = _history_by_loads(
+            surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, corrected_in_words
+        )
+    has_shear = float(np.max(np.abs(tangential_force))) > _LARGEST_MISFIT_OF_SUMS * float(
+        np.max(normal_force)
+    )
     has_either_sign = has_shear and history_with_sign(-shear_sign, source_in_words) is not None
     return replace(history, has_either_sign=has_either_sign)
 
@@ -215,7 +224,7 @@ def _history_by_time(
         last_time = path.initial_loading[-1].end
     else:
         last_time = path.cycle_start + scene.cycles * path.period
-    time = _snapped(stated_time, path, scene)
+    time = _times_on_ends_of_segments(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
         step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
         raise InputError(
@@ -237,13 +246,13 @@ def _history_by_time(
     largest_load = float(np.max(normal_load)) or 1.0
     integral, _ = resultants(surface)
     for name, result_values, scene_values, limit in (
-        ("P", surface.normal_load, normal_load, _STATED),
-        ("Q", surface.tangential_load, tangential_load, _STATED),
+        ("P", surface.normal_load, normal_load, _LARGEST_MISFIT_OF_LOADS),
+        ("Q", surface.tangential_load, tangential_load, _LARGEST_MISFIT_OF_LOADS),
         (
             "the integral of the pressure",
             integral,
             normal_load,
-            _INTEGRATED_AT_TIMES if sure_of_times else _UNSURE,
+            _LARGEST_MISFIT_AT_SURE_TIMES if sure_of_times else _LARGEST_MISFIT_AT_UNSURE_TIMES,
         ),
     ):
         if result_values is None:
@@ -255,18 +264,18 @@ def _history_by_time(
                 f"{surface.source}: its history is not the scene's: at instant {step + 1}, time"
                 f" {time[step]:.6g}, {name} is {result_values[step]:.6g} and the scene's"
                 f" {scene_values[step]:.6g}"
-                f"{_constant_ratio(result_values, scene_values, largest_load)}"
+                f"{_hint_on_constant_ratio(result_values, scene_values, largest_load)}"
             )
     note = "its instants were matched by the times that it states"
     return History(time, normal_load, tangential_load, (note,))
 
 
-def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times of instants, put on the ends of legs of the load path (where loads turn, where cycles
-    end) that they miss by less than the digits of a printed time, 1e-5 of a cycle.
+def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Array:
+    """Times of instants, put on the ends of load segments (where loads turn, where cycles end) that
+    they miss by less than the digits of a printed time, 1e-5 of a cycle.
     """
-    ends = np.array([path.start, *(leg.end for leg in path.segments(scene.cycles))])
-    largest_miss = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
+    ends = np.array([path.start, *(segment.end for segment in path.segments(scene.cycles))])
+    largest_miss = (path.period or ends[-1] - ends[0]) * _ERROR_OF_PRINTED_TIME
     end_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
     nearest_end = np.where(
         time - ends[end_after - 1] < ends[end_after] - time, ends[end_after - 1], ends[end_after]
@@ -274,7 +283,7 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
     return np.where(np.abs(time - nearest_end) <= largest_miss, nearest_end, time)
 
 
-def _constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
+def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
     """A hint for an error message where the loads of a result are those of the scene times one
     factor at every instant: the factor and its likely reason. "" where there is no such factor.
 
@@ -307,21 +316,22 @@ def _history_by_loads(
     """Find the instants of an external result (`surface`) by their loads P and Q, in order along
     the path; where every instant lies on the cycle, in its last one.
 
-    InputError where one is farther from the path than `limit` times the largest P;
-    `source_in_words` says in words where the loads come from.
+    InputError where one is farther from the path than `limit` times the largest P, or where no
+    instant has more than a two-hundredth of it; `source_in_words` says in words where the loads
+    come from.
     """
     path = scene.load.path()
-    largest_load = float(np.max(path.at(_samples(path, 1))[0]))
-    if np.max(loads[0]) <= _STATED * largest_load:
+    largest_load = float(np.max(path.at(_sample_times(path, 1))[0]))
+    if np.max(loads[0]) <= _LARGEST_MISFIT_OF_LOADS * largest_load:
         raise InputError(
             f"{surface.source}: its largest P is {np.max(loads[0]):.4g} (from {source_in_words})"
             f" and the scene's {largest_load:.4g}: too little to tell its instants by; see to"
             " thickness and factors of the mapping, or state the times"
         )
     best_match: tuple[float, Array] | None = None
-    for times in _windows(path, scene):
+    for times in _candidate_times(path, scene):
         candidate = _times_in_order(times, path, scene, loads, largest_load)
-        misfit = float(np.max(_distance(path, candidate, loads))) / largest_load
+        misfit = float(np.max(_distances_from_path(path, candidate, loads))) / largest_load
         if best_match is None or misfit < best_match[0]:
             best_match = (misfit, candidate)
         if misfit <= limit:
@@ -331,13 +341,15 @@ def _history_by_loads(
     time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
     if misfit > limit:
-        step = int(np.flatnonzero(_distance(path, time, loads) / largest_load > limit)[0])
+        step = int(
+            np.flatnonzero(_distances_from_path(path, time, loads) / largest_load > limit)[0]
+        )
         raise InputError(
             f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
             f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {source_in_words}), and the"
             f" nearest that the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
             f" {tangential_load[step]:.6g} at time"
-            f" {time[step]:.6g}{_constant_ratio(loads[0], normal_load, largest_load)}"
+            f" {time[step]:.6g}{_hint_on_constant_ratio(loads[0], normal_load, largest_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
@@ -378,7 +390,7 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
         normal_load[-1] - normal_load[earlier_instant],
         tangential_load[-1] - tangential_load[earlier_instant],
     )
-    print_error = _PRINTED_LOAD * float(np.max(np.abs(loads)))
+    print_error = _ERROR_OF_PRINTED_LOAD * float(np.max(np.abs(loads)))
     step = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
     has_same_loads = load_change <= max(2 * distance, print_error)
@@ -389,21 +401,27 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
     return time
 
 
-def _windows(path: LoadPath, scene: Scene) -> Iterator[Array]:
-    """Times among which instants are looked for: the last cycle, then the whole path."""
+def _candidate_times(path: LoadPath, scene: Scene) -> Iterator[Array]:
+    """Times of the load path, (n,), among which instants are looked for: the last cycle, where
+    there is one, then the whole path.
+    """
     if path.period is not None:
         start = path.cycle_start + (scene.cycles - 1) * path.period
         # Twice round, so that a loop that starts elsewhere finds its end; the second is the first
         # again.
-        yield start + path.period * np.linspace(-min(1, scene.cycles - 1), 1, 2 * _SAMPLES + 1)
-    yield _samples(path, scene.cycles)
+        yield start + path.period * np.linspace(-min(1, scene.cycles - 1), 1, 2 * _N_SAMPLES + 1)
+    yield _sample_times(path, scene.cycles)
 
 
-def _samples(path: LoadPath, cycles: int) -> Array:
-    """Times of the initial loading and of so many cycles, ascending."""
-    legs = list(path.segments(cycles if path.period is not None else 1))
-    count = max(_SAMPLES * (cycles + 1) // len(legs), 8)
-    return np.unique(np.concatenate([np.linspace(leg.start, leg.end, count) for leg in legs]))
+def _sample_times(path: LoadPath, cycles: int) -> Array:
+    """Times (n,) of samples of the load path, ascending: of the initial loading and of so many
+    cycles.
+    """
+    segments = list(path.segments(cycles if path.period is not None else 1))
+    count = max(_N_SAMPLES * (cycles + 1) // len(segments), 8)
+    return np.unique(
+        np.concatenate([np.linspace(segment.start, segment.end, count) for segment in segments])
+    )
 
 
 def _times_in_order(
@@ -413,11 +431,11 @@ def _times_in_order(
     times (n_steps,), near to the loads, and with even steps where several places are as near.
 
     Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
-    all. A place costs the square of its distance from the instant's loads, over that of the instant
-    that lies farthest from the path, `_DISTANCE` times. A step of time costs the square of its
-    length over the mean one. So of places that are equally near, to and fro on one line or in one
-    revolution after another, the evenest are taken. Noise next to a turn may put an instant before
-    the last one, by a small part of a revolution.
+    all. A place costs `_COST_OF_DISTANCE` times the square of its distance from the instant's loads
+    over that of the instant that lies farthest from the path. A step of time costs the square of
+    its length over the mean one. So of places that are equally near, to and fro on one line or in
+    one revolution after another, the evenest are taken. Noise next to a turning point may put an
+    instant before the last one, by a small part of a revolution.
 
     Parameters
     ----------
@@ -436,13 +454,13 @@ def _times_in_order(
         for instant_p, instant_q in zip(*loads, strict=True)
     ]
     least_squares = [float(squares_of_instant.min()) for squares_of_instant in squared_distances]
-    largest_misfit = max(least_squares) + _SAME**2
+    largest_misfit = max(least_squares) + _EQUAL_DISTANCE**2
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
-    step_back = (path.period or duration) / _BACK
+    step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
     # of each instant
     places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
-    cost = _AHEAD * (times[places[0]] - times[0]) / duration
+    cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for number_of_instant, places_of_instant in enumerate(places):
         # from each place of the instant before to each place of this one
@@ -453,7 +471,9 @@ def _times_in_order(
             cost = np.min(cost_of_pair, axis=0)
         cost = (
             cost
-            + _DISTANCE * squared_distances[number_of_instant][places_of_instant] / largest_misfit
+            + _COST_OF_DISTANCE
+            * squared_distances[number_of_instant][places_of_instant]
+            / largest_misfit
         )
     # back from the cheapest place of the last instant
     best_from_end = [int(np.argmin(cost))]
@@ -467,7 +487,7 @@ def _times_in_order(
         ]
     )
     return np.maximum.accumulate(
-        _snapped(_refined_times(times, chosen_places, path, loads), path, scene)
+        _times_on_ends_of_segments(_refined_times(times, chosen_places, path, loads), path, scene)
     )
 
 
@@ -482,7 +502,7 @@ def _nearest_samples(squares: Array) -> Places:
     square_after = np.append(squares[1:], np.inf)
     minima = np.flatnonzero((squares < square_before) & (squares <= square_after))
     nearest_first = np.argsort(squares[minima], kind="stable")
-    return np.sort(minima[nearest_first[:_PLACES]])
+    return np.sort(minima[nearest_first[:_MOST_PLACES]])
 
 
 def _nearest_on_chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
@@ -554,7 +574,7 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
     return time
 
 
-def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
+def _distances_from_path(path: LoadPath, time: Array, loads: Loads) -> Array:
     """Distances (n_steps,) in the plane of P and Q of the loads from those of the path at these
     times [force / thickness].
     """

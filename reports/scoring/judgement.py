@@ -34,40 +34,40 @@ from reports.scoring.causes import (
 )
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy
 from reports.scoring.fits import (
-    CHANCE,
-    MOST_LEFT,
+    LARGEST_PROBABILITY_BY_CHANCE,
+    LARGEST_SHARE_LEFT,
     ROUND_OFF,
     Fit,
     Search,
     are_apart,
-    by_chance,
     explains,
+    probability_by_chance,
     share_left,
 )
 
 # Of the norm of the difference, what a cause leaves where nothing else needs to be looked for
 # beside it.
-_COMPLETE = 0.03
+_SHARE_LEFT_IF_COMPLETE = 0.03
 # What a cause may leave of the pressure where nothing explains the shear.
-_ALONE = 0.1
+_SHARE_LEFT_OF_PRESSURE = 0.1
 # Squares of the norm by which a pair must leave less than a single cause.
-_PAIR_GAIN = 1 / 4
+_SQUARE_LEFT_BY_PAIR = 1 / 4
 # Share by which the sum of the pressures must follow a factor of the loads.
-_UNMOVED = 1 / 3
+_SHARE_OF_FACTOR_IN_SUM = 1 / 3
 # Over P, by which nodal forces may differ from it: they add up to P on any mesh, but for noise.
-_SAME_RESULTANT = 0.05
+_LARGEST_ERROR_OF_SUM = 0.05
 # A fitted factor this near to 1 is the error of a mesh, and no fault.
 _LEAST_SIZE = 0.005
 # Share of the difference that a cause alone must not exceed for pairs with it to be tried.
-_NO_HELP = 0.98
+_SHARE_LEFT_WITHOUT_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
-_FEW_VALUES = 40
+_FEWEST_VALUES_THAT_SHOW_NOISE = 40
 # Faults of the model: bodies of finite size, faces with a soft layer. Their theory takes longest.
 _MODEL_FAULTS = (SMALL_BODY, SOFT_NORMAL)
 # Of the square of the difference, what a cause leaves that is exact.
-_EXACT = 1e-6
+_SQUARE_LEFT_IF_EXACT = 1e-6
 # Explanations of the pressure that the shear decides between.
-_MOST_OF_PRESSURE = 5
+_MOST_FITS_OF_PRESSURE = 5
 # Dundurs' beta of like bodies, but for round-off.
 NO_COUPLING = 1e-9
 # What the odd part of the difference may leave of it where bodies couple: 0.09 to 0.53 of the norm
@@ -178,7 +178,9 @@ class Judgement:
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
         share_of_pressure_left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
-        is_explained = share_of_pressure_left <= _ALONE or self.is_right(pressure_fit, PRESSURE)
+        is_explained = share_of_pressure_left <= _SHARE_LEFT_OF_PRESSURE or self.is_right(
+            pressure_fit, PRESSURE
+        )
         return [fit] if is_explained else []
 
     def _explanations_with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
@@ -214,7 +216,9 @@ class Judgement:
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
         best_explanation = min(explanations, key=lambda fit: fit.square(self.channels))
-        if best_explanation.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
+        if best_explanation.square(self.channels) <= _SQUARE_LEFT_IF_EXACT * self.no_cause.square(
+            self.channels
+        ):
             return []
         pressure_fits_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
         if not pressure_fits_of_best:
@@ -276,12 +280,16 @@ class Judgement:
         else:
             best_fit = single_fits[0]
             is_right = self.is_right(best_fit, PRESSURE)
-        is_nearly_all_explained = share_left(best_fit, self.no_cause, (PRESSURE,)) <= _COMPLETE
-        return is_right and (is_nearly_all_explained or best_fit.count((PRESSURE,)) >= _FEW_VALUES)
+        is_nearly_all_explained = (
+            share_left(best_fit, self.no_cause, (PRESSURE,)) <= _SHARE_LEFT_IF_COMPLETE
+        )
+        return is_right and (
+            is_nearly_all_explained or best_fit.count((PRESSURE,)) >= _FEWEST_VALUES_THAT_SHOW_NOISE
+        )
 
     def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
-        """Fits that explain the pressure, the best first; those of bodies and layers beside the
-        best factor.
+        """Fits of the combinations `choices` that explain the pressure, the best first; among them
+        fits of small bodies and soft layers beside the best factor of E*, loads or x.
         """
         fits = self._explanations(choices, self.no_cause, (PRESSURE,))
         fits += self._explanations(self._choices_with_model_fault(fits), self.no_cause, (PRESSURE,))
@@ -320,10 +328,12 @@ class Judgement:
         """
         if cause.key == "coarse_edge":
             return self.search.fit((cause,), (PRESSURE,)) is not None
-        return self._share_left_by_cause(cause) < _NO_HELP
+        return self._share_left_by_cause(cause) < _SHARE_LEFT_WITHOUT_HELP
 
     def _share_left_by_cause(self, cause: Cause) -> float:
-        """Share of the pressure's difference that a cause leaves alone."""
+        """Share of the pressure's difference that one cause alone leaves; infinite where theory has
+        no solution with it.
+        """
         fit = self.search.fit((cause,), (PRESSURE,))
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
@@ -337,7 +347,7 @@ class Judgement:
             fit = self.search.fit((cause,), (PRESSURE,))
             if fit is None or self._sum_of_pressures_contradicts(fit):
                 continue
-            if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
+            if share_left(fit, self.no_cause, (PRESSURE,)) < LARGEST_SHARE_LEFT:
                 possible_fits.append(fit)
         return min(possible_fits, key=lambda fit: fit.square((PRESSURE,)), default=None)
 
@@ -362,14 +372,16 @@ class Judgement:
         if not fits_with_other_width:
             return []
         best_fit = min(fits_with_other_width, key=lambda fit: fit.square((PRESSURE,)))
-        if best_fit.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
+        if best_fit.square((PRESSURE,)) <= _SQUARE_LEFT_IF_EXACT * self.no_cause.square(
+            (PRESSURE,)
+        ):
             return []
         return [(cause, *_without_width_causes(best_fit)) for cause in _MODEL_FAULTS]
 
     def _fits_near_best(self, fits: Sequence[Fit]) -> list[Fit]:
         """Of fits with the best first, the few that leave as little of the pressure as that one."""
         near_fits = [fit for fit in fits if not self._is_apart(fit, fits[0], (PRESSURE,))]
-        return near_fits[:_MOST_OF_PRESSURE]
+        return near_fits[:_MOST_FITS_OF_PRESSURE]
 
     def _explanations(
         self,
@@ -400,7 +412,9 @@ class Judgement:
 
     # ------------------------------------------------------------------------- what rows exclude
     def _is_possible(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-        """Whether the rows do not speak against it, and its sizes are those of a fault."""
+        """Whether neither the sums of pressure and shear speak against a fit, nor sizes that are
+        next to none. `fit_before` is a fit of fewer causes.
+        """
         if _is_no_change(fit, fit_before, channels):
             return False
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
@@ -422,7 +436,7 @@ class Judgement:
         fit_before
             fit with the causes known before, whose difference from the result is the measure
         """
-        if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
+        if share_left(fit, fit_before, (SHEAR,)) > _SHARE_LEFT_OF_PRESSURE:
             return False
         weight_of_points = self.discrepancy.weight
         # integrals of the shear over x, one for each instant
@@ -437,7 +451,7 @@ class Judgement:
             return False
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
         ratio = float(shear_integrals @ predicted_shear_integrals) / square_of_predicted
-        return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
+        return abs(ratio - 1) <= _SHARE_OF_FACTOR_IN_SUM * abs(factor - 1)
 
     def _sum_of_pressures_contradicts(self, fit: Fit) -> bool:
         """Whether the sum of the result's pressures over x excludes the causes of a fit.
@@ -456,14 +470,14 @@ class Judgement:
             return False
         measured_ratio = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {measured_ratio:.4g} P"
-        is_sum_wrong = abs(measured_ratio - 1) > _SAME_RESULTANT
+        is_sum_wrong = abs(measured_ratio - 1) > _LARGEST_ERROR_OF_SUM
         if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason
             return True
         if len(predicted_ratios) != 1 or not np.isfinite(measured_ratio):
             return False
         # the sum follows the predicted factor at least in part
-        if abs(measured_ratio - 1) > _UNMOVED * abs(predicted_ratios[0] - 1):
+        if abs(measured_ratio - 1) > _SHARE_OF_FACTOR_IN_SUM * abs(predicted_ratios[0] - 1):
             return False
         if len(fit.causes) == 1:
             self.reason_by_cause[fit.causes[0].key] = reason
@@ -548,7 +562,12 @@ class Judgement:
         if odd_fit is None or share_left(odd_fit, fit_before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
             return None
         if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NO_COUPLING:
-            return odd_fit if by_chance(odd_fit, fit_before, (SHEAR,)) < CHANCE else None
+            return (
+                odd_fit
+                if probability_by_chance(odd_fit, fit_before, (SHEAR,))
+                < LARGEST_PROBABILITY_BY_CHANCE
+                else None
+            )
         fits = self._explanations_of_shear([(*fit_before.causes, COUPLING)], fit_before)
         return fits[0] if fits else None
 
@@ -575,9 +594,9 @@ class Judgement:
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit of causes leaves nothing of a traction but noise, or what its tolerance
-        allows. `channel` is PRESSURE or SHEAR. The fit without a cause is right within the
-        tolerance.
+        """Whether a fit of causes leaves nothing of a traction but noise, or next to nothing: 3 %
+        of the difference, and of the traction. `channel` is PRESSURE or SHEAR. The fit without a
+        cause is right too where the difference is within the tolerance.
         """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
@@ -594,8 +613,8 @@ class Judgement:
         no_tractions = 0 * fit.predicted_tractions
         mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).square
         return (
-            share_left(fit, self.no_cause, (channel,)) <= _COMPLETE
-            and mean_square_left <= _COMPLETE**2 * mean_square_of_traction
+            share_left(fit, self.no_cause, (channel,)) <= _SHARE_LEFT_IF_COMPLETE
+            and mean_square_left <= _SHARE_LEFT_IF_COMPLETE**2 * mean_square_of_traction
         )
 
     def explains_all(self, fit: Fit) -> bool:
@@ -611,8 +630,11 @@ class Judgement:
         square_of_simple = simple_fit.square(channels_compared)
         if len(fit.causes) <= len(simple_fit.causes):
             return square < square_of_simple
-        is_large_gain = square <= _PAIR_GAIN * square_of_simple
-        is_significant = by_chance(fit, simple_fit, channels_compared) < CHANCE
+        is_large_gain = square <= _SQUARE_LEFT_BY_PAIR * square_of_simple
+        is_significant = (
+            probability_by_chance(fit, simple_fit, channels_compared)
+            < LARGEST_PROBABILITY_BY_CHANCE
+        )
         return is_significant and (is_large_gain or not simple_fit.is_noise(channels_compared))
 
     def _is_apart(self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None) -> bool:
@@ -634,19 +656,19 @@ def _without_width_causes(fit: Fit) -> tuple[Cause, ...]:
 
 
 def _may_meet(causes: tuple[Cause, ...]) -> bool:
-    """Whether no two of them are of one group, or the same."""
+    """Whether causes may occur together: no two of them are of one group, or the same."""
     groups = [cause.group for cause in causes if cause.group]
     keys = [cause.key for cause in causes]
     return len(set(groups)) == len(groups) and len(set(keys)) == len(keys)
 
 
 def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-    """Whether a fitted size is next to none: what is left then is the error of a mesh, unless the
-    fit leaves nothing of the difference.
+    """Whether a fitted size is next to none, that of a delay or an offset excepted: what is left
+    then is the error of a mesh. False where the fit leaves next to nothing of the difference.
     """
     is_small = any(
         cause.has_size and abs(size) < _LEAST_SIZE
         for cause, size in zip(fit.causes, fit.sizes, strict=True)
         if cause.key not in ("other_times", "offset")
     )
-    return is_small and share_left(fit, fit_before, channels) > _COMPLETE
+    return is_small and share_left(fit, fit_before, channels) > _SHARE_LEFT_IF_COMPLETE

@@ -19,7 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Mask, Residual, Tractions
-from reports.scoring.fits import CHANCE, MOST_LEFT, Fit, are_apart, gain_by_chance, share_of_norm
+from reports.scoring.fits import (
+    LARGEST_PROBABILITY_BY_CHANCE,
+    LARGEST_SHARE_LEFT,
+    Fit,
+    are_apart,
+    probability_of_gain,
+    share_of_norm,
+)
 from reports.scoring.traces import WORDS, Diagnosis
 from scenes import SLIP_FORWARD, SLIP_REVERSE, Hertz
 from scenes.array_types import Array
@@ -215,9 +222,9 @@ def _fit_at_instant(
     """Fit a sum of given functions to the pressure of one instant; return the fitted pressure (n,),
     the factor of each function, and the half-width of the contact.
 
-    The functions are of xi = (x - centre)/half-width. The centre is the middle of the points with a
-    pressure; half-widths are tried from the outermost of these to a spacing beyond it, and for each
-    the factors follow by linear least squares.
+    The functions are of xi = (x - centre)/half-width. The centre is the middle of the outermost
+    points with a pressure; half-widths are tried from these points to a spacing beyond them, and
+    for each the factors follow by linear least squares.
 
     Parameters
     ----------
@@ -257,10 +264,11 @@ def _fit_at_instant(
     return best_fit
 
 
-def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
+def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2), to the result's
     pressure (Johnson 1985, 5.5); xi goes from -1 to 1 across the contact. None where the result has
-    no tension next to both edges. `discrepancy` holds the tractions of result and reference.
+    no tension next to both edges, and where p0 or p1 would not be positive. `discrepancy` holds the
+    tractions of result and reference.
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
@@ -294,10 +302,10 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
-def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
+def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), largest at the edges
-    (Johnson 1985, 2.8). None where the width of the contact changes: a punch keeps its width.
-    `discrepancy` holds the tractions of result and reference.
+    (Johnson 1985, 2.8). None where the width of the contact changes, for a punch keeps its width,
+    and where no load above 0 fits. `discrepancy` holds the tractions of result and reference.
     """
     closed_form = _fitted_closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if closed_form is None:
@@ -316,7 +324,7 @@ def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
-def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
+def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a result's pressure by that of a sphere in place of the scene's cylinder: does the
     result solve the axisymmetric problem?
 
@@ -348,7 +356,7 @@ def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
-def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
+def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a pressure that is cut off at a limit: p = min(limit, elastic pressure of a larger
     load), with the same limit at all instants, as plastic flow or wear flattens the middle. None
     where few points lie on a limit. `discrepancy` holds the tractions of result and reference.
@@ -389,12 +397,13 @@ def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 # ------------------------------------------------------------------------------- features of rows
-def _gaps_in_contact(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Find gaps inside the contact of the reference: rough or wavy faces, which touch in several
-    zones. These carry what the reference carries over the gaps.
+def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of rough or wavy faces, which touch in several zones: no pressure in the gaps inside the
+    contact of the reference. The zones carry what the reference carries over the gaps.
 
-    None where values are only missing from a table: the sum of the pressures then is too small.
-    `discrepancy` holds the tractions of result and reference.
+    None where gaps are few or short, or the reference carries little over them. None too where
+    values are only missing from a table: the sum of the pressures then is too small. `discrepancy`
+    holds the tractions of result and reference.
     """
     result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
@@ -444,12 +453,15 @@ def _run_lengths(values: NDArray[np.bool_]) -> list[int]:
     return [int(end - start) for start, end in ends.reshape(-1, 2)]
 
 
-def _inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Find two instants with the same P, by the scene and by the sum of the pressures, whose
-    pressures differ most. Of elastic half-planes the pressure depends on P alone.
+def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Fit of bodies that are not elastic: between like elastic half-planes the pressure depends on
+    P alone. Of two instants with the same P, by the scene and by the sum of the pressures, those
+    are taken whose pressures differ most.
 
-    None where none differ. The part of the pressure that is odd in x is left out: unlike bodies and
-    bodies that tilt make it. `discrepancy` holds the tractions of result and reference.
+    The problem predicts the pressure that each of them has; to beat is that of the other one. None
+    where none differ by more than noise, and for an unsymmetric scene. The part of the pressure
+    that is odd in x is left out: unlike bodies and bodies that tilt make it. `discrepancy` holds
+    the tractions of result and reference.
     """
     if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
@@ -502,7 +514,6 @@ def _mirrored(pressure: Array, x: Array) -> Array:
     )
 
 
-# ---------------------------------------------------------------------------------------- the shear
 def _most_changed_instants(
     discrepancy: Discrepancy, pressure: Array, pressure_sums: Array
 ) -> tuple[float, int, int]:
@@ -537,7 +548,8 @@ def _most_changed_instants(
     return largest_change
 
 
-def _tractive_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
+# ---------------------------------------------------------------------------------------- the shear
+def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
     (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
 
@@ -582,11 +594,13 @@ def _tractive_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     )
 
 
-def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
+def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of |q| = constant + slope p where the reference slips: a law that is no coefficient of
     friction, such as a shear strength (slope 0) or cohesion (slope f).
 
-    None where such a law fits no better. `discrepancy` holds the tractions of result and reference.
+    None where such a law fits hardly better than a coefficient, where its constant is small or it
+    falls with p, for few points in slip, and without friction or shear. `discrepancy` holds the
+    tractions of result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
@@ -640,14 +654,14 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 PROBLEMS = (
-    OtherProblem("several_zones", PRESSURE, _gaps_in_contact),
-    OtherProblem("adhesion", PRESSURE, _adhesion),
-    OtherProblem("sharp_punch", PRESSURE, _sharp_punch),
-    OtherProblem("sphere", PRESSURE, _sphere),
-    OtherProblem("limit_of_pressure", PRESSURE, _limit_of_pressure),
-    OtherProblem("not_elastic", PRESSURE, _inelastic_bodies),
-    OtherProblem("rolling", SHEAR, _tractive_rolling),
-    OtherProblem("law_of_friction", SHEAR, _law_of_friction),
+    OtherProblem("several_zones", PRESSURE, _fit_of_gaps),
+    OtherProblem("adhesion", PRESSURE, _fit_of_adhesion),
+    OtherProblem("sharp_punch", PRESSURE, _fit_of_sharp_punch),
+    OtherProblem("sphere", PRESSURE, _fit_of_sphere),
+    OtherProblem("limit_of_pressure", PRESSURE, _fit_of_limited_pressure),
+    OtherProblem("not_elastic", PRESSURE, _fit_of_inelastic_bodies),
+    OtherProblem("rolling", SHEAR, _fit_of_rolling),
+    OtherProblem("law_of_friction", SHEAR, _fit_of_friction_law),
 )
 
 
@@ -677,13 +691,13 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
         mean_square_noise = min(residual_after.noise, residual_after.square)
         share_left = share_of_norm(residual_after.square, residual_before.square, mean_square_noise)
-        chance = gain_by_chance(
+        chance = probability_of_gain(
             residual_after.square,
             residual_before.square,
             residual_after.count,
             n_parameters=problem_fit.n_sizes,
         )
-        if share_left >= MOST_LEFT or chance >= CHANCE:
+        if share_left >= LARGEST_SHARE_LEFT or chance >= LARGEST_PROBABILITY_BY_CHANCE:
             continue
         if fit_of_causes is not None:
             residual_of_causes = problem.residual(

@@ -482,7 +482,8 @@ def zones(
     """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
     points, (n_steps, n_points), and from slip where there is one.
 
-    In full stick the stick edges are the contact edges, in full slip NaN. Near an edge, p and
+    In full stick the stick edges are the contact edges, in full slip NaN; without a contact both
+    are NaN. Near an edge, p and
     f p - |q| go like the root of the distance from it. So a contact edge lies where the straight
     line of p^2 through the last two points in contact is 0, a stick edge where that of
     (f p - |q|)^2 is, each no farther than the next point. The outermost points show the mesh: a
@@ -605,7 +606,8 @@ def _end_of_zone(
     tries_parabola: bool,
 ) -> float:
     """Where a zone of contact or stick ends: x between two points of the surface, at which the
-    squared traction falls to 0, nearly along a straight line or a parabola.
+    squared traction falls to 0, nearly along a straight line or a parabola. Half-way between the
+    two where it does not fall outwards; the last point of the surface where the zone reaches it.
 
     Parameters
     ----------
@@ -682,7 +684,7 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
 
 
 # -------------------------------------------------------------------- units and signs that can't be
-def whole_path(scene: Scene) -> ContactSolution:
+def theory_of_whole_path(scene: Scene) -> ContactSolution:
     """Half-widths and loads of half-plane theory through the whole path, at the engine's own
     instants.
     """
@@ -753,7 +755,7 @@ def _centred_surface(
     theory has it (x = 0 without a tilt), and a sentence that says so.
 
     As it is, with an empty sentence, where it is centred already, where it is far wider than the
-    contact, or where the mapping states the offset.
+    contact, or where the mapping states an offset other than 0.
     """
     left_end, right_end = _contact_extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))

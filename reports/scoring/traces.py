@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison import Comparison
-from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Tractions, pair
+from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Tractions, by_traction
 from scenes import STICK
 from scenes.array_types import Array
 
@@ -53,7 +53,7 @@ LARGEST_NOISE_RATIO = 5.0
 _LEAST_NOISE = 1e-10
 # Share of the norm of a difference that means over three nodes leave, at most, where it alternates
 # from node to node; standard deviations by which its ratio of von Neumann exceeds that of noise.
-_LARGEST_SHARE_LEFT = 1 / 3
+_LARGEST_SHARE_LEFT_BY_MEANS = 1 / 3
 _LEAST_DEVIATIONS = 5.0
 # Spacings on each side of an edge that a mesh can get wrong: the element with the edge in it, and
 # its neighbour.
@@ -102,7 +102,7 @@ class Diagnosis:
         return f"{self.name} ({self.size})" if self.size else self.name
 
 
-def outliers(comparison: Comparison) -> list[Diagnosis]:
+def find_outliers(comparison: Comparison) -> list[Diagnosis]:
     """A finding on single values of the result that stand out of all others, with the first one's
     place; empty where there is none.
     """
@@ -121,7 +121,7 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
     return [Diagnosis("outlier", sentence, tuple(values_in_words[1:6]), 1.0)]
 
 
-def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the result lies on the Coulomb limit |q| = f p at the points that stick in
     the reference: it slips everywhere. `discrepancy` holds the tractions of result and reference.
     """
@@ -157,7 +157,7 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
 
 
-def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
+def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
     """A finding where the slip of points that stick changes (they creep) in proportion to the
     shear, as with a penalty contact of stiffness k: a change dq moves them by dq/k.
 
@@ -255,7 +255,7 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
 
 
-def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where pressures alternate from node to node: nodal forces or extrapolated stresses
     of corner and mid-side nodes of quadratic elements.
 
@@ -278,7 +278,7 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square
     deviations_from_noise = (ratio_of_neumann - 1) * np.sqrt(n_points)
     share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
-    if share_left > _LARGEST_SHARE_LEFT or deviations_from_noise < _LEAST_DEVIATIONS:
+    if share_left > _LARGEST_SHARE_LEFT_BY_MEANS or deviations_from_noise < _LEAST_DEVIATIONS:
         return
     evidence = (
         f"{n_points} points of an instant have both neighbours in contact; their means over three"
@@ -287,7 +287,7 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - share_left)
 
 
-def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the difference is that tractions scatter from point to point; it states how
     many points exceed the Coulomb limit |q| = f p. `discrepancy` holds the tractions of result and
     reference.
@@ -308,7 +308,7 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     noise_by_channel = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
     if len(noise_by_channel) > 1:
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
-        # one code, one file: a shear alone does not scatter
+        # one code, one file: a shear alone does not find_scatter
         if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
             return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
@@ -338,7 +338,7 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
 
 
-def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
+def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     """A finding of load steps that are too long where the tractions show nothing: the dissipation
     is wrong beside the smooth path, and right beside straight lines between the instants.
 
@@ -365,7 +365,7 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
     yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_lines / error))
 
 
-def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
+def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
     """Whether each of the (k, n) points lies within two spacings of an edge of contact or stick of
     the reference.
 
@@ -405,7 +405,9 @@ def _wider_spacing(x: Array) -> Array:
     return np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
 
 
-def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
+def tractions_of_coarse_mesh(
+    discrepancy: Discrepancy,
+) -> tuple[Tractions, NDArray[np.bool_]] | None:
     """Tractions that a mesh too coarse at the edges would give, (2, k, n), and which points lie
     near an edge, (k, n). There the reference is changed by the difference of the result, as far as
     the spacing can account for it.
@@ -415,13 +417,13 @@ def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]]
     is of the order of p_ref sqrt(2 h/a) over the element with the edge. A larger difference is not
     the mesh's. `discrepancy` holds the tractions of result and reference.
     """
-    is_near_edge = near_edges(discrepancy)
+    is_near_edge = points_near_edges(discrepancy)
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
     spacing = _wider_spacing(discrepancy.x)
     largest_error = (
-        pair(*_LARGEST_ERROR_AT_EDGE)
+        by_traction(*_LARGEST_ERROR_AT_EDGE)
         * np.sqrt(2 * spacing / discrepancy.half_width)
         * discrepancy.units
     )

@@ -22,8 +22,8 @@ from reports.scoring.discrepancy import (
     SHEAR,
     Discrepancy,
     Tractions,
+    by_traction,
     fraction_of_cycle,
-    pair,
 )
 from scenes import (
     BodyEffects,
@@ -83,15 +83,15 @@ class Variant:
         pressure, and the shear stays that of theory
     beta
         Dundurs' constant of the bodies
-    odd
+    takes_odd_part
         whether the part of the tractions that is odd in x is taken from the result
-    on_mesh
+    has_nodal_forces
         whether tractions are nodal forces over the spacing
     stretch, offset
         x of the file is stretch x + offset a_ref
     pressure_factor, shear_factor
         of the tractions in the file
-    swapped
+    is_swapped
         whether pressure and shear are exchanged
     """
 
@@ -103,13 +103,13 @@ class Variant:
     small_body: float = 0.0
     soft_normal: float = 0.0
     beta: float = 0.0
-    odd: bool = False
-    on_mesh: bool = False
+    takes_odd_part: bool = False
+    has_nodal_forces: bool = False
     stretch: float = 1.0
     offset: float = 0.0
     pressure_factor: float = 1.0
     shear_factor: float = 1.0
-    swapped: bool = False
+    is_swapped: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class Predictions:
     discrepancy: Discrepancy
     tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
-    def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
+    def tractions_of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
         """Pressure p and shear q, (2, k, n), at the points and instants of the result, if it had
         the faults of `variant`: a wrong modulus, a factor of the file's pressure, p and q swapped,
         and others (`Variant`).
@@ -135,24 +135,25 @@ class Predictions:
         """
         # faults of the file alone are applied below, and need no solve
         solved_variant = replace(
-            variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False
+            variant, pressure_factor=1.0, shear_factor=1.0, is_swapped=False, takes_odd_part=False
         )
-        needs_shear = sheared or variant.swapped
+        needs_shear = sheared or variant.is_swapped
         if (solved_variant, needs_shear) not in self.tractions_by_variant:
             self.tractions_by_variant[solved_variant, needs_shear] = self._solved_tractions(
                 solved_variant, sheared=needs_shear
             )
         tractions = self.tractions_by_variant[solved_variant, needs_shear]
-        if variant.swapped:
+        if variant.is_swapped:
             tractions = tractions[::-1]
-        tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions
-        if variant.odd:
+        tractions = by_traction(variant.pressure_factor, variant.shear_factor) * tractions
+        if variant.takes_odd_part:
             difference = self.discrepancy.result_tractions - tractions
             tractions = tractions + self._odd_part(difference, variant.offset)
         return tractions
 
     def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
-        """Half of a difference minus its mirror image about the centre of the contact.
+        """Half of a difference (2, k, n) minus its mirror image about the centre of the contact, x
+        = `offset` a_ref.
 
         Between like, symmetric bodies nothing is odd, whatever the loads and the history.
         """
@@ -173,13 +174,13 @@ class Predictions:
             return self.discrepancy.reference_tractions
         x = (self.discrepancy.x - variant.offset * self.discrepancy.half_width) / variant.stretch
         # nodal forces over lengths, in place of tractions at the points
-        if variant.on_mesh:
+        if variant.has_nodal_forces:
             fine_points, weights = _shape_functions(x)
-            tractions = self._theory(variant, fine_points, sheared=sheared) @ weights
+            tractions = self._tractions_of_theory(variant, fine_points, sheared=sheared) @ weights
         else:
-            tractions = self._theory(variant, x, sheared=sheared)
+            tractions = self._tractions_of_theory(variant, x, sheared=sheared)
         if not self.discrepancy.is_half_plane_theory:
-            theory = self._theory(Variant(), self.discrepancy.x, sheared=sheared)
+            theory = self._tractions_of_theory(Variant(), self.discrepancy.x, sheared=sheared)
             tractions = tractions + (
                 self.discrepancy.reference_tractions[: len(tractions)] - theory
             )
@@ -187,7 +188,7 @@ class Predictions:
             tractions = np.array([tractions[PRESSURE], self.discrepancy.reference_tractions[SHEAR]])
         return tractions
 
-    def _theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
+    def _tractions_of_theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
         """Pressure p of half-plane theory with some faults put in at points x (n,), and shear q if
         `sheared`: (1 or 2, k, n) at k instants. `variant` holds the size of each fault: no memory
         of friction, long load steps, small bodies, a soft normal contact, unlike materials
@@ -199,15 +200,15 @@ class Predictions:
         scene = self._scene_of(variant)
         time = self._times_of(variant, scene)
         if variant.history == "no memory" and sheared:
-            return _without_memory(scene, x, time)
+            return _tractions_without_memory(scene, x, time)
         if variant.history in ("straight steps", "end of steps") and sheared:
             takes_ends = variant.history == "end of steps"
-            return _long_steps(discrepancy, scene, x, takes_ends=takes_ends)
+            return _tractions_by_long_steps(discrepancy, scene, x, takes_ends=takes_ends)
         effects = None
         if variant.small_body < 0 or variant.soft_normal < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
         if variant.small_body:
-            effects = _of_blocks(discrepancy, scene, variant.small_body)
+            effects = _curvatures_of_blocks(discrepancy, scene, variant.small_body)
         if not sheared:
             layer_compliance = (
                 variant.soft_normal
@@ -217,14 +218,16 @@ class Predictions:
             return self._pressure(scene, x, time, effects, layer_compliance)[None]
         # faces that sink into each other: a soft layer changes the pressure alone
         if variant.soft_normal:
-            pressure = self._theory(variant, x, sheared=False)[PRESSURE]
+            pressure = self._tractions_of_theory(variant, x, sheared=False)[PRESSURE]
             variant_without_layer = replace(variant, soft_normal=0.0)
-            return np.array([pressure, self._theory(variant_without_layer, x, sheared=True)[SHEAR]])
+            return np.array(
+                [pressure, self._tractions_of_theory(variant_without_layer, x, sheared=True)[SHEAR]]
+            )
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions(scene, x, time, effects=effects)
         if variant.beta:
-            loads, step_numbers = _steps(scene, time)
+            loads, step_numbers = _fine_steps(scene, time)
             tractions[SHEAR] += shear_by_coupling(scene, x, loads, step_numbers, variant.beta)
         return tractions
 
@@ -234,9 +237,9 @@ class Predictions:
         if variant.wrong_load:
             scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
         if variant.stiffness != 1.0:
-            scene = stiffer(scene, variant.stiffness)
+            scene = scene_with_modulus_factor(scene, variant.stiffness)
         if variant.friction != 1.0:
-            scene = with_friction(scene, variant.friction * scene.friction.coefficient)
+            scene = scene_with_friction(scene, variant.friction * scene.friction.coefficient)
         return scene
 
     def _times_of(self, variant: Variant, scene: Scene) -> Array:
@@ -260,15 +263,24 @@ class Predictions:
         return discrepancy.time
 
     def _pressure(
-        self, scene: Scene, x: Array, time: Array, effects: BodyEffects | None, layer: float
+        self,
+        scene: Scene,
+        x: Array,
+        time: Array,
+        effects: BodyEffects | None,
+        layer_compliance: float,
     ) -> Array:
-        """(k, n) p at instants, which depends on P alone where nothing tilts the contact."""
+        """(k, n) pressure p at points and instants, which depends on P alone where nothing tilts
+        the contact. `effects` is what finite bodies add to half-planes; `layer_compliance` is that
+        of a layer into which the faces sink by p times it [length/stress], used where p depends on
+        P alone.
+        """
         if effects is not None or scene.load.is_driven or self.discrepancy.comparison.may_tilt:
             return _tractions(scene, x, time, effects=effects, fields=("pressure",))[PRESSURE]
         normal_load = np.asarray(scene.load.path().at(time)[0])
         contact = contact_of(scene.profile, scene.material)
-        if layer:
-            return pressure_on_layer(scene, x, normal_load, layer)
+        if layer_compliance:
+            return pressure_on_layer(scene, x, normal_load, layer_compliance)
         return contact.pressure(x, normal_load[:, None])
 
 
@@ -317,7 +329,7 @@ def _tractions(
     return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
 
-def _steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
+def _fine_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
     """Loads P and Q of fine steps along the load path, (n, 2), and for each of the times (k,) the
     number of its step. The steps go up to the end of the second cycle, in which times of a cycle
     are looked for, since it is steady.
@@ -340,7 +352,7 @@ def _steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
     return np.transpose(path.at(step_times)), np.searchsorted(step_times, times_on_steps)
 
 
-def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
+def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
     """Curvatures that two equal blocks of height `BLOCK_HEIGHT` a_ref add, times `share`."""
     height = BLOCK_HEIGHT * discrepancy.half_width
     unit = share * discrepancy.comparison.scales.compliance / height**2
@@ -351,7 +363,7 @@ def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffe
     )
 
 
-def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
+def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     """Tractions (2, k, n), p and q, at points x and at the given times, as if each load were the
     first one, without memory of those before (Cattaneo): q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
 
@@ -373,7 +385,9 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     return np.array([pressure, shear])
 
 
-def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool) -> Tractions:
+def _tractions_by_long_steps(
+    discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool
+) -> Tractions:
     """Tractions p and q, (2, k, n), if the result's own load increments replace the load path: by
     straight lines in the plane of P and Q, or (`takes_ends`) as a solver takes them that meets the
     Coulomb law at their ends.
@@ -416,8 +430,8 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
 
 
 # ---------------------------------------------------------------------------- changes of a scene
-def stiffer(scene: Scene, factor: float) -> Scene:
-    """E* times `factor`."""
+def scene_with_modulus_factor(scene: Scene, factor: float) -> Scene:
+    """The scene with E* times `factor`: both Young's moduli are multiplied."""
     upper, lower = (
         body.vary(young_modulus=factor * body.young_modulus)
         for body in (scene.material.upper, scene.material.lower)
@@ -425,7 +439,7 @@ def stiffer(scene: Scene, factor: float) -> Scene:
     return scene.vary(material=Materials(upper=upper, lower=lower))
 
 
-def with_friction(scene: Scene, coefficient: float) -> Scene:
+def scene_with_friction(scene: Scene, coefficient: float) -> Scene:
     """The scene with another f."""
     return scene.vary(friction=coefficient)
 

@@ -33,7 +33,7 @@ from reports.report import Report
 from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution, whole_path
+from reports.scoring.solution import contact_solution, theory_of_whole_path
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
@@ -391,7 +391,7 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
             series_from_unloaded[name] = freeze(np.concatenate([np.zeros_like(values[:1]), values]))
     source = f"{path.name}, the deck of scene {deck.scene.name}"
     surface = replace(surface, **series_from_unloaded, time=freeze(deck.time), source=source)
-    theory_of_path = whole_path(deck.scene)
+    theory_of_path = theory_of_whole_path(deck.scene)
     return score_solution(*contact_solution(surface, mapping, theory_of_path), theory_of_path)
 
 
