@@ -136,7 +136,7 @@ class AgainstMeasurement:
         }
 
 
-def against_result(
+def result_against_theory(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the values of an external result, taken as a measurement, with those of half-plane
@@ -164,7 +164,7 @@ def against_result(
             continue
         u_by_inputs = effects.work_uncertainty if name == WORK else theory_value.relative
         measured_value = theory_value.value * (1 + float(metric.value or 0.0))
-        u_of_result = measured.share(key)
+        u_of_result = measured.relative_uncertainty(key)
         entries.append(
             AgainstMeasurement(
                 words=words,
@@ -180,7 +180,7 @@ def against_result(
     return tuple(entries)
 
 
-def against_loop(
+def loop_area_against_models(
     score: LoopScore, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the area W of a measured loop of Q over U with the areas that theory and finite
@@ -206,7 +206,7 @@ def against_loop(
     u_by_distance = measured_loop.by_distance / math.sqrt(3)
     u_by_scatter = measured_loop.by_noise / _SIGMAS_OF_95_PERCENT
     u_of_rows = math.hypot(u_by_distance, u_by_scatter)
-    u_of_rig = measured.share("dissipation")
+    u_of_rig = measured.relative_uncertainty("dissipation")
     u_of_measurement = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
     entries = []
     # loops with the scene's friction; the others have the fitted one, and agree by design

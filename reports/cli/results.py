@@ -187,7 +187,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
 
     from reports.comparison.laws import names_of_derived_fields
     from reports.inputs import input_effects
-    from reports.validation import against_result
+    from reports.validation import result_against_theory
 
     comparison = report.comparison
     if not comparison.scene.inputs:
@@ -198,7 +198,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     # fields worked out from others: an external result has some, an own solution has none
     if not names_of_derived_fields(comparison.result):
         return report
-    return replace(report, validation=against_result(comparison, inputs, mapping.measured))
+    return replace(report, validation=result_against_theory(comparison, inputs, mapping.measured))
 
 
 def _score_loop(
@@ -228,7 +228,7 @@ def _score_loop(
     if scene.inputs:
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
-    loop_validation = validation.against_loop(score, inputs, mapping.measured)
+    loop_validation = validation.loop_area_against_models(score, inputs, mapping.measured)
     sentences = validation.sentences(loop_validation, is_measured=True)
     further_content = {
         "validation": [entry.content() for entry in loop_validation],

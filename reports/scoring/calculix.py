@@ -247,7 +247,9 @@ def _face_by_contact(
         )
     body = _body_of_face(mesh.path, mesh.material_heights[touching_rows])
     face_rows, face_notes = _nodes_of_face(mesh, touching_rows)
-    factors = {quantity: _factor(mapping, quantity, body) for quantity in _COMPONENTS["CONTACT"]}
+    factors = {
+        quantity: _factor_with_sign(mapping, quantity, body) for quantity in _COMPONENTS["CONTACT"]
+    }
     note = f"contact values stand at the slave face, that of the {body} body"
     return face_rows, factors, [note, _SLIP_NOTE, *face_notes]
 
@@ -306,7 +308,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     def field_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
         """One column of the tables, (n_times, n_points), in the scene's unit and sign."""
         means = [_means_at_points(table, column, ids_of_points) for table in tables]
-        return _factor(mapping, quantity, body) * np.array(means)
+        return _factor_with_sign(mapping, quantity, body) * np.array(means)
 
     stress_tables = list(stress_at.values())
     fields = {
@@ -321,7 +323,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     return _result(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
-def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
+def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     """Factor with sign from values of the file to the scene's unit and this program's sign. The
     sign is the mapping's where it states one, else that of the slave face, which is part of `body`
     ("lower" or "upper").
@@ -409,7 +411,8 @@ def _one_block_a_time(
 def _body_of_face(path: Path, material_heights: Array) -> str:
     """The body whose face carries contact values, "upper" or "lower": that with its material above
     or below all points of the face. `material_heights` (n,) are how far the material lies above
-    each point along y. InputError where the points are of both bodies.
+    each point along y. InputError where the points are of both bodies or of no element (NaN), or
+    the face looks along x.
     """
     if np.all(material_heights > 0) == np.all(material_heights < 0):
         raise InputError(
@@ -501,7 +504,8 @@ def _pair_loads(
     file: DatFile, mapping: Mapping, times: Array, depth: float
 ) -> tuple[dict[str, Array], list[str]]:
     """Loads P and Q by name, (n_times,) each [force/thickness], from the total force on the one
-    contact pair in a .dat file; and notes. No loads where the file lacks the force of some time.
+    contact pair in a .dat file; and notes. No loads where the file lacks the force of some time;
+    InputError for several contact pairs of which the mapping names none.
 
     P and Q are the force of the upper body on the lower one, P positive in compression. The file
     states the force on the slave face, which is the lower body's where its normal points up.

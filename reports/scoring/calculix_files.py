@@ -26,9 +26,12 @@ Integers = NDArray[np.int64]
 # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside
 # the engines
 LARGEST = 2**29
-_FARTHEST = 1e100  # the square of a larger coordinate would be none
-_WIDTH = 12  # characters a number, with no blank kept between two
-_LABELS = {0: 5, 1: 10}  # characters of a node's number in the short and in the long form
+_LARGEST_COORDINATE = 1e100  # the square of a larger coordinate would be none
+_CHARACTERS_OF_NUMBER = 12  # characters a number, with no blank kept between two
+_CHARACTERS_OF_LABEL = {
+    0: 5,
+    1: 10,
+}  # of a node's number, in the short and in the long form
 # Fortran drops the E before an exponent of three digits: 1.46685-100.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?", re.ASCII)
 _INTEGER = re.compile(r" *[+-]?\d{1,18} *", re.ASCII)
@@ -230,7 +233,7 @@ class _Lines(Iterator[str]):
         format_number = self.integer(
             header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
         )
-        if format_number not in _LABELS:
+        if format_number not in _CHARACTERS_OF_LABEL:
             raise InputError(
                 f"{self.path}: line {header_line}: the file is binary (form {format_number}), and"
                 " only the ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in"
@@ -247,7 +250,7 @@ class _Lines(Iterator[str]):
                     raise self.refusal(
                         f"{n_announced} {noun} as announced here, found {len(records)}", header_line
                     )
-                return _LABELS[format_number], records
+                return _CHARACTERS_OF_LABEL[format_number], records
             else:
                 raise self.refusal(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
@@ -267,7 +270,7 @@ class _Lines(Iterator[str]):
         nodes, points = self.table(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
             raise self.refusal("every node once: a number comes twice", header_line + 1)
-        if not (np.abs(points) <= _FARTHEST).all():
+        if not (np.abs(points) <= _LARGEST_COORDINATE).all():
             raise self.refusal("finite coordinates", header_line + 1)
         return nodes, points
 
@@ -328,22 +331,22 @@ class _Lines(Iterator[str]):
             text_of_values = record_text[label_width:] + "".join(
                 continuation[label_width:] for continuation in continuations
             )
-            if len(text_of_values) != _WIDTH * n_columns:
+            if len(text_of_values) != _CHARACTERS_OF_NUMBER * n_columns:
                 # a record begins with a key of three characters
-                expected_length = 3 + label_width + _WIDTH * n_columns
+                expected_length = 3 + label_width + _CHARACTERS_OF_NUMBER * n_columns
                 record_length = 3 + label_width + len(text_of_values)
                 raise self.refusal(
-                    f"{n_columns} numbers of {_WIDTH} characters, {expected_length} in all, found"
-                    f" {record_length}: {record_text[:40]!r}",
+                    f"{n_columns} numbers of {_CHARACTERS_OF_NUMBER} characters, {expected_length}"
+                    f" in all, found {record_length}: {record_text[:40]!r}",
                     line_number,
                 )
             nodes.append(self.integer(record_text[:label_width], "a node's number", line_number))
             value_texts += [
-                text_of_values[begin : begin + _WIDTH]
-                for begin in range(0, len(text_of_values), _WIDTH)
+                text_of_values[begin : begin + _CHARACTERS_OF_NUMBER]
+                for begin in range(0, len(text_of_values), _CHARACTERS_OF_NUMBER)
             ]
         try:
-            values = np.array(value_texts, f"S{_WIDTH}").astype(float)
+            values = np.array(value_texts, f"S{_CHARACTERS_OF_NUMBER}").astype(float)
         except ValueError:  # one of them is not as Python writes it
             values = np.array(
                 [
@@ -385,7 +388,7 @@ _STATISTICS = re.compile(
 )
 # Words that stand for the numbers of what a row belongs to, and how many numbers they are; other
 # tables name their values alone.
-_IDS = {"slave node": 1, "slave element+face": 2}
+_N_IDS_BY_NAME = {"slave node": 1, "slave element+face": 2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -529,9 +532,9 @@ def _printed_table(
     column_names = title["columns"].split(",")
     first_name = column_names[0].strip()
     n_values = len(column_names)
-    if first_name in _IDS:
+    if first_name in _N_IDS_BY_NAME:
         n_values -= 1
-        n_ids = _IDS[first_name]
+        n_ids = _N_IDS_BY_NAME[first_name]
     else:
         n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
     for line_number, row in enumerate(rows, start=begin + 1):

@@ -92,10 +92,10 @@ class Measured(Frozen):
         """Whether any is stated."""
         return any(value is not None for _, value in self)
 
-    def share(self, key: str) -> float | None:
-        """That of a value; None where none is stated."""
-        stated_unit: str | None = getattr(self, key)
-        return None if stated_unit is None else share_of(stated_unit)
+    def relative_uncertainty(self, key: str) -> float | None:
+        """Standard uncertainty of a value over that value; None where none is stated."""
+        stated_share: str | None = getattr(self, key)
+        return None if stated_share is None else share_of(stated_share)
 
 
 class Mapping(Frozen):

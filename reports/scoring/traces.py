@@ -308,7 +308,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     noise_by_channel = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
     if len(noise_by_channel) > 1:
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
-        # one code, one file: a shear alone does not find_scatter
+        # one code, one file: a shear alone does not scatter
         if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
             return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
