@@ -117,7 +117,7 @@ def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
 
 
 def _multiples(lower_end: float, upper_end: float, step: float) -> Array:
-    """The multiples of a step from low to high."""
+    """The multiples of a step from `lower_end` to `upper_end`, (n,)."""
     first_multiple = np.ceil(lower_end / step - 1e-9)
     last_multiple = np.floor(upper_end / step + 1e-9)
     return np.asarray(np.arange(first_multiple, last_multiple + 1) * step)
@@ -146,8 +146,8 @@ def _label(number: float) -> str:
 def limits(
     *values: ArrayLike, margin: float = 0.06, least_range: float = 0.0, with_zero: bool = False
 ) -> tuple[float, float]:
-    """Lower and upper end of an axis for these values: the range of those that are finite, with a
-    margin on both sides. The range is never empty.
+    """Lower and upper end of an axis for these values: the range of those that are finite, 0 to 1
+    without any, with a margin on both sides. The range is never empty.
 
     Parameters
     ----------
@@ -333,19 +333,19 @@ class Frame:
 # ------------------------------------------------------------------------------------------- panels
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are
 # 12 high].
-_LEFT = 72.0
+_ROOM_LEFT = 72.0
 RIGHT = 20.0
-_TOP = 12.0
-_BOTTOM = 46.0
-_BOTTOM_WITHOUT_WORDS = 24.0
-_LINE = 15.0  # height of a line of words
-_UNIT = Scale(0.0, 1.0, 0.0, 1.0)
+_ROOM_ABOVE = 12.0
+_ROOM_BELOW = 46.0
+_ROOM_BELOW_WITHOUT_WORDS = 24.0
+_LINE_HEIGHT = 15.0  # height of a line of words
+_UNIT_SCALE = Scale(0.0, 1.0, 0.0, 1.0)
 # Of a line of more places only those that show stay: in each strip so wide the first, the last, the
 # highest and the lowest.
-_LONG_LINE = 2000
-_STRIP = 1.0
+_LONGEST_LINE_DRAWN_WHOLE = 2000
+_WIDTH_OF_STRIP = 1.0
 DOWN = "3.5"  # how far a subscript stands below its line [units of a drawing]
-_HATCH = 7.0  # distance of the lines of a hatched block [units of a drawing]
+_HATCH_DISTANCE = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 
 @dataclass(frozen=True, eq=False)
@@ -396,8 +396,8 @@ class Panel:
     def _automatic_room(self) -> tuple[float, float, float, float]:
         """Left, top, right and bottom of the area: room for title, notes and the words of axes."""
         lines_above = len(self.notes) + bool(self.title)
-        bottom = _BOTTOM if self.x.words else _BOTTOM_WITHOUT_WORDS
-        return _LEFT, _TOP + _LINE * lines_above, RIGHT, bottom
+        bottom = _ROOM_BELOW if self.x.words else _ROOM_BELOW_WITHOUT_WORDS
+        return _ROOM_LEFT, _ROOM_ABOVE + _LINE_HEIGHT * lines_above, RIGHT, bottom
 
     def __html__(self) -> str:
         """The panel on a page."""
@@ -502,7 +502,7 @@ class Plate:
         they take, 0 without a legend. An entry is a short line or a patch of its colour, and its
         text.
         """
-        pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), is_standalone=True)
+        pen = _Pen(Frame(_UNIT_SCALE, _UNIT_SCALE, 0, 0), is_standalone=True)
         x_of_entry = 10.0
         y_of_entry = 6.0
         elements = []
@@ -676,7 +676,7 @@ def _path_of(
     x = np.round(np.asarray(horizontal, dtype=float), 2)
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
-    if len(x) > _LONG_LINE:
+    if len(x) > _LONGEST_LINE_DRAWN_WHOLE:
         visible_indices = _visible_indices(x, y, is_known)
         x = x[visible_indices]
         y = y[visible_indices]
@@ -684,15 +684,15 @@ def _path_of(
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
     is_first = is_known & ~np.concatenate([[False], is_known[:-1]])  # of a line
-    kept = is_known & has_moved
-    x = x[kept]
-    y = y[kept]
-    is_first = is_first[kept]
+    is_kept = is_known & has_moved
+    x = x[is_kept]
+    y = y[is_kept]
+    is_first = is_first[is_kept]
     for _ in range(passes):
-        kept = ~_is_on_chord(x, y, is_first, tolerance)
-        x = x[kept]
-        y = y[kept]
-        is_first = is_first[kept]
+        is_kept = ~_is_on_chord(x, y, is_first, tolerance)
+        x = x[is_kept]
+        y = y[is_kept]
+        is_first = is_first[is_kept]
     is_last = np.append(is_first[1:], True)
     # as Python's numbers, which are formatted in half the time of numpy's
     points = zip(
@@ -750,7 +750,7 @@ def _visible_indices(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray
         (n,) False where the line is broken
     """
     # NaN is unequal to itself: each point where the line is broken is a visit of its own
-    strip = np.where(is_known, np.floor(x / _STRIP), np.nan)
+    strip = np.where(is_known, np.floor(x / _WIDTH_OF_STRIP), np.nan)
     visit = np.concatenate([[0], np.cumsum(strip[1:] != strip[:-1])])
     # visit by visit, the points of each in the order of y
     sorted_by_y = np.lexsort((np.where(is_known, y, 0.0), visit))
@@ -931,7 +931,9 @@ class _Pen:
         attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
         elements = [
-            self.words(x, y + _LINE * line_number, line, mark.css, text_anchor=anchor, **attributes)
+            self.words(
+                x, y + _LINE_HEIGHT * line_number, line, mark.css, text_anchor=anchor, **attributes
+            )
             for line_number, line in enumerate(mark.text.split("\n"))
         ]
         return "".join(elements)
@@ -943,7 +945,9 @@ class _Pen:
         (`_GRAIN`). Other panels use it again at their own scale: their `mark.name` is "NAME again".
         """
         if self.is_standalone or not mark.name:
-            return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
+            return _element(
+                "path", d=self.path_of_visible_lines(mark) or "M0 0", **self.look(mark.css)
+            )
         x_scale = self.frame.x
         # pixels of a grain
         zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
@@ -963,7 +967,7 @@ class _Pen:
         path = _element("path", d="".join(lines), id=mark.name, **self.look(mark.css))
         return _element("g", path, transform=transform)
 
-    def visible(self, mark: Segments) -> str:
+    def path_of_visible_lines(self, mark: Segments) -> str:
         """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
         area: their bounding boxes do.
         """
@@ -996,9 +1000,9 @@ class _Pen:
         if not mark.hatched:
             return rectangle
         # x + y is constant along each line
-        first_line = np.ceil((left_x + least_y) / _HATCH)
-        last_line = np.floor((right_x + largest_y) / _HATCH)
-        sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH
+        first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
+        last_line = np.floor((right_x + largest_y) / _HATCH_DISTANCE)
+        sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH_DISTANCE
         starts = np.maximum(left_x, sums_of_lines - largest_y)
         ends = np.minimum(right_x, sums_of_lines - least_y)
         path = ""
@@ -1113,9 +1117,9 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
     # lines of text above the area, each with its x and its class in the style sheet
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
-    y_of_first = top_y - 9.0 - _LINE * (len(lines_above) - 1)
+    y_of_first = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
     for line_number, (x_of_line, text, css) in enumerate(lines_above):
-        elements.append(pen.words(x_of_line, y_of_first + _LINE * line_number, text, css))
+        elements.append(pen.words(x_of_line, y_of_first + _LINE_HEIGHT * line_number, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if is_standalone:
         return _element("svg", "".join(elements), **box, **place)
@@ -1125,7 +1129,7 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
         **box,
         role="img",
         aria_label=panel.alt,
-        class_=_kind_of(panel),
+        class_=_classes_of(panel),
         id=f"panel-{panel.name}",
         **_script_attributes(panel, frame),
     )
@@ -1136,8 +1140,8 @@ def _is_sketch(panel: Panel) -> bool:
     return panel.without_axes and not panel.css
 
 
-def _kind_of(panel: Panel) -> str:
-    """The classes of a panel on a page."""
+def _classes_of(panel: Panel) -> str:
+    """The CSS classes of a panel on a page, as one text."""
     if _is_sketch(panel):
         return "sketch"
     kinds = ["panel", *panel.css.split()]

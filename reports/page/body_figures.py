@@ -40,9 +40,9 @@ _HALF_WIDTHS_OF_CONTACT_SHOWN = 6.0
 _HALF_WIDTHS_OF_BODY_SHOWN = 1.3
 
 # Of the sketch [pixels]: its width, its largest height, room above the bodies and on other sides.
-_WIDTH = 440.0
+_SKETCH_WIDTH = 440.0
 
-_LARGEST_HEIGHT = 310.0
+_LARGEST_SKETCH_HEIGHT = 310.0
 
 _ROOM_ABOVE = 76.0
 
@@ -64,19 +64,19 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     """
     _, unit_of_length, _ = units(scene)
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
-    frame = _frame(outlines)
+    frame = _frame_of_sketch(outlines)
     marks: list[Mark] = []
     for name, corners in outlines.items():
         shape = getattr(scene.bodies, name)
-        marks += _body(frame, corners, shape, name)
+        marks += _marks_of_body(frame, corners, shape, name)
         outward_sign = 1.0 if name == "lower" else -1.0
-        marks += _supports(frame, shape, corners, outward_sign)
+        marks += _marks_of_supports(frame, shape, corners, outward_sign)
         y_of_label = 16.0 if name == "upper" else frame.height - 6
-        marks.append(Note(6.0, y_of_label, _label(scene, name), "word"))
+        marks.append(Note(6.0, y_of_label, _label_of_body(scene, name), "word"))
     x_of_contact = frame.x.place([-half_width, half_width])
     y_of_contact = float(frame.y.place(0.0))
     marks.append(Curve(x_of_contact, [y_of_contact, y_of_contact], "contact-line"))
-    marks += _loads(frame, scene, outlines)
+    marks += _marks_of_loads(frame, scene, outlines)
 
     alt = bodies_in_words(scene)
     # Marks are placed in pixels: supports and arrows have no size in the scene.
@@ -268,7 +268,7 @@ def _panel_of_residuals(
     )
 
 
-def _frame(outlines: dict[str, Array]) -> Frame:
+def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     """Scales of the sketch of both bodies, from lengths to pixels: the same in both directions.
     Room is left above for the arrows of the loads, and on the other sides for supports.
 
@@ -277,25 +277,27 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     points = np.concatenate(list(outlines.values()))
     left_x, least_y = points.min(axis=0)
     right_x, largest_y = points.max(axis=0)
-    pixel_by_width = (right_x - left_x) / (_WIDTH - 2 * _ROOM_AT_SIDES)
-    pixel_by_height = (largest_y - least_y) / (_LARGEST_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES)
+    pixel_by_width = (right_x - left_x) / (_SKETCH_WIDTH - 2 * _ROOM_AT_SIDES)
+    pixel_by_height = (largest_y - least_y) / (
+        _LARGEST_SKETCH_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES
+    )
     pixel = max(pixel_by_width, pixel_by_height)  # [length]
     height = float((largest_y - least_y) / pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
     middle_x = (left_x + right_x) / 2
-    half_width_shown = (_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
+    half_width_shown = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
     x_scale = Scale(
         float(middle_x - half_width_shown),
         float(middle_x + half_width_shown),
         _ROOM_AT_SIDES,
-        _WIDTH - _ROOM_AT_SIDES,
+        _SKETCH_WIDTH - _ROOM_AT_SIDES,
     )
     y_scale = Scale(float(least_y), float(largest_y), height - _ROOM_AT_SIDES, _ROOM_ABOVE)
-    return Frame(x_scale, y_scale, _WIDTH, height)
+    return Frame(x_scale, y_scale, _SKETCH_WIDTH, height)
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
     """Outline of a body, (n, 2): x, and y upwards from the contact plane [length]. It goes from the
-    left end of the face to the right end, then round the base.
+    left end of the face to the right end, then round the base; of a cylinder it is the face alone.
 
     A half-plane is drawn as a rectangle, 1.3 times as wide as the body that it faces. Where both
     are half-planes it is 6 times as wide as the contact, whose half-width is `half_width`. `name`
@@ -329,7 +331,7 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
     return np.vstack([face, np.array(right_side + left_side) * [1.0, -outward_sign]])
 
 
-def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
+def _marks_of_body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
     """What is drawn for a body: its filled area and its outline. A half-plane has a solid line
     along its face alone, and a dotted line where the drawing cuts it off.
 
@@ -356,7 +358,9 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
     yield Curve(x[points_of_cut], y[points_of_cut], "cut-line")
 
 
-def _supports(frame: Frame, shape: Shape, points: Array, outward_sign: float) -> Iterator[Mark]:
+def _marks_of_supports(
+    frame: Frame, shape: Shape, points: Array, outward_sign: float
+) -> Iterator[Mark]:
     """What is drawn for the supports of a body: a hatched rigid plane along its base, and along its
     sides where they are guided, with rollers between where it may slide. Nothing for a half-plane.
 
@@ -380,13 +384,19 @@ def _supports(frame: Frame, shape: Shape, points: Array, outward_sign: float) ->
     left_x, right_x = frame.x.place([-half_width_of_base, half_width_of_base]).tolist()
     y_of_base = float(frame.y.place(points[farthest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
-    yield from _plane((left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls)
+    yield from _marks_of_plane(
+        (left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls
+    )
     if getattr(shape, "sides", "") == "guided":
-        yield from _plane((left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), has_rollers=True)
-        yield from _plane((right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), has_rollers=True)
+        yield from _marks_of_plane(
+            (left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), has_rollers=True
+        )
+        yield from _marks_of_plane(
+            (right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), has_rollers=True
+        )
 
 
-def _plane(
+def _marks_of_plane(
     start: tuple[float, float],
     end: tuple[float, float],
     outward: tuple[float, float],
@@ -425,7 +435,7 @@ def _plane(
     yield Segments(np.stack([starts_of_hatches, ends_of_hatches], axis=1), "curve hatch")
 
 
-def _label(scene: Scene, name: str) -> str:
+def _label_of_body(scene: Scene, name: str) -> str:
     """The text beside a body in the sketch: its kind, its sizes, Young's modulus E and Poisson's
     ratio nu, with units. `name` is "lower" or "upper".
     """
@@ -443,7 +453,7 @@ def _label(scene: Scene, name: str) -> str:
     return f"{name}: {shape.kind.replace('_', '-')}{sizes_in_words}, {material_in_words}"
 
 
-def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
+def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
     """What is drawn for the loads: arrows of P and Q at the top of the upper body, a turning arrow
     for its tilt or moment, and arrows of bulk stress at both ends of a body that has one. A line
     shows where P acts, if the scene states it.
@@ -508,23 +518,23 @@ def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
 
 def _normal_loads(scene: Scene) -> Array:
     """P all along the path."""
-    normal_load, _ = scene.load.path().at(_instants(scene))
+    normal_load, _ = scene.load.path().at(_sample_times(scene))
     return np.asarray(normal_load)
 
 
 def _tangential_loads(scene: Scene) -> Array:
     """Q all along the path."""
-    _, tangential_load = scene.load.path().at(_instants(scene))
+    _, tangential_load = scene.load.path().at(_sample_times(scene))
     return np.asarray(tangential_load)
 
 
-def _instants(scene: Scene) -> Array:
+def _sample_times(scene: Scene) -> Array:
     """Many instants of initial loading and first cycle."""
     return np.concatenate([sampled_times(leg, 181) for leg in scene.load.path().segments(1)])
 
 
 def _range_in_words(loads: Array) -> str:
-    """Least and largest of loads in words."""
+    """Least and largest of loads in words, such as "from 60 to 120"; "= 90" where both are equal."""
     least_load = number(float(f"{loads.min():.4g}"))
     largest_load = number(float(f"{loads.max():.4g}"))
     return (

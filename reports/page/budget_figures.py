@@ -346,7 +346,9 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
             ]
     words_of_axes = "element size, over that of the run", "distance from the value at size zero"
     sizes_of_runs = [run.size for run in runs]
-    return _convergence("mesh_refinement", words_of_axes, distances_by_label, sizes_of_runs)
+    return _figure_of_convergence(
+        "mesh_refinement", words_of_axes, distances_by_label, sizes_of_runs
+    )
 
 
 def study_convergence(study: Study) -> Plate | None:
@@ -365,15 +367,15 @@ def study_convergence(study: Study) -> Plate | None:
             (size, abs(value - limit)) for size, value in zip(sizes, row.values, strict=True)
         ]
     words_of_axes = "element size at the contact", "distance from the value at h = 0"
-    return _convergence("study", words_of_axes, distances_by_label, sizes)
+    return _figure_of_convergence("study", words_of_axes, distances_by_label, sizes)
 
 
-def _is_positive(points: Sequence[tuple[float, float]]) -> bool:
+def _has_positive_distance(points: Sequence[tuple[float, float]]) -> bool:
     """Whether a curve has a distance that a logarithmic axis can show."""
     return any(distance > 0 for _, distance in points)
 
 
-def _convergence(
+def _figure_of_convergence(
     name: str,
     words_of_axes: tuple[str, str],
     distances_by_label: Mapping[str, list[tuple[float, float]]],
@@ -394,7 +396,11 @@ def _convergence(
     element_sizes
         those of all meshes
     """
-    curves = {label: points for label, points in distances_by_label.items() if _is_positive(points)}
+    curves = {
+        label: points
+        for label, points in distances_by_label.items()
+        if _has_positive_distance(points)
+    }
     if len(element_sizes) < 3 or not curves:
         return None
 

@@ -131,10 +131,10 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
 
 def discrepancies(view: CycleView) -> Plate:
     """A figure of how far the result is from the reference through the cycle: for each metric that
-    has a tolerance, |difference| at each instant over that tolerance.
+    has a tolerance and values over time, |difference| at each judged instant over that tolerance.
 
-    Where no metric has a tolerance, the metrics by which half-planes are judged are drawn in per
-    cent. `view` holds the last cycles of both solutions.
+    Where none has, the metrics by which half-planes are judged are drawn in per cent. `view` holds
+    the last cycles of both solutions.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -238,7 +238,7 @@ def slip_histories(view: CycleView) -> Plate:
 
 def cumulative_work(view: CycleView) -> Plate | None:
     """A figure of the friction work from the start of a measured record of loads to each instant,
-    by both engines; None for other loads.
+    by each solution that holds it; None for other loads, and where neither does.
     """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []

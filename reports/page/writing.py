@@ -128,7 +128,7 @@ def write(
         comparison.result.save(folder / SOLUTIONS[1])
         drawings = draw(report)
         if stress_instants:
-            drawings += (_stress(comparison, stress_instants),)
+            drawings += (_figure_of_stress(comparison, stress_instants),)
         tables = write_tables(drawings, folder)
         scene_text = comparison.scene.model_dump_json(indent=1) + "\n"
         (folder / "scene.json").write_text(scene_text, encoding="utf-8")
@@ -146,7 +146,7 @@ def write(
     return Path(out) / "report.html"
 
 
-def _stress(comparison: Comparison, instants: Sequence[Instant]) -> Plate:
+def _figure_of_stress(comparison: Comparison, instants: Sequence[Instant]) -> Plate:
     """Von Mises' stress of the result's bodies at these instants."""
     import halfplane_fe
     from reports.field_output.pictures import scales_of, stress
@@ -282,8 +282,8 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
     solution does not hold.
 
     The columns: "name"; "value" W, the sum of q times slip; "scaled" W over its scale; "loop" the
-    closed integral of Q dU; "bulk" and "normal" work of bulk stress and of P; "apart" |work of Q
-    and P/W − 1|; "cycles" W of every cycle.
+    closed integral of Q dU, under bulk stress of Q dU − m_q d(eps); "bulk" and "normal" work of
+    bulk stress and of P; "apart" |loop and normal work/W − 1|; "cycles" W of every cycle.
     """
 
     def text_of_number(value: float | None, digits: int = 8) -> str:
