@@ -534,7 +534,7 @@ def _sample_times(scene: Scene) -> Array:
 
 
 def _range_in_words(loads: Array) -> str:
-    """Least and largest of loads in words, such as "from 60 to 120"; "= 90" where both are equal."""
+    """Least and largest of loads in words: "from 60 to 120", or "= 90" where both are equal."""
     least_load = number(float(f"{loads.min():.4g}"))
     largest_load = number(float(f"{loads.max():.4g}"))
     return (

@@ -57,7 +57,7 @@ Values = dict[str, float | None]
 # `reports`. In a checkout the packages lie at the top, in the wheel inside `halfplane`.
 _REPORTS = __name__.removesuffix(".studies.sweep.solving")
 _BESIDE_REPORTS = _REPORTS.removesuffix("reports")
-_CODE = (
+_PACKAGES_OF_CODE = (
     *(_BESIDE_REPORTS + name for name in ("scenes", "semi_analytic", "meshes", "halfplane_fe")),
     *(f"{_REPORTS}.{name}" for name in ("comparison", "python_numbers", "units")),
 )
@@ -86,7 +86,7 @@ class Quantity:
     edges: str = ""
     at_mean_load: bool = False
 
-    def of(self, solution: ContactSolution, scene: Scene) -> float:
+    def value_in(self, solution: ContactSolution, scene: Scene) -> float:
         """The figure of a scene's answer, which states loads where a rig prescribes movements."""
         value = self.value(solution)
         return (
@@ -107,8 +107,8 @@ def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load: Loa
     return float(np.interp(load_of_figure, loads[order], series[steps][order]))
 
 
-_CONTACT = "contact_edge_uncertainty"
-_STICK = "stick_edge_uncertainty"
+_CONTACT_EDGE_UNCERTAINTY = "contact_edge_uncertainty"
+_STICK_EDGE_UNCERTAINTY = "stick_edge_uncertainty"
 QUANTITIES: dict[str, Quantity] = {
     "dissipation": Quantity(
         lambda s: s.dissipation,
@@ -135,25 +135,25 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_half_width": Quantity(
         lambda s: s.contact_half_width,
         "contact half-width at the mean load, linear between instants [length]",
-        edges=_CONTACT,
+        edges=_CONTACT_EDGE_UNCERTAINTY,
         at_mean_load=True,
     ),
     "largest_half_width": Quantity(
         lambda s: np.max(s.contact_half_width[s.last_cycle]),
         "largest contact half-width [length]",
-        edges=_CONTACT,
+        edges=_CONTACT_EDGE_UNCERTAINTY,
     ),
     "stick_half_width": Quantity(
         lambda s: s.stick_half_width[s.last_cycle][
             np.argmax(np.abs(s.tangential_load[s.last_cycle]))
         ],
         "stick half-width where |Q| is largest [length]",
-        edges=_STICK,
+        edges=_STICK_EDGE_UNCERTAINTY,
     ),
     "permanent_stick_half_width": Quantity(
         lambda s: s.permanent_stick_half_width,
         "half-width that sticks through the cycle [length]",
-        edges=_STICK,
+        edges=_STICK_EDGE_UNCERTAINTY,
     ),
     "permanent_stick_centre": Quantity(
         lambda s: (
@@ -296,7 +296,7 @@ def _value_of_quantity(
         if solution is not None and prefix in (engine, "error"):
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
-            value_by_engine[engine] = QUANTITIES[quantity].of(solution, scene)
+            value_by_engine[engine] = QUANTITIES[quantity].value_in(solution, scene)
             if not math.isfinite(value_by_engine[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
     if prefix != "error":
@@ -328,7 +328,7 @@ def _uncertainty_of_edges(
     uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[is_known]
     reference_length = 1.0
     if prefix == "error" and theory is not None:
-        reference_length = QUANTITIES[quantity].of(theory, scene)
+        reference_length = QUANTITIES[quantity].value_in(theory, scene)
     if not len(uncertainty_of_worse_edge) or not reference_length:
         return 0.0
     uncertainty = float(np.median(uncertainty_of_worse_edge)) / reference_length
@@ -341,7 +341,7 @@ def code_versions() -> dict[str, str]:
     """Which code and packages compute a result, as this process found them when it first asked;
     part of a result's address.
     """
-    code = source_digest(*_CODE, __name__)[:16]
+    code = source_digest(*_PACKAGES_OF_CODE, __name__)[:16]
     python = ".".join(platform.python_version_tuple()[:2])
     return {"code": code, "python": python} | {name: version(name) for name in _LIBRARIES}
 
@@ -744,7 +744,9 @@ def _uncertainty_by_coarser_runs(
     notes: dict[str, str],
 ) -> Values:
     """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": what a coarser
-    mesh, theory on straight increments and a farther far field change it by, added up.
+    mesh, straight load increments and a farther far field change it by, added up. The increments
+    count where theory runs too, and under bulk stress, tilt or a prescribed displacement; the far
+    field counts for half-planes.
 
     The mesh is made twice as coarse at the surface and in the bulk; its part is 1.64 times the
     change, or what the solution itself states where that is more. The far field's part is twice its
@@ -821,7 +823,7 @@ def _pairs_of_runs(
     return pairs_of_runs
 
 
-def _silent(_name: str) -> Any:
+def _silent_stage(_name: str) -> Any:
     """A stage whose progress nobody sees."""
     return nullcontext(lambda *_: None)
 
@@ -842,7 +844,7 @@ def _uncertainty_by_budget(
 
     comparison = evaluation.comparison
     assert comparison is not None
-    refinements = solve_refinements(comparison, question.mesh, question.solver, _silent)
+    refinements = solve_refinements(comparison, question.mesh, question.solver, _silent_stage)
     budgets = error_budget(comparison, refinements, 1.0).budgets
     budget_by_key = {budget.metric.key: budget for budget in budgets}
     values: Values = {}
