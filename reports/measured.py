@@ -398,29 +398,29 @@ class LoadCycles:
     ----------
     cycles
         in the order in which they end
-    time, work_so_far
+    time, cumulative
         (n,) instants, and the dissipation from the first instant to each [energy]
-    last_whole_cycle
+    last_whole
         the load cycle between the last three turning points of Q, with all its work; None for a
         record that repeats, and where Q turns less often
     """
 
     cycles: tuple[LoadCycle, ...]
     time: Array
-    work_so_far: Array
-    last_whole_cycle: LoadCycle | None = None
+    cumulative: Array
+    last_whole: LoadCycle | None = None
 
     @property
-    def number_of_cycles(self) -> float:
+    def counted(self) -> float:
         """Number of cycles; a half cycle counts 0.5."""
         return sum(cycle.count for cycle in self.cycles)
 
     @property
-    def work_per_cycle(self) -> float:
+    def per_cycle(self) -> float:
         """W over the number of cycles; NaN where there is none."""
-        if not self.number_of_cycles:
+        if not self.counted:
             return float("nan")
-        return float(self.work_so_far[-1]) / self.number_of_cycles
+        return float(self.cumulative[-1]) / self.counted
 
     def content(self) -> dict[str, Any]:
         """The load cycles for JSON: their number, W over it, the last whole cycle, a list of the
@@ -431,16 +431,14 @@ class LoadCycles:
         instants = np.unique(np.linspace(0, len(self.time) - 1, _MOST_LISTED_INSTANTS).astype(int))
         return {
             "method": "rainflow count of Q, ASTM E1049",
-            "counted": self.number_of_cycles,
-            "dissipation_per_cycle": self.work_per_cycle,
-            "last_whole_cycle": None
-            if self.last_whole_cycle is None
-            else asdict(self.last_whole_cycle),
+            "counted": self.counted,
+            "dissipation_per_cycle": self.per_cycle,
+            "last_whole_cycle": None if self.last_whole is None else asdict(self.last_whole),
             "not_listed": len(self.cycles) - len(listed_cycles),
             "cycles": [asdict(cycle) for cycle in listed_cycles],
             "cumulative": {
                 "time": self.time[instants],
-                "dissipation": self.work_so_far[instants],
+                "dissipation": self.cumulative[instants],
             },
         }
 

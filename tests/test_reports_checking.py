@@ -648,11 +648,11 @@ def test_a_record_that_repeats_has_the_cycles_of_its_last_round() -> None:
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, 10], [3, 90, 20], [4, 90, -30], [5, 90, 0]]
     solution = semi_analytic.solve(of_rows(rows, repeats=True))
     cycles = load_cycles(solution)
-    assert cycles.work_so_far[-1] == pytest.approx(solution.dissipation, rel=1e-12)
+    assert cycles.cumulative[-1] == pytest.approx(solution.dissipation, rel=1e-12)
     # All are closed: the largest from peak to peak, and the one within it.
     assert sorted((cycle.range, cycle.count) for cycle in cycles.cycles) == [(10, 1), (60, 1)]
-    assert cycles.work_per_cycle == pytest.approx(solution.dissipation / 2, rel=1e-12)
-    assert cycles.last_whole_cycle is None
+    assert cycles.per_cycle == pytest.approx(solution.dissipation / 2, rel=1e-12)
+    assert cycles.last_whole is None
     assert load_cycles(semi_analytic.solve("hertz-paper")) is None
 
 
@@ -666,9 +666,9 @@ def test_a_record_answered_at_more_revolutions_than_it_needs_has_the_same_cycle(
     own = load_cycles(semi_analytic.solve(scene))
     time = np.linspace(0.0, 5.0 * revolutions, 11 * revolutions + 1)
     cycles = load_cycles(semi_analytic.solve(scene, time=time))
-    assert np.min(np.diff(cycles.work_so_far)) >= 0
-    np.testing.assert_allclose(cycles.work_so_far, own.work_so_far, rtol=1e-12, atol=1e-18)
-    assert cycles.number_of_cycles == own.number_of_cycles
+    assert np.min(np.diff(cycles.cumulative)) >= 0
+    np.testing.assert_allclose(cycles.cumulative, own.cumulative, rtol=1e-12, atol=1e-18)
+    assert cycles.counted == own.counted
 
 
 def test_a_record_that_does_not_repeat_states_the_work_of_its_last_whole_cycle() -> None:
@@ -678,11 +678,11 @@ def test_a_record_that_does_not_repeat_states_the_work_of_its_last_whole_cycle()
     )
     rows = [[0, 90, 0], [1, 90, 30], [2, 90, -30], [3, 90, 30], [4, 90, -30], [5, 90, 0]]
     cycles = load_cycles(semi_analytic.solve(of_rows(rows)))
-    last = cycles.last_whole_cycle
+    last = cycles.last_whole
     assert (last.start, last.end, last.range, last.mean) == (2.0, 4.0, 60.0, 0.0)
     assert last.dissipation == pytest.approx(steady.dissipation, rel=1e-12)
-    assert cycles.work_per_cycle < 0.9 * last.dissipation
-    assert load_cycles(semi_analytic.solve(of_rows(rows[:3]))).last_whole_cycle is None
+    assert cycles.per_cycle < 0.9 * last.dissipation
+    assert load_cycles(semi_analytic.solve(of_rows(rows[:3]))).last_whole is None
 
 
 def noisy(size: float, rows: int = 4000, seed: int = 1) -> np.ndarray:
@@ -996,7 +996,7 @@ def test_check_exact_json_and_page_say_how_a_record_was_read_and_what_its_cycles
     assert "Dissipation of each load cycle" in html
     drawn = (page.parent / "figures" / "cumulative_work.csv").read_text("utf-8").splitlines()
     last_work = float(drawn[-1].split(",")[1])
-    assert last_work == pytest.approx(load_cycles(exact).work_so_far[-1], rel=1e-6)
+    assert last_work == pytest.approx(load_cycles(exact).cumulative[-1], rel=1e-6)
     assert content["measured"]["read_as"]["load.file"][1] == ["columns separated by", "semicolon"]
     assert content["measured"]["loads"]["kept"] == len(loaded.load.kept_rows())
     assert content["reference"]["load_cycles"]["counted"] == cycles["counted"]

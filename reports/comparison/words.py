@@ -1041,9 +1041,9 @@ def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]
     if not cycles:
         return
     unit = energy_unit(solution.scene)
-    yield "load cycles, by rainflow of Q", f"{cycles.number_of_cycles:g}"
-    yield f"dissipation over their number [{unit}]", f"{cycles.work_per_cycle:.8g}"
-    last_cycle = cycles.last_whole_cycle
+    yield "load cycles, by rainflow of Q", f"{cycles.counted:g}"
+    yield f"dissipation over their number [{unit}]", f"{cycles.per_cycle:.8g}"
+    last_cycle = cycles.last_whole
     if last_cycle is not None:
         period = f"time {last_cycle.start:.6g} to {last_cycle.end:.6g}"
         label = f"dissipation of the last whole cycle, {period} [{unit}]"

@@ -245,7 +245,7 @@ def cumulative_work(view: CycleView) -> Plate | None:
     for key, solution in zip(view.keys, solutions, strict=True):
         cycles_with_work = load_cycles(solution)
         if cycles_with_work is not None:
-            series.append((key, cycles_with_work.time, cycles_with_work.work_so_far))
+            series.append((key, cycles_with_work.time, cycles_with_work.cumulative))
     if not series:
         return None
     every_time = np.unique(np.concatenate([time for _, time, _ in series]))
