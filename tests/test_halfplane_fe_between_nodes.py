@@ -325,6 +325,43 @@ def test_the_load_places_the_contact_edge_of_every_instant() -> None:
     assert np.median(over_stated) > 0.1
 
 
+def test_a_stick_edge_whose_first_node_slid_late_may_be_farther_in(
+    compression: tuple[ContactProblem, list[InterfaceState], Array],
+) -> None:
+    """All nodes behind the edge say that half as much again lies between its nodes: of the nine
+    tenths that are left, six are. One node that does not say so is enough for none.
+    """
+    interface = compression[0].interface
+    edge = Edge(interface, 1, node=20, next_node=19, load_from_node=0.1, load_between=1.0)
+    late = np.log([1.5, 1.5, 1.6])
+    assert between_nodes._share_by_late_start(edge, late) == pytest.approx(0.9 - 0.6)
+    assert between_nodes._share_by_late_start(edge, np.array([0.4, 0.4, -0.1])) == 0
+
+
+def test_stick_edges_just_after_slip_begins_are_covered() -> None:
+    """Of random scene 6 of seed 284: stated by unevenness alone they are wrong twice as far."""
+    vertices = (
+        (80.27908825701655, -9.57481161128398),
+        (43.80551321263672, 0.5444691599011706),
+        (57.04225216819306, 4.605060888902614),
+        (66.18807496990142, 7.4495318857603925),
+        (9.739749661017687, -1.1658272995745667),
+    )
+    scene = load_scene("hertz-paper").vary(
+        friction=0.11996696402913557,
+        load={
+            "kind": "polygon",
+            "initial_loading": [(90.62286500739788, 8.71378873652516)],
+            "cycle": list(vertices),
+        },
+    )
+    answer = halfplane_fe.solve(scene, MeshSettings.coarse())
+    theory = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
+    error = np.abs(answer.stick_edges - theory.stick_edges)[1:]
+    over_stated = error / answer.stick_edge_uncertainty[1:]
+    assert np.nanmax(over_stated) < 1.5
+
+
 def test_a_load_that_grows_from_contact_to_contact_is_even(
     compression: tuple[ContactProblem, list[InterfaceState], Array],
 ) -> None:

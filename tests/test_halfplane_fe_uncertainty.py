@@ -19,7 +19,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
 from halfplane_fe.answer import _grows_within_cone, creeping_zone
-from halfplane_fe.answer_uncertainty import _nodes_to_edge
+from halfplane_fe.answer_uncertainty import _nodes_to_edge, _share_of_flanks
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import Edges, edge_unit, uncertainty_at_jumps, uncertainty_by_growth
 from halfplane_fe.reported_states import shear_grows_within_cone
@@ -34,12 +34,14 @@ from halfplane_fe.uncertainty import (
     largest_off_neighbours,
     peak_uncertainty,
     scatter_of_nodes,
+    share_of_flanks,
     slip_uncertainty,
+    uncertainty,
 )
 from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
 from reports.comparison.words import first_rows, first_table
-from scenes import OPEN, SLIP_FORWARD, ContactSolution, Scene, load_scene
+from scenes import OPEN, SLIP_FORWARD, ContactSolution, Scene, Wedge, load_scene
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
@@ -576,6 +578,51 @@ def test_the_work_of_a_contact_that_ends_an_element_beyond_its_flat_is_covered()
     true = semi_analytic.solve(answer.scene, x=[0.0], fields=("dissipation",)).dissipation
     error = abs(answer.dissipation - true)
     assert 0.1 * true < error <= answer.dissipation_uncertainty < 5 * error
+
+
+def test_flanks_count_by_the_work_that_is_done_on_them() -> None:
+    """A flat punch that slips by a tenth of its work while its flank is narrow; of a wedge and a
+    compound profile no flank counts.
+    """
+    scene = load_scene("flat-rounded-paper")
+    flat = scene.profile.flat_half_length
+    half_widths = np.array([0.0, 2 * flat, 1.02 * flat])
+    arrays = {
+        "time": np.array([0.0, 0.5, 1.0]) * scene.load.path().period,
+        "normal_load": np.array([0.0, 1.0, 1.0]),
+        "contact_half_width": half_widths,
+    }
+    run: Any = SimpleNamespace(
+        stored_indices=[0, 1, 2], column=lambda _name: np.array([9.0, 1.0]), failure=None
+    )
+    task: Any = SimpleNamespace(
+        scene=scene, element=0.01, scales=SimpleNamespace(half_width=float(flat))
+    )
+    wide, narrow = (
+        share_of_flanks(scene.profile, half_width, 0.01 * flat)
+        for half_width in half_widths[1:].tolist()
+    )
+    assert narrow > 100 * wide
+    assert _share_of_flanks(task, run, arrays) == pytest.approx(0.9 * wide + 0.1 * narrow)
+    wedge = Wedge(tip_radius=1000.0, tip_half_length=0.5)
+    assert share_of_flanks(wedge, 0.51, 0.01) == 0
+
+
+def test_what_edges_between_nodes_leave_in_the_work() -> None:
+    """A share of what was taken off; as much as the elements where nothing was; all of W where it
+    is no more than elements dissipate where nothing slips; a share of its own where nothing is
+    known.
+    """
+
+    def stated(work: float, scatter: float | None) -> float:
+        mesh = MeshSettings(edge_element_size=0.01)
+        return uncertainty(work, 0.0, 0.1, mesh, scatter, plain=False)
+
+    by_elements = 0.75 * 0.1 * 0.01**2
+    assert stated(0.1, 1e-3) == pytest.approx(by_elements + 0.35e-3)
+    assert stated(0.1, 0.0) == pytest.approx(2 * by_elements)
+    assert stated(0.1, None) == pytest.approx(by_elements + 0.013 * 0.01**2)
+    assert stated(4e-6, 0.0) == pytest.approx(4e-6, rel=1e-3)
 
 
 def test_the_work_of_layers_of_which_no_stick_edge_is_placed_is_covered() -> None:
