@@ -123,7 +123,7 @@ class Powers:
         return values.reshape(np.shape(t))
 
 
-def tail(coefficients: Array) -> Array:
+def truncation_error(coefficients: Array) -> Array:
     """Largest size of the last three coefficients (..., k) of Chebyshev series, (...,): an estimate
     of the truncation error.
     """
@@ -345,7 +345,7 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
             1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
         )
         can_be_halved = ends - begins > least_length[first_interval]
-        to_be_halved = (tail(coefficients) > error_limits) & can_be_halved
+        to_be_halved = (truncation_error(coefficients) > error_limits) & can_be_halved
         unresolved_intervals = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1)
             | (to_be_halved & (n_tried[first_interval] > _MOST_PIECES))

@@ -77,7 +77,7 @@ class ClockColumn:
             self._last_seconds = since_midnight
         days_since_first = 0
         if date_text and date_text != self._first_date:
-            days_since_first = _day(date_text) - _day(self._first_date)
+            days_since_first = _day_number(date_text) - _day_number(self._first_date)
         elif not date_text:
             if since_midnight < self._last_seconds - _SECONDS_OF_DAY / 2:
                 self._midnights += 1
@@ -103,14 +103,17 @@ def _zone_offset(zone: str | None) -> float:
 
 
 @lru_cache(maxsize=64)
-def _day(text: str) -> int:
+def _day_number(text: str) -> int:
     """Number of the day of a date such as 2026-11-29, 29.11.2026 or 11/30/2026, counted as Python's
     `date.toordinal`.
 
     ValueError for what is no date, and for dates with slashes whose day and month can't be told
     from each other.
 
-    >>> _day("30.11.2026") - _day("2026-11-29"), _day("11/30/2026") - _day("29/11/2026")
+    >>> (
+    ...     _day_number("30.11.2026") - _day_number("2026-11-29"),
+    ...     _day_number("11/30/2026") - _day_number("29/11/2026"),
+    ... )
     (1, 1)
     """
     numbers = [int(part) for part in re.split(r"[-/.]", text)]

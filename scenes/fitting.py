@@ -187,7 +187,7 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """
     if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
-    sigma = max(math.sqrt(_variance(x, h)), 1e-12 * float(np.ptp(h)))
+    sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
     # noise hides below the step of the last digit
     if 1 < len(distinct_heights) < _LEAST_FRACTION_OF_HEIGHTS * len(h):
@@ -577,7 +577,7 @@ def _lowest_place(x: Array, h: Array) -> float:
     return float(x.mean() - scale * slope / (2 * bend)) if bend > 0 else float(x.mean())
 
 
-def _variance(x: Array, h: Array) -> float:
+def _noise_variance(x: Array, h: Array) -> float:
     """Variance of the noise of measured heights h (n,) at places x (n,), robust to spikes.
 
     It is the median of the squared third divided differences of four neighbouring points, each
@@ -586,8 +586,8 @@ def _variance(x: Array, h: Array) -> float:
 
     >>> x = np.linspace(-1, 1, 2001)
     >>> (
-    ...     round(_variance(x, x**2 + np.random.default_rng(0).normal(0, 0.1, 2001)), 4),
-    ...     _variance(x, x**2) < 1e-30,
+    ...     round(_noise_variance(x, x**2 + np.random.default_rng(0).normal(0, 0.1, 2001)), 4),
+    ...     _noise_variance(x, x**2) < 1e-30,
     ... )
     (0.0096, True)
     """
@@ -646,7 +646,7 @@ class _ScaledRows:
         """Weight of the squared tilt beside the squared residuals: variance of the noise over that
         of the tilts expected.
         """
-        return _variance(self.x, self.h) / _EXPECTED_TILT**2
+        return _noise_variance(self.x, self.h) / _EXPECTED_TILT**2
 
     @property
     def knots(self) -> Array:

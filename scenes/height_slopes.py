@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from scenes.array_types import Array, Mask
-from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, tail
+from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, truncation_error
 
 Function = Callable[[Array], Array]
 
@@ -396,7 +396,7 @@ def _polynomial_up_to(
     height_roundoff = float(roundoff_array)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
     explained_size = _EXPLAINED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
-    if float(tail(coefficients)) > explained_size:
+    if float(truncation_error(coefficients)) > explained_size:
         return None
     last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
     for lowest_power in _LOWEST_POWERS:

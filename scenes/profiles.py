@@ -491,7 +491,7 @@ def _require_rising(slope: Pieces) -> None:
         )
 
 
-def _integral(slope: Pieces) -> Pieces:
+def _integral_of_slope(slope: Pieces) -> Pieces:
     """Integral of a function given by Chebyshev series on intervals, from the first edge on, as
     series of the same degree: the term of the next degree is round-off.
     """
@@ -573,7 +573,7 @@ class CallableProfile(Gap):
                 " derivative can be had there"
             ) from fault
         _require_rising(self._slope)
-        self._height = _integral(self._slope)
+        self._height = _integral_of_slope(self._slope)
         return self
 
     def _require_symmetric(self, values_at: Callable[[Array], Array]) -> None:

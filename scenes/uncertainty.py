@@ -295,7 +295,7 @@ class Uncertainty(Frozen):
         >>> list(table.stated())
         [('friction', '5 %'), ('profile.radius', '1 %')]
         """
-        yield from _stated(self, "")
+        yield from _stated_entries(self, "")
 
     def correlation_matrix(self) -> Array:
         """Correlation matrix (n, n) of the n inputs with a standard uncertainty, in the order in
@@ -311,10 +311,10 @@ class Uncertainty(Frozen):
         return matrix
 
 
-def _stated(table: Frozen, prefix: str) -> Iterator[tuple[str, str | float]]:
+def _stated_entries(table: Frozen, prefix: str) -> Iterator[tuple[str, str | float]]:
     for name, value in table:
         if isinstance(value, Frozen):
-            yield from _stated(value, f"{prefix}{name}.")
+            yield from _stated_entries(value, f"{prefix}{name}.")
         elif name != "correlations" and value is not None:
             yield f"{prefix}{name}", value
 

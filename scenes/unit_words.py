@@ -222,8 +222,8 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     numerator, slash, denominator = unit, "", ""
     if kind == "load":
         numerator, slash, denominator = unit.replace(" ", "").partition("/")
-    numerator = _symbol(numerator)
-    denominator = _symbol(denominator)
+    numerator = _unit_symbol(numerator)
+    denominator = _unit_symbol(denominator)
     per_length = bool(slash)
     sizes = _UNITS_OF_FILES[kind]
     lengths = _UNITS_OF_FILES["length"]
@@ -232,13 +232,13 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     return sizes[numerator] / lengths.get(denominator, 1.0), per_length
 
 
-def _symbol(word: str) -> str:
+def _unit_symbol(word: str) -> str:
     """Symbol of a unit that is written out in one of several languages, such as "um" of "Microns";
     any other word unchanged.
 
-    >>> _symbol("Microns"), _symbol("kN"), _symbol("Micrometer")
+    >>> _unit_symbol("Microns"), _unit_symbol("kN"), _unit_symbol("Micrometer")
     ('um', 'kN', 'um')
-    >>> _symbol("millimètres"), _symbol("Sekunden")
+    >>> _unit_symbol("millimètres"), _unit_symbol("Sekunden")
     ('mm', 's')
     """
     letters = unicodedata.normalize("NFKD", word.strip().rstrip("."))

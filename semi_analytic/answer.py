@@ -146,7 +146,7 @@ def mirrored_points(edge: float) -> Array:
     return np.concatenate([-right[::-1], right])
 
 
-def between(edges: Array, x: Array) -> NDArray[np.bool_]:
+def is_between_edges(edges: Array, x: Array) -> NDArray[np.bool_]:
     """Whether points (k,) are between the left and the right edge of a zone, (n, 2), at each
     instant: (n, k). A zone without edges, NaN, has x = 0 alone.
     """

@@ -43,7 +43,7 @@ from scenes.array_types import Array
 from semi_analytic.answer import (
     Findings,
     Question,
-    between,
+    is_between_edges,
     mirrored_points,
     neglected_coupling,
 )
@@ -67,7 +67,7 @@ from semi_analytic.load_series import (
     Records,
     States,
     StepBlock,
-    blocks,
+    blocks_of_part,
     line_count_of,
     series_of,
     share_of_largest_load,
@@ -204,7 +204,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         *_notes_of_path(question, path, len(time), n_rows_left_out),
         *_notes_of_errors(errors),
     ]
-    termination, message = _ending_of(path)
+    termination, message = _term_and_sentence_of_end(path)
     permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
     seconds = {"history": history_done - started, "fields": fields_done - work_done}
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
@@ -229,11 +229,11 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         message=message,
         notes=tuple(notes),
         errors=errors,
-        certificates=_admissibility(request, path_answer, fields),
+        certificates=_admissibility_checks(request, path_answer, fields),
         energy=energy_over_time,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
         | path_answer.counts,
-        skipped=_skipped_of(scene, path, path_answer),
+        skipped=_skipped_work(scene, path, path_answer),
         seconds=seconds,
     )
 
@@ -303,7 +303,7 @@ def _request_of(
             else np.zeros(1)
         )
     if bulk_tilt_path is None:
-        distance, distance_index = folded(x)
+        distance, distance_index = distances_of(x)
     else:
         distance, distance_index = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
@@ -312,11 +312,11 @@ def _request_of(
     )
 
 
-def folded(x: Array) -> tuple[Array, Indices]:
+def distances_of(x: Array) -> tuple[Array, Indices]:
     """Different |x| (k,), ascending, and for each point (m,) the index of its own among them.
     Distances that differ by at most two last digits of the largest count as one.
 
-    >>> folded(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
+    >>> distances_of(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
     """
     distances, place_of_distance = np.unique(np.abs(x), return_inverse=True)
@@ -350,7 +350,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     if isinstance(path, History):
         return contact, path.snapshot(time)
     # Memory curves are stored where a field needs them: shear does, at whichever point.
-    middle_point, middle_index = folded(np.zeros(1))
+    middle_point, middle_index = distances_of(np.zeros(1))
     modulus = composite_modulus(scene.material)
     request = Request(
         contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
@@ -496,7 +496,7 @@ class _IntegralsOfPart(NamedTuple):
 
 @dataclass(eq=False)
 class _SeriesSums:
-    """Sums over the blocks of a load series. P_c is the load at the stick edge.
+    """Sums over the blocks_of_part of a load series. P_c is the load at the stick edge.
 
     Attributes
     ----------
@@ -688,7 +688,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             density=wants_density and is_last,
         )
         pieces_before = line_count_of(part.curve)
-        for first_row, block in blocks(part, friction, states.stores_curves):
+        for first_row, block in blocks_of_part(part, friction, states.stores_curves):
             first_step = series.first_steps[part_number] + first_row
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
             path_sums.update_slip_zone_share(block, part_number, part)
@@ -734,8 +734,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopOfSeries | None:
-    """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
-    added; None where it is not asked for, the cycle is not steady or has no load.
+    """The closed integral of Q dU of the last cycle, to which its blocks_of_part of load steps are
+    to be added; None where it is not asked for, the cycle is not steady or has no load.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
@@ -1128,8 +1128,8 @@ def _state_of(
     codes_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     direction_at_points = snapshot.direction[:, None] * sign_at_points  # -1, 0 or 1
     state_of_slip = codes_by_direction[direction_at_points + 1]
-    is_stuck = between(loads_and_edges["stick_edges"], distances)
-    is_in_contact = between(loads_and_edges["contact_edges"], distances)
+    is_stuck = is_between_edges(loads_and_edges["stick_edges"], distances)
+    is_in_contact = is_between_edges(loads_and_edges["contact_edges"], distances)
     is_in_contact &= snapshot.load[:, None] > 0
     contact_state = np.where(is_stuck, np.int8(STICK), state_of_slip)
     return np.where(is_in_contact, contact_state, np.int8(OPEN))
@@ -1262,7 +1262,7 @@ def _kernel_sums(
     slip = np.abs(fields["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
-    most_lines = _most_pieces(snapshot, sampled_instants) + 1
+    most_lines = _largest_piece_count(snapshot, sampled_instants) + 1
     return SumsOfKernels(
         distance=request.distance,
         load=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
@@ -1275,7 +1275,7 @@ def _kernel_sums(
     )
 
 
-def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
+def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
     """The largest number of pieces of the memory curves at some instants (k,)."""
     curves = [snapshot.uppermost_pieces[number] for number in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
@@ -1339,7 +1339,7 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
             yield f"{name}: quadratures and rounding may have left {error_words}"
 
 
-def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
+def _term_and_sentence_of_end(path: LoadSeries | History) -> tuple[str, str]:
     """How a followed path ended, as a term, "steady" or "end of path", and as a sentence."""
     if path.period is None:
         return "end of path", "the path was followed to its end"
@@ -1348,7 +1348,7 @@ def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
     return "steady", f"cycle {path.steady_from + 1} ends in the state it started from"
 
 
-def _skipped_of(
+def _skipped_work(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
@@ -1389,7 +1389,7 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     return half_width_and_edges
 
 
-def _admissibility(
+def _admissibility_checks(
     request: Request, answer: PathResult, fields: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
     """Checks of tangential equilibrium and of the Coulomb limit at each instant, by name, (n,)

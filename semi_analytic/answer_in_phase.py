@@ -15,7 +15,7 @@ from scenes.array_types import Array
 from semi_analytic.answer import (
     Findings,
     Question,
-    between,
+    is_between_edges,
     largest_error,
     mirrored_points,
     neglected_coupling,
@@ -67,8 +67,8 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
         pressure = tilted_contact.pressure_over(x, contact_middle, contact_half_width)
     if question.wants("state"):
         slip_state = np.where(is_forward, np.int8(SLIP_FORWARD), np.int8(SLIP_REVERSE))[:, None]
-        states_in_contact = np.where(between(stick_edges, x), np.int8(STICK), slip_state)
-        state = np.where(between(contact_edges, x), states_in_contact, state)
+        states_in_contact = np.where(is_between_edges(stick_edges, x), np.int8(STICK), slip_state)
+        state = np.where(is_between_edges(contact_edges, x), states_in_contact, state)
     if question.wants("normal_approach"):
         approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
     if question.wants("dissipation"):

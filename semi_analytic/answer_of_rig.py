@@ -23,7 +23,7 @@ from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
-from semi_analytic.answer_by_memory import folded
+from semi_analytic.answer_by_memory import distances_of
 from semi_analytic.corrected import (
     WORDS_UNDER_RIG,
     OddPart,
@@ -262,7 +262,7 @@ def findings_of_rig(question: Question) -> Findings:
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
-    distance, distance_index = folded(x)
+    distance, distance_index = distances_of(x)
     time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
     fields = fields_at(question, point_fields, distance, row_numbers)

@@ -63,11 +63,11 @@ from scenes.errors import first_line
 from semi_analytic.answer import (
     Findings,
     Question,
-    between,
+    is_between_edges,
     mirrored_points,
     neglected_coupling,
 )
-from semi_analytic.answer_by_memory import findings_by_memory, folded, path_of_question
+from semi_analytic.answer_by_memory import distances_of, findings_by_memory, path_of_question
 from semi_analytic.corrected_memory import (
     Curvatures,
     FollowedPath,
@@ -1112,7 +1112,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
     # Fields are even or odd in x: they are evaluated once at each |x|.
-    distance, index_of_distance = folded(x)
+    distance, index_of_distance = distances_of(x)
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     fields_at_distances = fields_at(question, points, distance, row_numbers)
@@ -1483,7 +1483,9 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
         followed_path.inner_zone_direction[row_numbers, None] + 1
     ]
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
-    is_within_stick_edges = between(stick_half_width * sides, distance) & (stick_half_width > 0)
+    is_within_stick_edges = is_between_edges(stick_half_width * sides, distance) & (
+        stick_half_width > 0
+    )
     states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
@@ -1493,7 +1495,7 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
             extra_slip.slips, state_of_extra_slip, states_without_inner_zone[index]
         )
     is_pressed = followed_path.normal_load[row_numbers, None] > 0
-    is_in_contact = between(half_width * sides, distance) & is_pressed
+    is_in_contact = is_between_edges(half_width * sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 
 

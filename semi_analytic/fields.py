@@ -47,7 +47,7 @@ from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, LoadSegment
 from scenes.array_types import Array
-from scenes.chebyshev import DEGREE, NODES, series, tail
+from scenes.chebyshev import DEGREE, NODES, series, truncation_error
 from semi_analytic.memory import CurvePart, Piece, Snapshot, pieces, time_of_load_on_arc
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
@@ -330,7 +330,9 @@ class Arc:
             largest_coefficient = float(np.max(np.abs(far_series.coefficients[:, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
             series_errors = np.zeros((len(begins), n_points))
-            series_errors[far_series.panel, far_series.point] = tail(far_series.coefficients)
+            series_errors[far_series.panel, far_series.point] = truncation_error(
+                far_series.coefficients
+            )
             coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
             coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
@@ -746,9 +748,9 @@ class Integrals:
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact
-        >>> from semi_analytic.history import march, snapshot_of
+        >>> from semi_analytic.history import spans_along, snapshot_of
         >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
-        >>> loading, slip = march(
+        >>> loading, slip = spans_along(
         ...     None,
         ...     straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 0.0), (2.0, 4.0, 1.5)]),
         ...     0.5,

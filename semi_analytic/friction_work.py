@@ -91,9 +91,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
-    >>> from semi_analytic.history import march
+    >>> from semi_analytic.history import spans_along
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
-    >>> spans, _ = march(
+    >>> spans, _ = spans_along(
     ...     None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0
     ... )  # k = 0.6
     >>> closed = 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
@@ -337,9 +337,9 @@ def pointwise_dissipation(
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
-    >>> from semi_analytic.history import march
+    >>> from semi_analytic.history import spans_along
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
-    >>> spans, _ = march(
+    >>> spans, _ = spans_along(
     ...     None, straight_segments([(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3)]), 0.5, 0.0
     ... )  # P_c = 0.4
     >>> slip = (
@@ -441,7 +441,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
-    >>> from semi_analytic.history import march
+    >>> from semi_analytic.history import spans_along
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
     >>> rows = [
     ...     (0.0, 0.0, 0.0),
@@ -450,7 +450,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ...     (3.0, 1.0, -0.3),
     ...     (4.0, 1.0, 0.3),
     ... ]  # k = 0.6
-    >>> spans, _ = march(None, straight_segments(rows), 0.5, 0.0)
+    >>> spans, _ = spans_along(None, straight_segments(rows), 0.5, 0.0)
     >>> closed = 4 * 0.5**2 / math.pi * (0.4 * math.log(0.4) + 0.6 - 0.18)
     >>> (
     ...     round(

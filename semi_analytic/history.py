@@ -251,7 +251,7 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     return list(zip(begin_times, [*begin_times[1:], segment.end], strict=True))
 
 
-def march(
+def spans_along(
     curve: Curve, segments: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
     """Time spans of full stick, or of slip in one direction, along load segments, and
@@ -264,7 +264,7 @@ def march(
     >>> segments = straight_segments(
     ...     [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, 0.1)]
     ... )  # rows of t, P, Q
-    >>> spans, curve = march(None, segments, 0.5, 0.0)
+    >>> spans, curve = spans_along(None, segments, 0.5, 0.0)
     >>> [
     ...     (span.direction, round(float(span.slip_zone_load(span.end.time)), 12)) for span in spans
     ... ]  # P - P_c is dQ/f, after a reversal dQ/(2 f)
@@ -322,16 +322,16 @@ def _spans_of_part(
             friction,
         )
     elif normal_rate < 0 and slips_forward == slips_in_reverse:
-        yield from _unload(curve, begin_instant, end_instant, friction, delay)
+        yield from _unloading_spans(curve, begin_instant, end_instant, friction, delay)
     elif slips_forward or slips_in_reverse:
-        yield from _slip(
+        yield from _slip_spans(
             curve, 1 if slips_forward else -1, begin_instant, end_instant, friction, delay
         )
     else:
         yield Span(begin_instant, end_instant, delay, 0, curve, friction)
 
 
-def _slip(
+def _slip_spans(
     curve: Curve,
     direction: int,
     begin_instant: Instant,
@@ -398,7 +398,7 @@ def _slip(
         yield Span(span_begin, end_instant, delay, direction, curve, friction)
 
 
-def _unload(
+def _unloading_spans(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
     """Time spans of full stick, or of slip in one direction, on a part of a load segment on which P
@@ -416,15 +416,15 @@ def _unload(
         begin_of_part = instant(begin_instant.segment, begin_time)
         end_of_part = instant(begin_instant.segment, end_time)
         if direction:
-            for span in _slip(curve, direction, begin_of_part, end_of_part, friction, delay):
+            for span in _slip_spans(curve, direction, begin_of_part, end_of_part, friction, delay):
                 yield span
                 curve = span.curve(span.end.time)
         else:
-            yield from _retrace(curve, begin_of_part, end_of_part, friction, delay)
+            yield from _retracing_spans(curve, begin_of_part, end_of_part, friction, delay)
             curve = unload_to(curve, end_of_part.normal)
 
 
-def _retrace(
+def _retracing_spans(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
     """Time spans of unloading without slip, Q = M(P): one span for each smooth piece of the memory
@@ -679,13 +679,13 @@ def follow(
     InadmissibleLoadError
         Gross sliding or separation, with the instant and the loads.
     """
-    loading_spans, curve = march(None, loading, friction, 0.0)
+    loading_spans, curve = spans_along(None, loading, friction, 0.0)
     curves_between_cycles = [curve]
     spans_of_cycles = []
     steady_from = None
     for cycle_number, cycle in enumerate(cycles_of_path):
         curve_at_begin = curve
-        spans, curve = march(curve_at_begin, cycle.segments, friction, cycle.delay)
+        spans, curve = spans_along(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
         tolerance = repeat_tolerance(slip_zone_share(spans))

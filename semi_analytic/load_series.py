@@ -311,7 +311,7 @@ def _without_upper_share(curve: Line, cut_share: float) -> Line:
     )
 
 
-def _step(
+def _curve_after_step(
     curve: Line | None,
     kind: int,
     begin_station: Station,
@@ -342,18 +342,20 @@ def _step(
         takes a record for each line that the step goes through
     """
     if kind == _UNLOADS:
-        return _unload(curve, begin_station, end_station, friction, recorder)
+        return _curve_after_unloading(curve, begin_station, end_station, friction, recorder)
     if kind != _STICKS:
-        return _slip(curve, kind, begin_station, end_station, friction, recorder)
+        return _curve_after_slip(curve, kind, begin_station, end_station, friction, recorder)
     load_at_begin, _, _ = begin_station
     load_at_end, _, _ = end_station
     if load_at_end > load_at_begin:
-        curve = _load_in_stick(curve, begin_station, end_station)
+        curve = _curve_after_loading_in_stick(curve, begin_station, end_station)
     recorder.add(curve, _STICKS, begin_station, end_station)
     return curve
 
 
-def _load_in_stick(curve: Line | None, begin_station: Station, end_station: Station) -> Line:
+def _curve_after_loading_in_stick(
+    curve: Line | None, begin_station: Station, end_station: Station
+) -> Line:
     """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
     rise dQ is put on top.
 
@@ -383,7 +385,7 @@ def _load_in_stick(curve: Line | None, begin_station: Station, end_station: Stat
     )
 
 
-def _slip(
+def _curve_after_slip(
     curve: Line | None,
     direction: int,
     begin_station: Station,
@@ -512,7 +514,7 @@ def _with_line_at_limit(
     )
 
 
-def _unload(
+def _curve_after_unloading(
     curve: Line | None,
     begin_station: Station,
     end_station: Station,
@@ -545,9 +547,13 @@ def _unload(
             force - path_slope * part.load_drop_at_end,
             share_of_step,
         )
-        curve = _unload_part(curve, part.direction, station, next_station, friction, recorder)
+        curve = _curve_after_unloading_part(
+            curve, part.direction, station, next_station, friction, recorder
+        )
         station = next_station
-    curve = _unload_part(curve, last_part.direction, station, end_station, friction, recorder)
+    curve = _curve_after_unloading_part(
+        curve, last_part.direction, station, end_station, friction, recorder
+    )
     return curve if load_at_end > 0 else None
 
 
@@ -597,7 +603,7 @@ def _parts_of_unloading(
     return [*parts, _UnloadingPart(load_drop, side_of_open_part)]
 
 
-def _unload_part(
+def _curve_after_unloading_part(
     curve: Line | None,
     direction: int,
     begin_station: Station,
@@ -613,11 +619,11 @@ def _unload_part(
     `recorder` takes a record for each straight line of the curve that the part goes through.
     """
     if direction:
-        return _slip(curve, direction, begin_station, end_station, friction, recorder)
-    return _retrace(curve, begin_station, end_station, recorder)
+        return _curve_after_slip(curve, direction, begin_station, end_station, friction, recorder)
+    return _curve_after_retracing(curve, begin_station, end_station, recorder)
 
 
-def _retrace(
+def _curve_after_retracing(
     curve: Line | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Line | None:
     """The memory curve after unloading along it, Q = M(P), without slip: what lies above the new P
@@ -715,7 +721,7 @@ def follow(
         for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
             station = (load, force, 0.0)
             next_station = (next_load, next_force, 1.0)
-            curve = _step(curve, kind, station, next_station, friction, recorder)
+            curve = _curve_after_step(curve, kind, station, next_station, friction, recorder)
             if next_load == 0:
                 curve = None  # unloaded: a line that rounding left has no length
             load = next_load
@@ -1088,14 +1094,14 @@ def _follow_cycles(
     followed_cycles: list[PathPart] = []
     steady_from = None
     curve = None
-    for _, block in blocks(loading, friction):
+    for _, block in blocks_of_part(loading, friction):
         curve = block.curve
     for cycle in cycle_parts:
         curve_at_begin = curve
         followed_cycle = cycle._replace(curve=curve_at_begin)
         followed_cycles.append(followed_cycle)
         largest_slip_zone_load = 0.0
-        for _, block in blocks(followed_cycle, friction):
+        for _, block in blocks_of_part(followed_cycle, friction):
             curve = block.curve
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # The less slips in a cycle, the closer its memory curves must agree.
@@ -1122,7 +1128,7 @@ def _follow_cycles(
     )
 
 
-def blocks(
+def blocks_of_part(
     part: PathPart, friction: float, stores_curves: bool = False
 ) -> Iterator[tuple[int, StepBlock]]:
     """Number of the first step, and friction history, of each block of at most 10,000 load steps of

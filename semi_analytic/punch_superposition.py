@@ -41,7 +41,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, clenshaw, series, tail
+from scenes.chebyshev import NODES, clenshaw, series, truncation_error
 from semi_analytic.quadrature import gauss, graded
 
 Indices = NDArray[np.intp]
@@ -1216,7 +1216,7 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
     for n_halvings in range(_LARGEST_NUMBER_OF_HALVINGS + 1):
         coefficients = _series_of_integrand(kind, load_power, panels, law)
         half_length = (panels.end_v - panels.begin_v) / 2
-        last_coefficients = tail(coefficients)
+        last_coefficients = truncation_error(coefficients)
         size_of_integral = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.

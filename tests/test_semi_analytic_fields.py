@@ -237,7 +237,7 @@ def test_every_scene_keeps_the_laws_and_meets_what_is_expected_of_it(name):
 
 def drop_history(monkeypatch):
     """Each leg starts as if its first point had been reached along a straight line."""
-    march = semi_analytic.history.march
+    spans_along = semi_analytic.history.spans_along
 
     def forgetful(curve, legs, friction, delay):
         if curve is not None:
@@ -246,17 +246,17 @@ def drop_history(monkeypatch):
             curve = Piece(
                 None, end.normal, end._replace(segment=leg, time=0.0), end.tangential / end.normal
             )
-        return march(curve, legs, friction, delay)
+        return spans_along(curve, legs, friction, delay)
 
-    monkeypatch.setattr(semi_analytic.history, "march", forgetful)
-    step = semi_analytic.load_series._step
+    monkeypatch.setattr(semi_analytic.history, "spans_along", forgetful)
+    step = semi_analytic.load_series._curve_after_step
 
     def forgetful_step(curve, *arguments):
         if curve is not None:
             curve = Line(None, curve.top, curve.force, curve.top, curve.force, line_count=1)
         return step(curve, *arguments)
 
-    monkeypatch.setattr(semi_analytic.load_series, "_step", forgetful_step)
+    monkeypatch.setattr(semi_analytic.load_series, "_curve_after_step", forgetful_step)
 
 
 def flip_change_of_shear(monkeypatch):
@@ -267,9 +267,11 @@ def flip_change_of_shear(monkeypatch):
         "slip_combination",
         lambda direction, friction: slip_combination(-direction, friction),
     )
-    slip = semi_analytic.load_series._slip
+    slip = semi_analytic.load_series._curve_after_slip
     monkeypatch.setattr(
-        semi_analytic.load_series, "_slip", lambda curve, s, *arguments: slip(curve, -s, *arguments)
+        semi_analytic.load_series,
+        "_curve_after_slip",
+        lambda curve, s, *arguments: slip(curve, -s, *arguments),
     )
 
 
@@ -281,9 +283,11 @@ def forget_friction(monkeypatch):
         "slip_to",
         lambda curve, s, f, end, slipped: slip_to(curve, s, 0.0, end, slipped),
     )
-    slip = semi_analytic.load_series._slip
+    slip = semi_analytic.load_series._curve_after_slip
     monkeypatch.setattr(
-        semi_analytic.load_series, "_slip", lambda *arguments: slip(*arguments)._replace(rise=0.0)
+        semi_analytic.load_series,
+        "_curve_after_slip",
+        lambda *arguments: slip(*arguments)._replace(rise=0.0),
     )
 
 
