@@ -499,7 +499,8 @@ def creeping_zone(
 
 def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> Array:
     """Left and right edge (m, 2) of the stick zone at m instants, half-way between the nodes that
-    stick and those that do not; NaN where none sticks, the outermost closed nodes where all do.
+    stick and those that do not; on a side of the middle where all stick the outermost closed node.
+    Both are NaN where on one side at least nodes touch and none sticks.
 
     Parameters
     ----------

@@ -513,6 +513,11 @@ def meshed_pair(
     grading
         function of a factor on the element sizes, 1 for the lower body and `mesh.upper_ratio` for
         the upper one, that returns the element sizes along the face
+
+    Raises
+    ------
+    InputError
+        For a mesh too large for memory, or a face shorter than the contact.
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)

@@ -503,8 +503,9 @@ def check_kernels(scene: Scene) -> None:
     Raises
     ------
     InputError
-        For faces that are neither flat, nor an arc, nor a flat between two arcs; for bodies on
-        rollers with free sides; for bulk stress, and on curved faces also tilt or moment.
+        For faces that are neither flat, nor an arc, nor a flat between two arcs; for blocks on
+        rollers with free sides; for bulk stress where a body is of finite size, and where a face is
+        curved also for tilt or moment.
     """
     for name in ("lower", "upper"):
         shape = getattr(scene.bodies, name)

@@ -196,8 +196,12 @@ def zero_between(
     time = begin + first_fraction * (end - begin)
     value = function(time)
     for _ in range(_MOST_SECANTS):
-        if abs(value) <= _LAST_DIGIT or value == value_before:
+        if abs(value) <= _LAST_DIGIT:
             return time
+        if value == value_before and time_before > begin:
+            return time  # only round-off is left
+        if value == value_before:
+            break  # flat from the begin on: no secant
         step = -value * (time - time_before) / (value - value_before)
         if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
             return time

@@ -147,10 +147,12 @@ class ReturnMapping:
 
     def _penalty_compliances(self) -> Iterator[Layer]:
         """Compliances of the nodes by the penalty, which are its inverse, (n,) normal and
-        tangential [displacement / nodal force, scaled]; each is ten times the one before.
+        tangential [displacement / nodal force, scaled]; five of them, each softer than the one
+        before.
 
         The first is that of the augmented Lagrangian's own penalty. In the penalty method the
         springs of the layer between the faces are the penalty: the first compliance added is zero.
+        The others are 10, 100, ... times that of the own penalty, or of the layer.
         """
         if self.penalty is None:
             yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))

@@ -134,7 +134,7 @@ def trend(values: Sequence[float]) -> Trend:
     return Trend("algebraic", left, values[-1] + left)
 
 
-def ratchets(drifts: Sequence[float], travel: float) -> bool:
+def drift_persists(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
     revolution, instead of less and less. False after a single revolution.
 
@@ -147,7 +147,7 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
 
     Examples
     --------
-    >>> ratchets([0.3, 0.11, 0.1, 0.1], 1.0), ratchets([0.4, 0.2, 0.1, 0.05], 1.0)
+    >>> drift_persists([0.3, 0.11, 0.1, 0.1], 1.0), drift_persists([0.4, 0.2, 0.1, 0.05], 1.0)
     (True, False)
     """
     last_drift = abs(drifts[-1])
@@ -296,7 +296,7 @@ class PathRun:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]
         travel = float(np.ptp([state.shift for state in last_cycle]))
-        return ratchets(drifts, travel)
+        return drift_persists(drifts, travel)
 
     @property
     def stored_indices(self) -> Indices:
@@ -557,8 +557,8 @@ def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> Inter
     load_units = pace.units(problem)
     time_soon_after = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
     normal_load, *_, moment = scaled_loads(leg, time_soon_after, load_units)
-    line_of_action = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
-    return problem.at_rest(path.start, scaled_loads(leg, path.start, load_units), line_of_action)
+    x_of_load = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
+    return problem.at_rest(path.start, scaled_loads(leg, path.start, load_units), x_of_load)
 
 
 @dataclass(eq=False)

@@ -68,6 +68,16 @@ def test_where_secants_leave_the_range_a_bracket_finds_the_zero():
     assert zero_between(steep, 0.0, 1.0, 0.1, steep(0.0)) == pytest.approx(0.9, abs=1e-15)
 
 
+def test_a_load_that_rests_at_first_has_its_zero_later_or_not_at_all():
+    """The first secant is flat; the instant that was tried first was returned."""
+
+    def resting(time):
+        return max(time - 0.5, 0.0) - 0.3
+
+    assert zero_between(resting, 0.0, 1.0, 0.4, resting(0.0)) == pytest.approx(0.8, abs=1e-14)
+    assert zero_between(lambda _: 1.0, 0.0, 1.0, 0.4, 1.0) == 1.0
+
+
 @given(phase=st.floats(10, 170), friction=st.floats(0.3, 2), start=st.floats(0, TURN))
 def test_turning_points_of_an_ellipse(phase, friction, start):
     """P turns at 0 and pi; Q -+ f P, sinusoids too, where their rates vanish: six in a revolution,
