@@ -46,6 +46,9 @@ _LARGEST_CREEP = 3e-4
 # The same of coupled bodies, 1e-3^(3/2): it costs a thousandth of the slip zone, and is above the
 # 2e-5 that nodes which single increments label as slip were seen to move (flat pad of the library).
 _LARGEST_CREEP_OF_COUPLED = 3e-5
+# Distances of nodes beyond the intersection of all stick zones, of like bodies, as far as which the
+# edges of single instants tell the end of the permanent stick zone better than creep.
+_NODES_OF_CREEP = 2.0
 
 
 def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str, Any]:
@@ -377,6 +380,7 @@ def _permanent_stick(
       grows less from cycle to cycle.
     - Between coupled bodies (unlike materials), where single increments label nodes as slipping
       that move next to nothing.
+    - Between others where creep reaches two nodes and more beyond the stick zones of all instants.
 
     Parameters
     ----------
@@ -420,8 +424,36 @@ def _permanent_stick(
         left_end = np.fmin(permanent_zone[0], creeping_edges[0])
         right_end = np.fmax(permanent_zone[1], creeping_edges[1])
         permanent_zone = np.array([left_end, right_end])
+    elif np.isfinite(permanent_zone).all():
+        by_slip = _with_creeping_ends(x, by_slip, creeping_edges, permanent_zone)
     places = np.where(np.isfinite(by_slip.places), by_slip.places, permanent_zone)
     return Edges(places, by_slip.uncertainty)
+
+
+def _with_creeping_ends(
+    x: Array, by_slip: Edges, creeping_edges: Array, common_zone: Array
+) -> Edges:
+    """Ends (2,) of the permanent stick zone by slip. Where slip does not place one, and the nodes
+    creep far beyond the intersection of all stick zones, it is half-way between the last node that
+    creeps and the next one: single increments label as slip what moves by next to nothing.
+
+    Parameters
+    ----------
+    x
+        (n,) nodes in ascending order
+    by_slip
+        ends that slip places, NaN of others
+    creeping_edges, common_zone
+        (2,) ends of the zone that creeps, and of the intersection of all stick zones
+    """
+    node_after = np.clip(np.searchsorted(x, creeping_edges), 1, len(x) - 1)
+    spacing = x[node_after] - x[node_after - 1]
+    creep_beyond_zone = (creeping_edges - common_zone) * [-1.0, 1.0]
+    creeps = np.isnan(by_slip.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
+    return Edges(
+        np.where(creeps, creeping_edges, by_slip.places),
+        np.where(creeps, spacing, by_slip.uncertainty),
+    )
 
 
 def zone_by_nodes(run: PathRun) -> StickZone:

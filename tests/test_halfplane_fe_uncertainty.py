@@ -18,7 +18,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
-from halfplane_fe.answer import _grows_within_cone, creeping_zone
+from halfplane_fe.answer import _grows_within_cone, _with_creeping_ends, creeping_zone
 from halfplane_fe.answer_uncertainty import _nodes_to_edge, _share_of_flanks
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import Edges, edge_unit, uncertainty_at_jumps, uncertainty_by_growth
@@ -712,3 +712,21 @@ def test_the_permanent_stick_of_a_mirrored_answer_is_equally_uncertain() -> None
     )
     assert first == pytest.approx(second, rel=1e-12)
     assert 0.1 < first < 0.2
+
+
+def test_a_single_increment_of_creep_does_not_end_the_permanent_stick_zone() -> None:
+    """Of a layer as thin as its contact, nodes that moved 9e-5 of the largest slip in one increment
+    ended it at a tenth of its width: 40 times as far off as stated.
+    """
+    x = np.linspace(-1.0, 1.0, 201)
+    nowhere = np.full(2, np.nan)
+    by_slip = Edges(nowhere, nowhere)
+    creeping_edges = np.array([-0.525, 0.525])
+    ends = _with_creeping_ends(x, by_slip, creeping_edges, np.array([-0.055, 0.055]))
+    np.testing.assert_array_equal(ends.places, creeping_edges)
+    np.testing.assert_allclose(ends.uncertainty, 0.01)
+    near = _with_creeping_ends(x, by_slip, creeping_edges, np.array([-0.51, 0.51]))
+    assert np.isnan([near.places, near.uncertainty]).all()
+    placed = Edges(np.array([-0.5, 0.5]), np.full(2, 1e-4))
+    kept = _with_creeping_ends(x, placed, creeping_edges, np.array([-0.055, 0.055]))
+    np.testing.assert_array_equal(kept.places, placed.places)
