@@ -93,6 +93,14 @@ def test_heights_are_where_the_error_is_the_level(monkeypatch: pytest.MonkeyPatc
         assert distance.height == pytest.approx(expected, rel=5e-3)
     never = [row._replace(errors=dict.fromkeys(QUANTITIES, Estimate(0.5, 0.0))) for row in rows]
     assert {distance.height for distance in distances_of(kind, never, silent)} == {math.inf}
+    unknown = dict.fromkeys(QUANTITIES, Estimate(math.nan, math.nan))
+    small = dict.fromkeys(QUANTITIES, Estimate(1e-3, 0.0))
+    lowest_unknown = [
+        row._replace(errors=unknown if row.place.height == kind.heights[0] else small)
+        for row in rows
+    ]
+    distances = distances_of(kind, lowest_unknown, silent)
+    assert {distance.height for distance in distances} == {kind.heights[1]}
     assert {distance.quantity for distance in distances_of(KINDS["pad"], [], silent)} == {
         "dissipation",
         "peak_pressure",

@@ -21,15 +21,15 @@ from semi_analytic.profiles import contact_of
 
 # Cells over the contact: the error of a difference between two results on the same cells is far
 # below the third of it that a cause may leave.
-_CELLS = 120
-_CELLS_OF_SHEAR = 80
+_N_CELLS = 120
+_N_CELLS_OF_SHEAR = 80
 # Half-widths of theory's contact that are covered: a layer of a_ref/(10 E*) makes a contact wider
 # by a tenth, the widest one of a search by three quarters.
 _REACH_OF_LAYER = 1.8
 _REACH_OF_SHEAR = 1.02
 # States of stick and slip that one step tries with all cells that break a law changed at once; of
 # the Coulomb limit and of a displacement, below which it is kept.
-_MOST_STATES = 10
+_MOST_STATES_AT_ONCE = 10
 _ROUND_OFF = 1e-9
 
 
@@ -74,12 +74,12 @@ def pressure_on_layer(
     """
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_loads.max()))
-    cell_centres, cell_width = cells(half_width_of_cells, _CELLS)
-    matrix = influence(scene, cell_centres, cell_width) + layer_compliance * np.eye(_CELLS)
+    cell_centres, cell_width = cells(half_width_of_cells, _N_CELLS)
+    matrix = influence(scene, cell_centres, cell_width) + layer_compliance * np.eye(_N_CELLS)
     gap = np.asarray(scene.profile.height(cell_centres))
-    pressures = np.zeros((len(normal_loads), _CELLS))
+    pressures = np.zeros((len(normal_loads), _N_CELLS))
     for number, normal_load in enumerate(normal_loads):
-        is_closed = np.full(_CELLS, normal_load > 0)
+        is_closed = np.full(_N_CELLS, normal_load > 0)
         while is_closed.any():  # each pass opens a cell, or is the last
             closed_pressure, _ = _tractions_and_rigid_motion(
                 matrix, is_closed, -gap[is_closed], cell_width, float(normal_load)
@@ -121,7 +121,7 @@ def shear_by_coupling(
     """
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
-    cell_centres, cell_width = cells(half_width_of_cells, _CELLS_OF_SHEAR)
+    cell_centres, cell_width = cells(half_width_of_cells, _N_CELLS_OF_SHEAR)
     matrix = influence(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
     slope_per_pressure = 2 * beta / composite_modulus(scene.material)
@@ -215,7 +215,7 @@ def _shear_after_step(
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)
     slip_scale = largest_limit * float(np.abs(np.diag(matrix)).max())
     slip_direction = np.zeros(len(coulomb_limit))  # 1 or -1; 0 of cells that stick
-    for attempt in range(_MOST_STATES + 2 * len(coulomb_limit)):
+    for attempt in range(_MOST_STATES_AT_ONCE + 2 * len(coulomb_limit)):
         is_stick = is_pressed & (slip_direction == 0)
         if not is_stick.any():
             break
@@ -235,7 +235,9 @@ def _shear_after_step(
         if not breaks_law.any():
             return shear, tangential_displacement
         changes_state = breaks_law
-        if attempt >= _MOST_STATES:  # one cell at a time, which ends where all at once do not
+        if (
+            attempt >= _MOST_STATES_AT_ONCE
+        ):  # one cell at a time, which ends where all at once do not
             changes_state = violation == violation.max()
         new_direction = np.where(is_stick, np.sign(shear), 0.0)
         slip_direction = np.where(changes_state, new_direction, slip_direction)

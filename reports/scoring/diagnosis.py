@@ -343,11 +343,8 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
             continue
         (cause,) = fit.causes
         share = share_left(fit, judgement.no_cause, (cause.channel,))
-        if (
-            share < 1
-            and probability_by_chance(fit, judgement.no_cause, (cause.channel,))
-            < LARGEST_PROBABILITY_BY_CHANCE
-        ):
+        chance = probability_by_chance(fit, judgement.no_cause, (cause.channel,))
+        if share < 1 and chance < LARGEST_PROBABILITY_BY_CHANCE:
             least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
     keys_by_share = sorted(least_share_by_key, key=least_share_by_key.__getitem__)
     shares_in_words = ", ".join(

@@ -256,7 +256,8 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
 
     It lies between the last point above the level and the next one, and is found by Brent's method
     in the logarithms of height and error. Each trial solves half-planes with the compliance of the
-    body added. 0 where all points are below, infinite where the highest body is still above.
+    body added. 0 where all points are below, infinite where the highest body is still above. A
+    point whose error is not known (NaN) counts as above; the height is then that of the next one.
 
     Parameters
     ----------
@@ -270,7 +271,7 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
         largest |error| that is allowed, 0.05 for 5 %
     """
     error_sizes = np.array([abs(row.errors[quantity].value) for row in rows_of_line])
-    indices_above = np.flatnonzero(error_sizes > level)
+    indices_above = np.flatnonzero(~(error_sizes <= level))
     if not len(indices_above):
         return 0.0
     last_above = int(indices_above[-1])
@@ -278,6 +279,8 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
         return math.inf
     # the last row above the level and the first one below it
     rows_at_ends = rows_of_line[last_above : last_above + 2]
+    if math.isnan(error_sizes[last_above]):
+        return rows_at_ends[1].place.height
     log_heights = [math.log(row.place.height) for row in rows_at_ends]
     row_by_log_height = dict(zip(log_heights, rows_at_ends, strict=True))
 

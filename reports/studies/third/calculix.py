@@ -99,7 +99,7 @@ class ThirdSolver:
         if third_comparison:
             solutions.append(third_comparison.result)
         table_rows: list[tuple[str, ...]] = []
-        for name, unit, value_of_solution in _values(comparison.scene):
+        for name, unit, value_of_solution in _compared_values(comparison.scene):
             values = [value_of_solution(solution) for solution in solutions]
             values += [math.nan] * (3 - len(values))
             cells = [number(value) if math.isfinite(value) else "–" for value in values]
@@ -172,7 +172,7 @@ class ThirdSolver:
         if third_comparison is not None:
             third_metrics = {metric.key: metric.value for metric in third_comparison.metrics}
         figures = {}
-        for name, unit, value_of_solution in _values(comparison.scene):
+        for name, unit, value_of_solution in _compared_values(comparison.scene):
             figures[name] = {
                 "unit": unit,
                 "theory": value_of_solution(comparison.reference),
@@ -321,7 +321,7 @@ def run_calculix(
             while process.poll() is None and not is_late:
                 is_late = time.monotonic() > start_time + time_limit
                 if show_progress is not None:
-                    attempts = status(status_file)
+                    attempts = attempts_in(status_file)
                     time_fraction = attempts[-1].total / end_time if attempts else 0.0
                     percent = round(100 * min(time_fraction, 1.0))
                     show_progress(percent, 100, f"increment {len(attempts)}")
@@ -330,7 +330,7 @@ def run_calculix(
             if process.poll() is None:
                 process.kill()
             process.wait()
-    attempts = status(status_file)
+    attempts = attempts_in(status_file)
     accepted_attempts = [attempt for attempt in attempts if attempt.accepted]
     time_reached = max((attempt.total for attempt in accepted_attempts), default=0.0)
     if is_late or process.returncode != 0 or time_reached < end_time * (1 - _PRINTED_PRECISION):
@@ -364,7 +364,7 @@ class Attempt:
     total: float  # time reached, or that of its start where it was not accepted
 
 
-def status(sta: Path) -> list[Attempt]:
+def attempts_in(sta: Path) -> list[Attempt]:
     """The attempts in a .sta file so far; a line that is half-written is left out."""
     text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
     row_match = (
@@ -416,7 +416,7 @@ def _limits(deck: Deck) -> list[str]:
     return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]
 
 
-def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
+def _compared_values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
     """The values by which theory, finite elements and CalculiX are compared: for each its label,
     its unit, and a function that takes it from a solution. They are of the last cycle, or of the
     whole path where nothing repeats.
