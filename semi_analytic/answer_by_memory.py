@@ -1288,7 +1288,7 @@ def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> d
     if bulk_tilt_path is None:
         return {}
     # Each neglected load is a share of what makes an edge of contact slip or lift.
-    neglected_share = sum(bulk_tilt_path.neglected.values())
+    neglected_share = sum(bulk_tilt_path.neglected_loads.values())
     if neglected_share <= PROMISED_ERROR:
         return {}
     return dict.fromkeys(sorted(question.fields & _OF_FRICTION), neglected_share)
@@ -1298,7 +1298,7 @@ def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
     """A sentence for each load that is below rounding and was left out, so that the memory of
     friction is one curve.
     """
-    neglected_shares = bulk_tilt_path.neglected if bulk_tilt_path is not None else {}
+    neglected_shares = bulk_tilt_path.neglected_loads if bulk_tilt_path is not None else {}
     for name, share in neglected_shares.items():
         size = f"{share:.1e} of what makes an edge of contact slip"
         yield f"{name}: {size} is below rounding and was left out of the memory of friction"

@@ -247,7 +247,7 @@ def findings_of_rig(question: Question) -> Findings:
         For `straight_steps`, for materials, profiles or rigs that corrected theory does not take,
         and for springs that leave more than one answer.
     """
-    started = clock.perf_counter()
+    clock_at_start = clock.perf_counter()
     if question.straight_steps:
         raise InputError(
             "straight_steps: it goes with given loads; leave it out where a displacement is"
@@ -308,7 +308,7 @@ def findings_of_rig(question: Question) -> Findings:
             "pieces": len(fine_path.followed_path.pieces.top),
         },
         seconds={
-            "history": history_done - started,
+            "history": history_done - clock_at_start,
             "fields": clock.perf_counter() - history_done,
         },
         scene=_scene_of_loads(question.scene, loads_up_to_end, last_cycle),

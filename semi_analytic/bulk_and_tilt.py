@@ -66,7 +66,7 @@ class OneCurve:
         stresses of both bodies, tilt and moment as paths over the same time; None for none
     moment_given
         whether `tilt_and_moment` states the moment
-    neglected
+    neglected_loads
         loads below round-off that were left out, each over the load that makes an edge of
         contact slip or lift
     """
@@ -76,7 +76,7 @@ class OneCurve:
     bulk: LoadPath | None
     tilt_and_moment: LoadPath | None
     moment_given: bool
-    neglected: Mapping[str, float] = field(default_factory=dict)
+    neglected_loads: Mapping[str, float] = field(default_factory=dict)
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
         """Bulk stress of both bodies, tilt [rad], moment of the pressure, contact edges (n, 2) and
@@ -177,7 +177,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         samples_of_segments[first_shearing_segment:] or [last_sample], axis=1
     )
     largest_load = float(np.max(p))
-    neglected: dict[str, float] = {}
+    neglected_loads: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
     is_parabola = convex_shape.radius is not None
     may_slip_opposite_ways = bool(
@@ -191,14 +191,16 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     if is_strain_alone:
         # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
         if np.any(q):
-            neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * largest_load)
+            neglected_loads["tangential load"] = float(np.max(np.abs(q))) / (
+                friction * largest_load
+            )
         largest_change = float(np.max(np.abs(eps - first_strain)))
         equivalent_shear = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
 
     relation = _AffineRelation.fitted(p, equivalent_shear, eps, alpha, load_sizes)
     if not relation.holds:
         return None
-    neglected |= relation.neglected
+    neglected_loads |= relation.neglected_loads
     intervals = NestedIntervals(
         convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
     )
@@ -234,7 +236,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         bulk=path.companion("bulk"),
         tilt_and_moment=path.companion("tilt_and_moment"),
         moment_given=path.moment_given,
-        neglected=neglected,
+        neglected_loads=neglected_loads,
     )
 
 
@@ -261,6 +263,7 @@ def _contact_with_one_curve(
     """The contact whose frictional state is one memory curve: that of nested contact intervals, or
     a parabola whose two ends slip in opposite senses; None where neither exists.
 
+    A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
     Intervals are nested where each lies within those of all larger loads.
 
     Parameters
@@ -308,7 +311,7 @@ class _AffineRelation(NamedTuple):
         kappa [1/load], alpha_0 [rad]
     holds
         whether strain and tilt of all samples are on the lines to round-off
-    neglected
+    neglected_loads
         "bulk stress" and "tilt": deviations from the lines that are more than round-off of strain
         or tilt themselves, each over the size that makes an edge of contact slip or lift
     """
@@ -316,7 +319,7 @@ class _AffineRelation(NamedTuple):
     slope: float
     tilt_without_load: float
     holds: bool
-    neglected: dict[str, float]
+    neglected_loads: dict[str, float]
 
     @classmethod
     def fitted(
@@ -358,14 +361,14 @@ class _AffineRelation(NamedTuple):
         )
         tilt_limit = load_sizes.tilt_rounding + _ROUND_OFF_SHARE * abs(slope) * np.max(p)
         holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
-        neglected = {}
+        neglected_loads = {}
         if holds:
             # What is the last digits of a load itself is no load that was left out.
             if strain_deviation > _ROUND_OFF_SHARE * np.max(np.abs(eps)):
-                neglected["bulk stress"] = strain_deviation / load_sizes.slipping_strain
+                neglected_loads["bulk stress"] = strain_deviation / load_sizes.slipping_strain
             if tilt_deviation > _ROUND_OFF_SHARE * np.max(np.abs(known_tilt)):
-                neglected["tilt"] = tilt_deviation / load_sizes.lifting_tilt
-        return cls(slope, tilt_without_load, holds, neglected)
+                neglected_loads["tilt"] = tilt_deviation / load_sizes.lifting_tilt
+        return cls(slope, tilt_without_load, holds, neglected_loads)
 
 
 def _opposite_slip_contact(

@@ -848,8 +848,9 @@ class PointFields:
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
         punches. It is a chain of pieces from the middle outwards, on each of which F is linear in
-        the loads eta, G and G_4 of the punches. Each piece adds its slopes times the pressure of
-        its punches. The curvature that the loads give to the faces adds the rest.
+        the loads eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24. Each
+        piece adds its slopes times the pressure of its punches. The curvature that the loads give
+        to the faces adds the rest.
         """
         followed_path = self._followed_path
         pieces = followed_path.pieces
@@ -963,8 +964,11 @@ class PointFields:
         return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
     def _slip_of_memory_curves(self, rows: Indices) -> Array:
-        """Slip by the memory curves at instants `rows`, at the points, (n, k) [length]: as
-        `_shear_of_memory_curves`, with the slip outside of each punch instead of its pressure.
+        """Slip by the memory curves at instants `rows`, at the points, (n, k) [length].
+
+        A memory curve is the locked-in tangential force F over the half-width of the flat punches.
+        The slip is the integral of dF times the slip that a punch under unit force makes outside of
+        itself. On each piece of the curve dF is a sum of slopes times loads of the punches.
         """
         followed_path = self._followed_path
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
@@ -1103,7 +1107,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     is that of exact half-plane theory, plus the difference between the two followed paths, plus
     what tilt and strain add.
     """
-    started = clock.perf_counter()
+    clock_at_start = clock.perf_counter()
     paths = _followed_paths(question)
     bodies = paths.bodies
     history_done = clock.perf_counter()
@@ -1129,7 +1133,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
 
     friction_work = _works_and_density(paths, points, distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
-    seconds = {"history": history_done - started, "fields": fields_done - history_done}
+    seconds = {"history": history_done - clock_at_start, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
     termination, message = _termination_and_message(paths)
     fields_at_points = {
@@ -1225,7 +1229,8 @@ def table_of(
     load path, with the curvatures of finite bodies and without.
 
     A negative curvature of the gap widens the contact. The table is widened until its punches carry
-    P at every instant: eta + kn G + n4 G_4 >= P at its end.
+    P at every instant: eta + kn G + n4 G_4 >= P at its end. eta, G and G_4 are their loads for the
+    profile, x^2/2 and x^4/24; kn and n4 are factors of the latter two in the gap.
 
     Parameters
     ----------
@@ -1455,8 +1460,9 @@ def fields_at(
 def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
-    A point slips in the zone at the edge of contact, or in an inner zone of the memory curve, which
-    may slip the other way or while the edge sticks. At instants at which |q| of that curve would
+    A point slips in the zone at the edge of contact, or in an inner zone of the memory curve (the
+    locked-in tangential force over the half-width of the flat punches). An inner zone may slip the
+    other way, or while the edge sticks. At instants at which |q| of that curve would
     exceed f p, the inner zone is that of the extra slip instead.
 
     Parameters
@@ -1967,8 +1973,9 @@ def certificates_of(
         tangential_balance    |M - Q| / (f times the largest P)
         cone                  the largest |q| - f p over the points, over f times the largest p
 
-    M is the tangential force that the flat punches up to the edge of contact carry by their memory,
-    F + kt G + t4 G_4; the balance is not checked while P = 0. The Coulomb limit ("cone") is checked
+    M is the tangential force that the flat punches up to the edge of contact carry by their memory:
+    F, which they locked in while they stuck, plus kt G + t4 G_4 by the curvatures that the loads
+    give to the faces. The balance is not checked while P = 0. The Coulomb limit ("cone") is checked
     where both pressure and shear were asked for.
 
     Parameters

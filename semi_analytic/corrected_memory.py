@@ -597,7 +597,8 @@ class Pieces(list[Piece]):
         stored.
 
         A memory curve is F(s), the locked-in tangential force of the flat punches up to s. It is a
-        chain of pieces; on each F is linear in the loads eta, G and G_4 of these punches.
+        chain of pieces; on each F is linear in the loads eta, G and G_4 that these punches carry of
+        the profile, of x^2/2 and of x^4/24.
 
         Parameters
         ----------
@@ -887,8 +888,9 @@ class FollowedPath:
         """Tangential force F that flat punches keep while they stick, (m, k) [force per thickness].
 
         The memory curve, F over the half-width of the punches, consists of pieces on which F is
-        linear in the loads eta, G and G_4 of the punches. `piece_number` (m,) is that of the piece
-        on which row m of `punches` (m, k) lies; F is 0 on number 0, the empty curve.
+        linear in eta, G and G_4, the loads that the punches carry of the profile, x^2/2 and x^4/24.
+        `piece_number` (m,) is that of the piece on which row m of `punches` (m, k) lies; F is 0 on
+        number 0, the empty curve.
         """
         pieces = self.pieces
         number_below = pieces.parent[piece_number]
@@ -1085,7 +1087,8 @@ class PieceTable:
         each of the k pieces, (k, ...).
 
         A memory curve is F, the locked-in tangential force over the half-width of the flat punches.
-        On a piece dF = slope d eta + parabola_slope dG + fourth_slope dG_4.
+        On a piece dF = slope d eta + parabola_slope dG + fourth_slope dG_4, with the loads eta, G
+        and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24.
 
         Parameters
         ----------
@@ -1441,8 +1444,8 @@ class MemoryCurve:
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
         punches. Extended, it gets a piece on which F is linear in the load eta of the punches; on a
-        flat, which has none, in G. At the new edge F = Q - kt G - t4 G_4: all of Q is carried
-        within it.
+        flat, which has none, in G, their load for x^2/2. At the new edge F = Q - kt G - t4 G_4: all
+        of Q is carried within it, kt G + t4 G_4 by the curvatures of the faces.
 
         Parameters
         ----------
@@ -1506,8 +1509,10 @@ def _slip_direction_at_edge(
 
         |Q - kt G - t4 G_4 - F| > f [P - eta - kn G - n4 G_4]
 
-    The edge slips if this holds at one end of the outermost piece of the memory curve F: more
-    tangential force is then carried outside of that point than f times the normal load there.
+    The edge slips if this holds at one end of the outermost piece of the memory curve F, the force
+    that flat punches lock in: more tangential force is then carried outside of that point than f
+    times the normal load there. eta, G and G_4 are the loads that punches up to there carry, of the
+    profile, of x^2/2 and of x^4/24.
 
     Parameters
     ----------
@@ -1640,7 +1645,8 @@ def _crossing_of_bound(
     loads of the flat punches up to there.
 
     The memory curve is the locked-in tangential force F over the half-width of the punches. On a
-    piece F and the bound are linear in the loads eta, G and G_4 of the punches. The zero of their
+    piece F and the bound are linear in eta, G and G_4, the loads that the punches carry of the
+    profile, of x^2/2 and of x^4/24. The zero of their
     difference over s is found by Newton's method, bracketed by the ends of the piece.
 
     Parameters

@@ -181,9 +181,9 @@ class Zone:
 
         t = total traction_per_shift/total_per_shift + G b has C t = b + const and the sum `total`.
         """
-        inverse = self.root.T @ self.root
+        inverse_compliance = self.root.T @ self.root
         return np.asarray(
-            inverse
+            inverse_compliance
             - np.outer(self.traction_per_shift, self.traction_per_shift / self.total_per_shift)
         )
 
@@ -593,10 +593,11 @@ class Grid:
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(self._contact.begin, no_cells)
         no_traction = np.zeros(self.x.shape)
-        normal = NormalSolution(no_traction, self._contact, np.zeros(len(self.x)))
+        normal_solution = NormalSolution(no_traction, self._contact, np.zeros(len(self.x)))
         directions = np.zeros(self.x.shape, dtype=int)
         slip = self._displacement[:, None] + displacement_by_strain
-        return normal, TangentialSolution(no_traction, slip, directions, self._displacement)
+        tangential_solution = TangentialSolution(no_traction, slip, directions, self._displacement)
+        return normal_solution, tangential_solution
 
     def _solve_in_turn(
         self, load: float, force: float, tilt: float, displacement_by_strain: Array

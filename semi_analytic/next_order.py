@@ -133,5 +133,5 @@ def _ratio_to_curvature(effects: BodyEffects, curvature: str, half_width: float)
     leading_estimate: Estimate = getattr(effects, curvature)
     if not leading_estimate.value:
         return 0.0
-    fourth: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
-    return abs(fourth.value / leading_estimate.value) * half_width**2
+    fourth_order_estimate: Estimate = getattr(effects, curvature.replace("curvature", "fourth"))
+    return abs(fourth_order_estimate.value / leading_estimate.value) * half_width**2

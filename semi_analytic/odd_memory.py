@@ -519,9 +519,10 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
         int f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    N = f P - s Q,    a_s = f alpha - s eps
         - int s f (P - P_c) (v^2 M''/(2R) + v (M' alpha' - eps')) |dP_c|
 
-    D is the centre of stick minus that of contact, v the shift in `_StickEdge`. The second integral
-    is there where the memory at the stick edge was set in stick; alpha' and eps' are then their
-    derivatives along that memory, by eta. Both are taken by Gauss' rule of `n_points` nodes in
+    D is the centre of stick minus that of contact, v its shift since the memory at the stick edge
+    was set. The memory M(eta) is the tangential force of the flat punches up to the load eta. The
+    second integral is there where it was set in stick; M'', alpha' and eps' are derivatives along
+    it, by eta. Both are taken by Gauss' rule of `n_points` nodes in
     time; `radius` is R of the parabola. Declined where the contact slides as a whole.
     """
     piece = span.sticking_piece
@@ -666,10 +667,10 @@ class _SmoothEnd:
         stick_ratio = float(np.sqrt(self.edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
             raise Declined("all but the middle of the contact slides")
-        left = loads_left_at_stroke_end(stick_ratio, n_panels)
-        eta = self.load * left.half_width**2
+        panels = loads_left_at_stroke_end(stick_ratio, n_panels)
+        eta = self.load * panels.half_width**2
         # d eta/eta is 2 dc'/c'
-        return eta, 2 * self.load * left.force * left.width / left.half_width
+        return eta, 2 * self.load * panels.force * panels.width / panels.half_width
 
 
 def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:

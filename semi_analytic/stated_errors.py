@@ -201,10 +201,10 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     places = sums.distance[_evenly_spread_numbers(len(sums.distance), _SAMPLED_PLACES)]
     load = sums.load[:, None]
     largest_pressure = _largest_finite(contact.pressure(places, load))
-    largest = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
+    largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     errors_of_arcs = {
         name: largest_error(sums.arc_errors[name]) / size if size > _TINY else 0.0
-        for name, size in largest.items()
+        for name, size in largest_values.items()
     }
     if contact.closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}

@@ -542,10 +542,10 @@ class Pieces(NamedTuple):
 
     @classmethod
     def of_group(
-        cls, group: int, ellipse: Indices, low: Array, high: Array, rule: Indices
+        cls, group: int, ellipse: Indices, begin: Array, end: Array, rule: Indices
     ) -> Pieces:
-        """Intervals of one group from the angles `low` to `high`."""
-        return cls(np.full(len(ellipse), group), ellipse, low, high, rule)
+        """Intervals of one group from the angles `begin` to `end`."""
+        return cls(np.full(len(ellipse), group), ellipse, begin, end, rule)
 
     @classmethod
     def together(cls, parts: Sequence[Pieces]) -> Pieces:
@@ -642,10 +642,10 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
-    forward, reverse, _ = _work_over_phases(
+    forward_work, reverse_work, _ = _work_over_phases(
         ellipses, contact, contact.dissipation_kernel, _GRADED_RULES, _GRADED_SHARE
     )
-    return forward, reverse
+    return forward_work, reverse_work
 
 
 # Share of the mean load below which a load at the stick edge is taken for that share: W changes by
@@ -712,8 +712,8 @@ def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Arra
         works[:, ellipse_numbers] = _dissipation_of_group(
             ellipses.take(ellipse_numbers), contact, first_octave, last_octave
         )
-    total = works[0] + works[1]
-    works[2] += roundoff_error(ellipses, total) + contact.noise * np.abs(total)
+    total_work = works[0] + works[1]
+    works[2] += roundoff_error(ellipses, total_work) + contact.noise * np.abs(total_work)
     return works
 
 
@@ -758,8 +758,9 @@ def _dissipation_of_group(
             _COEFFICIENT_SHARE,
         )
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
-        forward, reverse, error = works_by_series
-        error += _ERROR_OF_SERIES / slip_zone_share[takes_series] * np.abs(forward + reverse)
+        forward_work, reverse_work, error = works_by_series
+        work = np.abs(forward_work + reverse_work)
+        error += _ERROR_OF_SERIES / slip_zone_share[takes_series] * work
         works[:, takes_series] = works_by_series
     if np.any(has_deep_slip):
         works[:, has_deep_slip] = _work_over_loads(
@@ -821,8 +822,8 @@ def _work_over_phases(
     works_of_phases, error = _integrals_by_group(
         ellipses, pieces, len(PHASES), work_rate, rules, converged_share
     )
-    reverse, forward_work_early, forward_work_later = works_of_phases
-    return np.stack([forward_work_early + forward_work_later, reverse, error])
+    reverse_work, forward_work_early, forward_work_later = works_of_phases
+    return np.stack([forward_work_early + forward_work_later, reverse_work, error])
 
 
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -872,8 +873,9 @@ def _work_over_loads(
         stick_course_later,
     ) = works_of_courses
     error += _LAST_DIGIT * np.square(ellipses.mean_load + ellipses.load_amplitude)
-    forward = load_course_of_forward + stick_course_early + stick_course_later
-    return np.stack([forward, load_course_of_reverse + stick_course_of_reverse, error])
+    forward_work = load_course_of_forward + stick_course_early + stick_course_later
+    reverse_work = load_course_of_reverse + stick_course_of_reverse
+    return np.stack([forward_work, reverse_work, error])
 
 
 def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> Pieces:
@@ -1304,10 +1306,12 @@ def works_by_lam(
 
 
 def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.bool_]:
-    """Whether the quick formula for Lam is not exact enough, (m,): the slip zones never carry more
-    than `deep_share` of P0, or one of u and v is at most that share of the other.
+    """Whether the quick formula for the kernel Lam of the friction work is not exact enough, (m,):
+    the slip zones never carry more than `deep_share` of P0, or one of u and v is at most that share
+    of the other.
 
-    u and v are the amplitudes of (Q -+ f P)/f.
+    u and v are the amplitudes of (Q -+ f P)/f. Lam is the integral of ln a - ln a(P_c) over the
+    loads from P_c, that at the stick edge, to P.
     """
     # Where u is almost 0, as at tangency, a phase of almost no slip would add rounding times v.
     has_unlike_amplitudes = np.minimum(ellipses.u, ellipses.v) <= deep_share * np.maximum(

@@ -243,14 +243,14 @@ def edge_tension(
 
 # ------------------------------------------------- from memory curves: all instants in one sum
 class _Panel(NamedTuple):
-    """Flat punches of half-widths `first` to `last` [length] at one instant, with their tangential
-    load per normal load, M' as a function of the load eta. `instant` is its number among those in
-    contact.
+    """Flat punches of half-widths from `first_half_width` to `last_half_width` [length] at one
+    instant, with their tangential load per normal load, M' as a function of the load eta. `instant`
+    is its number among those in contact.
     """
 
     instant: int
-    first: float
-    last: float
+    first_half_width: float
+    last_half_width: float
     slope: Slope
 
 
@@ -276,8 +276,8 @@ def _edge_tensions_of_curves(
     """
     panels = _panels_of_curves(contact, snapshot, instants_in_contact, contact_half_widths)
     instant_numbers = np.array([panel.instant for panel in panels])
-    panel_begin = np.array([panel.first for panel in panels])[:, None]
-    panel_end = np.array([panel.last for panel in panels])[:, None]
+    panel_begin = np.array([panel.first_half_width for panel in panels])[:, None]
+    panel_end = np.array([panel.last_half_width for panel in panels])[:, None]
     edge = contact_half_widths[instant_numbers, None]
     half_widths = _nodes_from(0.0, panel_begin, panel_end)
     distance_from_edge = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
@@ -610,9 +610,9 @@ def _panels_between(
     has a corner.
     """
     inner_breaks = (place for place in contact.breaks if least_width < place < largest_width)
-    for first, last in pairwise([least_width, *inner_breaks, largest_width]):
-        if last > first:
-            yield first, last
+    for first_half_width, last_half_width in pairwise([least_width, *inner_breaks, largest_width]):
+        if last_half_width > first_half_width:
+            yield first_half_width, last_half_width
 
 
 def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:

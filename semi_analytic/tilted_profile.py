@@ -690,8 +690,11 @@ class CurvedProfile(ConvexProfile):
         """
         target_slope = -np.asarray(tilt, dtype=float)
         half_interval = self.size
-        steepest = np.max(np.abs(target_slope))
-        while self.gradient(np.array(half_interval)) < steepest and half_interval < 1e9 * self.size:
+        steepest_slope = np.max(np.abs(target_slope))
+        while (
+            self.gradient(np.array(half_interval)) < steepest_slope
+            and half_interval < 1e9 * self.size
+        ):
             half_interval = 2 * half_interval
         left_bound, _ = self._bounds_by_bisection(target_slope, half_interval, np.greater_equal)
         _, right_bound = self._bounds_by_bisection(target_slope, half_interval, np.greater)
