@@ -253,7 +253,7 @@ def limit_of_the_wrong_sign() -> Planted:
 
     def planted(self: driven._Stepper, *arguments: Any) -> driven._SolvedStep:
         found = step(self, *arguments)
-        return found._replace(slide=-found.slide)
+        return found._replace(slide_distance=-found.slide_distance)
 
     return mock.patch.object(driven._Stepper, "step", planted)
 

@@ -517,9 +517,9 @@ def _parts_by_curvatures(
 
 def _without_odd_numbers(effects: BodyEffects) -> BodyEffects:
     """The elastic responses of the bodies without the odd ones, tilt and bulk strain."""
-    from semi_analytic.odd_memory import ODD_NUMBERS
+    from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
-    nothing: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, Estimate(0.0))
+    nothing: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, Estimate(0.0))
     return replace(effects, **nothing)
 
 
@@ -570,11 +570,13 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
     """
     from semi_analytic.corrected import dimensionless_tilt_and_strain
     from semi_analytic.elasticity import composite_modulus
-    from semi_analytic.odd_memory import ODD_NUMBERS
+    from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
     modulus = composite_modulus(scene.material)
     odd_numbers = dimensionless_tilt_and_strain(effects, half_width, modulus)
-    sizes = {name: abs(number) for name, number in zip(ODD_NUMBERS, odd_numbers, strict=True)}
+    sizes = {
+        name: abs(number) for name, number in zip(TILT_AND_STRAIN_NAMES, odd_numbers, strict=True)
+    }
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
     return tilt, strain

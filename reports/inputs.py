@@ -833,9 +833,9 @@ def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
     of a body may be uncertain, and by `effects`, the elastic responses, faces neither tilt nor
     stretch.
     """
-    from semi_analytic.odd_memory import ODD_NUMBERS
+    from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
-    has_odd_part = any(getattr(effects, name).value for name in ODD_NUMBERS)
+    has_odd_part = any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES)
     has_uncertain_body = any(
         uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
     )

@@ -165,12 +165,13 @@ def _work(scene: Scene, **changes: Any) -> float | None:
 
 
 def sigma_of_noise(values: Array) -> float:
-    """Standard deviation sigma of white noise in the values of rows, (n,), from the median of their
-    fourth differences; 0 where no noise shows.
+    """Standard deviation sigma of white noise in the values of rows, (n,), from the median of the
+    fourth differences of the first 20,000; 0 where no noise shows, or of fewer than 50 rows.
 
     White noise has second differences of variance 6 sigma^2 and fourth ones of 70 sigma^2, so both
-    give one sigma. Of a load with many rows a period the fourth differences are far smaller. A load
-    with few rows a period can be predicted from the rows before, linearly; noise cannot.
+    give one sigma: their ratio must lie between 0.7 and 1.4. Of a load with many rows a period the
+    fourth differences are far smaller. A load with few rows a period can be predicted from the
+    eight rows before, linearly; noise cannot: the error must be above 0.7 sigma.
 
     >>> t = np.linspace(0, 20, 2000)
     >>> (
@@ -182,11 +183,13 @@ def sigma_of_noise(values: Array) -> float:
     values = values[:_MOST_PREDICTED_ROWS]
     if len(values) < _LEAST_ROWS:
         return 0.0
-    sigma_of_second = _sigma_of_differences(values, 2, 6)
-    sigma_of_fourth = _sigma_of_differences(values, 4, 70)
+    sigma_by_second_differences = _sigma_of_differences(values, 2, 6)
+    sigma_by_fourth_differences = _sigma_of_differences(values, 4, 70)
     if not (
-        sigma_of_fourth > 0
-        and _LEAST_SIGMA_RATIO < sigma_of_second / sigma_of_fourth < _MOST_SIGMA_RATIO
+        sigma_by_fourth_differences > 0
+        and _LEAST_SIGMA_RATIO
+        < sigma_by_second_differences / sigma_by_fourth_differences
+        < _MOST_SIGMA_RATIO
     ):
         return 0.0
     windows = np.lib.stride_tricks.sliding_window_view(
@@ -196,8 +199,8 @@ def sigma_of_noise(values: Array) -> float:
     value_after = windows[:, -1]
     weights = np.linalg.lstsq(values_before, value_after, rcond=None)[0]
     prediction_error = float(np.std(value_after - values_before @ weights))
-    is_noise = prediction_error > _LEAST_PREDICTION_ERROR * sigma_of_fourth
-    return sigma_of_fourth if is_noise else 0.0
+    is_noise = prediction_error > _LEAST_PREDICTION_ERROR * sigma_by_fourth_differences
+    return sigma_by_fourth_differences if is_noise else 0.0
 
 
 def _sigma_of_differences(values: Array, order: int, variance: int) -> float:

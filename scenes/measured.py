@@ -343,9 +343,13 @@ class FromFile(Frozen):
         self.model_fields_set.update(values_of_keys)
         return self
 
-    def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
-        """The named `columns` of the text file at `path`, where `stated` gives headings or numbers
-        of columns without a usual name.
+    def _table_of(
+        self, path: Path, columns: tuple[str, ...], stated_columns: Frozen | None
+    ) -> TextTable:
+        """The named `columns`, such as "time", of the text file at `path`.
+
+        Each is found by its usual headings (`column_names`). `stated_columns` is the scene's key
+        `columns`: a part with the heading, or the number from 1, of those that the user names.
 
         Raises
         ------
@@ -354,7 +358,7 @@ class FromFile(Frozen):
         """
         from scenes.text_tables import text_table  # only a scene that names a file needs it
 
-        return text_table(path, columns, stated=_stated_columns(stated))
+        return text_table(path, columns, _values_by_column(stated_columns))
 
     def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
         """Quantities that the scene states in place of a column, such as a constant P, as (name,
@@ -401,9 +405,9 @@ class FromFile(Frozen):
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load":
             _check_thickness(path, name, unit, thickness)
-        scale = _stated_columns(getattr(self, "scale", None)).get(name)
-        zero = _stated_columns(getattr(self, "zero", None)).get(name)
-        sign = _stated_columns(getattr(self, "sign", None)).get(name, 1)
+        scale = _values_by_column(getattr(self, "scale", None)).get(name)
+        zero = _values_by_column(getattr(self, "zero", None)).get(name)
+        sign = _values_by_column(getattr(self, "sign", None)).get(name, 1)
         # Without a line of headings, `heading` is the reader's own word, such as "column 2".
         phrases = [repr(heading) if table.heading_line else heading]
         if is_time_of_day:
@@ -454,8 +458,8 @@ class FromFile(Frozen):
             For a stated unit that is not understood; for one of the file, unless it changes no
             result (times, moments) or the user states a scale.
         """
-        stated_units = _stated_columns(getattr(self, "units", None))
-        scales = _stated_columns(getattr(self, "scale", None))
+        stated_units = _values_by_column(getattr(self, "units", None))
+        scales = _values_by_column(getattr(self, "scale", None))
         if table.clock_start and kind == "time":  # times of day have been turned into seconds
             stated_units.pop(name, None)
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
@@ -479,7 +483,7 @@ class FromFile(Frozen):
     @classmethod
     def _optional_columns_in(cls, columns: Frozen | None) -> list[str]:
         """Names of the optional columns, such as a bulk stress, that the key `columns` states."""
-        return [name for name in _stated_columns(columns) if name in cls.optional_column_kinds]
+        return [name for name in _values_by_column(columns) if name in cls.optional_column_kinds]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Keys of this part of the scene that the user gave, with `changes` (key -> new value)
@@ -519,8 +523,8 @@ class FromFile(Frozen):
             if self.file is not None and path.is_file():  # where the rows came from
                 from scenes.text_tables import text_table
 
-                columns = _stated_columns(getattr(self, "columns", None))
-                table = text_table(path, tuple(self.column_kinds), stated=columns)
+                columns = _values_by_column(getattr(self, "columns", None))
+                table = text_table(path, tuple(self.column_kinds), columns)
                 place = f"{path}, line {table.lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]
@@ -570,7 +574,7 @@ def _headings_in_words(headings: Sequence[str]) -> str:
     return f"{first_headings} and {n_unlisted} more" if n_unlisted > 0 else first_headings
 
 
-def _stated_columns(table: Frozen | None) -> dict[str, Any]:
+def _values_by_column(table: Frozen | None) -> dict[str, Any]:
     """Column name -> what a part of the scene with a key for each column states of it."""
     return {} if table is None else {name: value for name, value in table if value is not None}
 

@@ -172,7 +172,7 @@ class TableKind:
     ----------
     role, cure
         what the file is to the user, and what to do about one that is too large
-    is_known
+    is_expected_heading
         whether a heading is one of those expected, where every column is read
     example, keys_by_number
         headings of this kind of table, and the keys that take columns by number instead; both
@@ -184,7 +184,7 @@ class TableKind:
 
     role: str = "the table"
     cure: str = "thin it out"
-    is_known: Callable[[str], bool] = lambda _heading: False
+    is_expected_heading: Callable[[str], bool] = lambda _heading: False
     example: str = "time,x,pressure,shear"
     keys_by_number: str = ""
     numbered: bool = False
@@ -200,7 +200,7 @@ class _Request:
         of the file
     quantities
         to be read, such as "time"; empty for every column
-    stated
+    stated_columns
         quantity -> heading, or column number (from 1), where the user names its column
     kind
         what the table is to the user, and which headings it has
@@ -208,20 +208,20 @@ class _Request:
 
     path: Path
     quantities: tuple[str, ...]
-    stated: Mapping[str, str | int]
+    stated_columns: Mapping[str, str | int]
     kind: TableKind
 
     @property
     def takes_columns_by_number(self) -> bool:
         """Whether the user states the column of every quantity by its number."""
-        stated_columns = [self.stated.get(name) for name in self.quantities]
-        return bool(self.quantities) and all(isinstance(column, int) for column in stated_columns)
+        columns = [self.stated_columns.get(name) for name in self.quantities]
+        return bool(self.quantities) and all(isinstance(column, int) for column in columns)
 
 
 def text_table(
     path: Path,
     columns: tuple[str, ...] = (),
-    stated: Mapping[str, str | int] | None = None,
+    stated_columns: Mapping[str, str | int] | None = None,
     kind: TableKind = TableKind(),
 ) -> TextTable:
     """Read columns of numbers from a text file of another program, whatever its separator, decimal
@@ -237,7 +237,7 @@ def text_table(
         quantities to be read, such as "time" or "normal_load". The column of each is found by its
         usual headings, listed in `column_names`. A file of these columns alone, in this order,
         needs no headings. A # in a row then begins a comment. Empty: every column is read
-    stated
+    stated_columns
         quantity -> heading of its column, or column number (from 1), where the user names it
     kind
         what the table is to the user, for messages; and which headings to expect where `columns` is
@@ -248,8 +248,8 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    request = _Request(path, columns, stated or {}, kind)
-    for name, heading_or_number in request.stated.items():
+    request = _Request(path, columns, stated_columns or {}, kind)
+    for name, heading_or_number in request.stated_columns.items():
         if isinstance(heading_or_number, int) and heading_or_number < 1:
             raise InputError(
                 f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
@@ -472,14 +472,14 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
             f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
             " by commas"
         )
-    fewest_expected_headings = (0,) if quantities else (2, 0)
-    for fewest_expected in fewest_expected_headings:
+    # Where every column is read: first a line with two expected headings, then any.
+    for fewest_expected_headings in (0,) if quantities else (2, 0):
         layouts_at_fault: list[_Layout] = []
         for index in range(len(lines)):
             if _is_row(lines[index][1], max(len(quantities), 1)):
                 break
             for layout, first_row_fits in _layouts_with_headings_at(
-                request, lines, index, fewest_expected
+                request, lines, index, fewest_expected_headings
             ):
                 if first_row_fits:
                     return layout
@@ -503,34 +503,43 @@ def _is_row(text: str, fewest_cells: int) -> bool:
 
 
 def _layouts_with_headings_at(
-    request: _Request, lines: list[Line], index: int, fewest_expected: int
+    request: _Request, lines: list[Line], index: int, fewest_expected_headings: int
 ) -> Iterator[tuple[_Layout, bool]]:
-    """Layouts of a text table if `lines[index]` holds its headings, one for each separator that
-    may cut that line; with each, whether the first row has a cell for every heading.
+    """Layouts of a text table if `lines[index]` holds its headings, for each separator and each
+    way to cut that line by it. With each, whether the first row fits, or there is none.
+
+    A row fits if it has a cell for every heading, and a number in a column that is read. A comment
+    holds the headings only above a row of numbers that fits.
 
     Parameters
     ----------
     request
-        file, quantities and kind of the table
+        file, quantities to be read (none: every column), and kind of table, such as a result or a
+        measured loop, which knows the headings to expect
     lines
         first lines of the file, with their numbers
     index
         of the line that may hold the headings
-    fewest_expected
-        headings that the kind of table must expect in this line, where every column is read
+    fewest_expected_headings
+        where every column is read: how many of the line's headings must be expected ones
     """
     line_number, text = lines[index]
     is_comment = text.startswith(_COMMENT_MARKS)
     heading_text = text.lstrip("#*%/ ") if is_comment else text
-    may_skip_lines = bool(request.quantities) or fewest_expected > 0
+    # Whether lines without numbers may stand between headings and rows.
+    may_skip_lines = bool(request.quantities) or fewest_expected_headings > 0
     for separator in SEPARATORS:
         for headings in _possible_headings(heading_text, separator):
             columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
             else:
-                n_expected = sum(map(request.kind.is_known, headings))
-                if is_comment or len(headings) < 2 or n_expected < fewest_expected:
+                n_expected_headings = sum(map(request.kind.is_expected_heading, headings))
+                if (
+                    is_comment
+                    or len(headings) < 2
+                    or n_expected_headings < fewest_expected_headings
+                ):
                     continue
             # Columns that are stated by number need no headings: `_layout_without_headings` finds
             # their rows.
@@ -548,7 +557,6 @@ def _layouts_with_headings_at(
                 _has_cell_for_each_heading(first_row, separator, columns_read, len(headings))
                 and _has_number(first_row, separator, columns_read)
             )
-            # A comment holds the headings only where the rows below it fit.
             if is_comment and (
                 first_row is None or not first_row_fits or not _is_numeric(first_row, separator)
             ):
@@ -748,7 +756,7 @@ def _columns_of_quantities(
         Where several headings could be that of one quantity.
     """
     candidates_of_quantities = [
-        _candidate_columns(quantity, request.stated.get(quantity), headings)
+        _candidate_columns(quantity, request.stated_columns.get(quantity), headings)
         for quantity in request.quantities
     ]
     if not all(candidates_of_quantities):
@@ -766,17 +774,17 @@ def _columns_of_quantities(
 
 
 def _candidate_columns(
-    quantity: str, stated: str | int | None, headings: Sequence[str]
+    quantity: str, stated_column: str | int | None, headings: Sequence[str]
 ) -> list[int]:
     """Numbers (from 0) of the columns that may hold a quantity, such as "time", by their headings.
 
-    Where the user has `stated` a heading or a column number (from 1), that one alone. Else the
-    columns under the first of the quantity's usual headings that occurs: see `column_names`.
+    Where the user states a heading or a column number (from 1), that one alone. Else the columns
+    under the first of the quantity's usual headings that occurs: see `column_names`.
     """
-    if isinstance(stated, int):
-        return [stated - 1] if stated <= len(headings) else []
-    if stated is not None:
-        stated_heading = stated.strip()
+    if isinstance(stated_column, int):
+        return [stated_column - 1] if stated_column <= len(headings) else []
+    if stated_column is not None:
+        stated_heading = stated_column.strip()
         return [
             k
             for k, heading in enumerate(headings)
@@ -818,14 +826,14 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
         raise _fault_of_no_names(request, lines[0], begins_with_rows)
     first_row = _first_row(lines, len(quantities))
     if request.takes_columns_by_number:
-        stated_columns = [int(request.stated[name]) - 1 for name in quantities]
+        stated_columns = [int(request.stated_columns[name]) - 1 for name in quantities]
         # Other cells of the row may hold text.
         first_row = _first_row_with_numbers(lines, stated_columns) or first_row
     row_index, _, cells_of_row = first_row
     has_cell_for_each_quantity = (
         row_index == 0
         and len(cells_of_row) == len(quantities)
-        and not any(isinstance(heading, str) for heading in request.stated.values())
+        and not any(isinstance(heading, str) for heading in request.stated_columns.values())
     )
     if cells_of_row and (request.takes_columns_by_number or has_cell_for_each_quantity):
         return _layout_of_rows(request, lines, first_row)
@@ -851,7 +859,7 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
     n_columns = len(cells_of_row)
     columns_read = tuple(range(len(quantities)))
     if request.takes_columns_by_number:
-        columns_read = tuple(int(request.stated[name]) - 1 for name in quantities)
+        columns_read = tuple(int(request.stated_columns[name]) - 1 for name in quantities)
     if max(columns_read) >= n_columns:
         raise InputError(
             f"{request.path}, line {first_row_line}: there is no column"
@@ -934,7 +942,9 @@ def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
     # Each quantity has a heading, but there are fewer headings than quantities: name them all.
     quantities_to_state = lacking_quantities or quantities
     stated_headings = [
-        shown(request.stated[name]) for name in lacking_quantities if name in request.stated
+        shown(request.stated_columns[name])
+        for name in lacking_quantities
+        if name in request.stated_columns
     ]
     reason = f"none is known as {' or '.join(quantities_to_state)}"
     if stated_headings:
@@ -950,7 +960,7 @@ def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
 
 def _has_column(request: _Request, quantity: str, headings: Sequence[str]) -> bool:
     """Whether one of the headings is that of a quantity to be read."""
-    return bool(_candidate_columns(quantity, request.stated.get(quantity), headings))
+    return bool(_candidate_columns(quantity, request.stated_columns.get(quantity), headings))
 
 
 def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:

@@ -727,7 +727,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         counts={
             "rows": len(series.times),
             **path_sums.counts,
-            "curves": len(snapshot.uppermost_pieces) if states.stores_curves else 0,
+            "curves": len(snapshot.sticking_pieces) if states.stores_curves else 0,
         },
         n_skipped_in_stick=path_sums.n_skipped_in_stick,
     )
@@ -1277,7 +1277,7 @@ def _kernel_sums(
 
 def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
     """The largest number of pieces of the memory curves at some instants (k,)."""
-    curves = [snapshot.uppermost_pieces[number] for number in snapshot.piece_number[instants]]
+    curves = [snapshot.sticking_pieces[number] for number in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 

@@ -146,10 +146,14 @@ def _stick_zones(
     `tangential_load` (n,) is Q there, `is_forward` (n,) whether the stroke is the one in which Q
     rises.
     """
-    forward, reverse = strokes
-    share_of_stroke = np.clip((tangential_load - forward.begin[1]) / forward.change[1], 0, 1)
+    forward_stroke, reverse_stroke = strokes
+    share_of_stroke = np.clip(
+        (tangential_load - forward_stroke.begin[1]) / forward_stroke.change[1], 0, 1
+    )
     middle, half_width = np.where(
-        is_forward, forward.stick_zone(share_of_stroke), reverse.stick_zone(1 - share_of_stroke)
+        is_forward,
+        forward_stroke.stick_zone(share_of_stroke),
+        reverse_stroke.stick_zone(1 - share_of_stroke),
     )
     return middle, half_width
 
@@ -167,11 +171,13 @@ def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array,
     """Friction work per area W(x) of the steady cycle at points (k,), and its error over the
     largest: what half as many quadrature nodes change.
     """
-    forward, reverse = strokes
-    density = forward.work_density(x, STROKE_NODES) + reverse.work_density(x, STROKE_NODES)
-    by_half_the_nodes = forward.work_density(x, STROKE_NODES // 2) + reverse.work_density(
-        x, STROKE_NODES // 2
+    forward_stroke, reverse_stroke = strokes
+    density = forward_stroke.work_density(x, STROKE_NODES) + reverse_stroke.work_density(
+        x, STROKE_NODES
     )
+    by_half_the_nodes = forward_stroke.work_density(
+        x, STROKE_NODES // 2
+    ) + reverse_stroke.work_density(x, STROKE_NODES // 2)
     largest_density = float(np.max(density))
     change = largest_error(np.abs(by_half_the_nodes - density))
     return density, change / largest_density if largest_density > 0 else 0.0

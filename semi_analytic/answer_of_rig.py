@@ -57,7 +57,7 @@ from semi_analytic.next_order import (
     uncertain_fraction_of_tilt_and_strain,
     without_next_order,
 )
-from semi_analytic.odd_memory import ODD_NUMBERS, Declined
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined
 from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_answer_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 
@@ -66,7 +66,7 @@ _SAMPLED_PLACES = 200
 # Rows on the two steps around the end of a slide, and ends that have them.
 _ROWS_AT_END = 33
 _MOST_ENDS = 200
-# Slides of this share of the way of the actuator are round-off.
+# Sliding distances up to this share of the actuator's range are round-off.
 _ROUND_OFF_SLIDE_SHARE = 1e-9
 # Straight steps of a cycle on grids, which take few.
 _STEPS_ON_GRIDS = 55
@@ -185,7 +185,7 @@ def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
 
 
 class _Slide(NamedTuple):
-    """One interval of gross sliding, in one direction."""
+    """An interval of gross sliding, in one direction, of one load step or more."""
 
     begin: float  # time
     end: float
@@ -198,13 +198,14 @@ def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
     driven by an actuator: begin, end, distance and friction work of each.
 
     A row is an instant at the end of a load step; the step up to the first of the `rows` does not
-    count. Neighbouring steps that slide in one direction make one interval. A slide below a tiny
-    share of the actuator's range counts as none.
+    count. Neighbouring steps that slide in one direction make one interval. A sliding distance
+    below 1e-9 of the actuator's range is round-off.
     """
     row_numbers = np.arange(len(driven_path.time))[rows]
     actuator_range = float(np.ptp(driven_path.actuator)) or 1.0
-    slide_direction = np.sign(driven_path.slide)
-    slide_direction[np.abs(driven_path.slide) <= _ROUND_OFF_SLIDE_SHARE * actuator_range] = 0
+    slide_direction = np.sign(driven_path.slide_distance)
+    largest_round_off = _ROUND_OFF_SLIDE_SHARE * actuator_range
+    slide_direction[np.abs(driven_path.slide_distance) <= largest_round_off] = 0
     slides: list[_Slide] = []
     for row_before, row in pairwise(row_numbers.tolist()):
         if not slide_direction[row]:
@@ -212,7 +213,7 @@ def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
         slide_in_step = _Slide(
             float(driven_path.time[row_before]),
             float(driven_path.time[row]),
-            float(driven_path.slide[row]),
+            float(driven_path.slide_distance[row]),
             float(driven_path.slide_work[row]),
         )
         if (
@@ -469,7 +470,7 @@ def _tilt_and_strain_of(
     bodies_and_half_planes
         what curvatures change of the work, which makes that of tilt and strain uncertain
     """
-    if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
+    if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return OddPart()
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
@@ -498,7 +499,7 @@ def _tilt_and_strain_on_grids(
     Where the contact slides as a whole, or grids do not take the loads, the work is left out, and
     the result states why.
     """
-    if np.any(driven_path.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         return OddPart(left_out=reason)
     try:
         scene_of_loads = loads_of_cycle(rig.scene, driven_path, last_cycle, _STEPS_ON_GRIDS)
@@ -511,7 +512,7 @@ def _reason_without_next_order(driven_path: DrivenPath, last_cycle: slice) -> st
     """Why the terms of the bodies' effects beyond their curvatures are left out of the friction
     work; empty where they are in it.
     """
-    if np.any(driven_path.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         return "the bodies slide as a whole"
     return ""
 
@@ -590,7 +591,7 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
     f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
     """
-    is_sliding = driven_path.slide != 0
+    is_sliding = driven_path.slide_distance != 0
     load = driven_path.followed_path.normal_load
     last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
     load_varies = load[last_sliding_rows + 1] != load[last_sliding_rows]
@@ -808,7 +809,7 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
     """Sentences on gross sliding, when the bodies slide as a whole: how far, when and with what
     friction work in the last cycle, and when before it.
 
-    Along all of a path without cycles. `driven_path` holds slide and work of each step of the path,
+    Along all of a path without cycles. `driven_path` holds sliding distance and work of each step,
     `last_cycle` the rows of the last cycle.
     """
     force_unit, length_unit, _ = scene.unit_words

@@ -8,7 +8,7 @@ import numpy as np
 
 from scenes import BodyEffects, Estimate, InputError
 from scenes.arrays import LARGEST
-from semi_analytic.odd_memory import ODD_NUMBERS
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
 NEXT_ORDER = ("normal_fourth", "tangential_fourth", "normal_mixed", "tangential_mixed")
 """Those of the order after the curvatures."""
@@ -20,7 +20,7 @@ NUMBERS = (
     "tangential_curvature",
     "normal_curvature_under_shear",
     "tangential_curvature_under_pressure",
-    *ODD_NUMBERS,
+    *TILT_AND_STRAIN_NAMES,
     *NEXT_ORDER,
 )
 """The numbers of `BodyEffects` that half-planes do not have."""

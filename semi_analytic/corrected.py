@@ -89,7 +89,7 @@ from semi_analytic.next_order import (
     uncertain_fraction_of_tilt_and_strain,
     with_one_group_alone,
 )
-from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
@@ -160,7 +160,7 @@ def dimensionless_tilt_and_strain(
     a0/R = 4 P0/(pi E* a0) by Hertz' law, for any profile; a0 is `half_width`, E* `modulus`.
     """
     load_over_slope = math.pi * modulus * half_width / 4
-    return tuple(getattr(effects, name).value * load_over_slope for name in ODD_NUMBERS)
+    return tuple(getattr(effects, name).value * load_over_slope for name in TILT_AND_STRAIN_NAMES)
 
 
 class OddPart(NamedTuple):
@@ -312,7 +312,7 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
             "effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is left out; `solve`"
             " takes it"
         )
-    if any(getattr(effects, name).value for name in ODD_NUMBERS):
+    if any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         yield (
             "effects: tilt and bulk strain of the bodies are left out; `solve` states how large"
             " they are for a scene"
@@ -1796,7 +1796,7 @@ def _tilt_and_strain_of(paths: _Paths) -> OddPart:
     question = paths.question
     effects = question.effects
     assert effects is not None  # for the type checker
-    if not any(getattr(effects, name).value for name in ODD_NUMBERS):
+    if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return OddPart()
     try:
         tilt_and_strain = OddPart(odd_answer(question.scene, effects))

@@ -332,9 +332,10 @@ def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: A
     """Roots x (m, 1) of m rising functions between `lower_bound` and `upper_bound` (m, 1), by the
     Illinois rule: secants that keep the root between them.
 
-    The lower bound where a function is positive there, NaN where it is negative at the upper one.
-    It ends where all values are 1e-13 of those at the bounds, or after 40 secants. `function` gives
-    the values (m, 1) of all at x (m, 1).
+    The lower bound where a function is positive there. NaN where it is negative at the upper one,
+    by more than 1e-9 of its larger value at the bounds (round-off). It ends where all values are
+    1e-13 of those at the bounds, or after 40 secants. `function` gives the values (m, 1) of all at
+    x (m, 1).
     """
     value_at_lower = function(lower_bound)
     value_at_upper = function(upper_bound)

@@ -455,7 +455,7 @@ class DrivenPath:
         the memory curve under P(t) and Q(t), which are in it
     compliance
         of contact and rig
-    slide
+    slide_distance
         (n,) way that the contact slides as a whole in the step that ends at the row, positive of
         the upper body over the lower one along +x [length]
     rigid_displacement
@@ -470,7 +470,7 @@ class DrivenPath:
     time: Array
     followed_path: FollowedPath
     compliance: Compliance
-    slide: Array
+    slide_distance: Array
     rigid_displacement: Array
     actuator: Array
     ends: tuple[int, ...]
@@ -486,7 +486,7 @@ class DrivenPath:
         """f P times the slide of the step that ends at each row, (n,) [energy / thickness]."""
         load = self.followed_path.normal_load
         mean_load = (load + np.concatenate([load[:1], load[:-1]])) / 2
-        return np.asarray(self.followed_path.friction * mean_load * np.abs(self.slide))
+        return np.asarray(self.followed_path.friction * mean_load * np.abs(self.slide_distance))
 
     @cached_property
     def slip_work(self) -> Array:
@@ -541,7 +541,7 @@ def follow_actuator(
     >>> force = driven_path.followed_path.tangential_load
     >>> force.tolist()  # at rest, at the begin of the slide, sliding
     [0.0, 0.0, 0.4, 0.4, 0.2]
-    >>> bool(driven_path.slide[-1] > 0)  # P falls while U rests: the bodies slide on
+    >>> bool(driven_path.slide_distance[-1] > 0)  # P falls while U rests: the bodies slide on
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
@@ -568,7 +568,7 @@ def follow_actuator(
         )
         for part_end in stepper.ends_of_parts(instant_before, instant_after, free_displacement):
             solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
-            slide_of_step = solved_step.slide
+            slide_of_step = solved_step.slide_distance
             free_displacement += slide_of_step + solved_step.distance_apart
             times.append(part_end.time)
             memory_rows.append(solved_step.row)
@@ -583,7 +583,7 @@ def follow_actuator(
         time=np.array(times),
         followed_path=path_of_steps(memory, np.array(memory_rows).T, steps),
         compliance=compliance,
-        slide=np.array(slides),
+        slide_distance=np.array(slides),
         rigid_displacement=np.array(free_displacements),
         actuator=np.array(actuators),
         ends=tuple(index_of_row[row] for row in rows.ends),
@@ -615,7 +615,7 @@ class _SolvedStep(NamedTuple):
 
     row: Row
     step: Step
-    slide: float = 0.0
+    slide_distance: float = 0.0
     distance_apart: float = 0.0
 
 
@@ -738,7 +738,7 @@ class _Stepper:
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
         # At the begin of a slide nothing is left but round-off, of either sign.
         if direction * slide_distance >= -_ROUND_OFF_SHARE * abs(target_displacement):
-            return _SolvedStep(row_at_limit, sliding_step, slide=slide_distance)
+            return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FORCE_TOLERANCE * memory.friction * memory.largest_load

@@ -872,7 +872,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         slip_zone_load=np.concatenate(slip_zone_loads),
         direction=np.repeat(np.array(directions), counts_of_times),
         piece_number=np.repeat(np.arange(len(sticking_pieces)), counts_of_times),
-        uppermost_pieces=tuple(sticking_pieces),
+        sticking_pieces=tuple(sticking_pieces),
         friction=friction,
     )
 

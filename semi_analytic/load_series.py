@@ -1231,7 +1231,7 @@ class States:
             slip_zone_load=states.slip_zone_load,
             direction=states.direction.astype(np.int64),
             piece_number=states.piece_number,
-            uppermost_pieces=tuple(self._lines) or (None,),
+            sticking_pieces=tuple(self._lines) or (None,),
             friction=self.friction,
         )
         return snapshot, states.force_error

@@ -441,8 +441,8 @@ def is_same_memory(
 class Snapshot:
     """The memory curves M(eta) of n instants, side by side.
 
-    The curve of an instant is that of its uppermost piece up to P_c, the load at the stick edge.
-    From P_c to P it is a line of slope `direction` f, where the contact slips.
+    The curve of an instant goes up to P_c, the load at the stick edge, on its sticking piece and
+    those below. From P_c to P it is a line of slope `direction` f, where the contact slips.
 
     Attributes
     ----------
@@ -455,8 +455,8 @@ class Snapshot:
     direction
         (n,) of slip: +1 forward, -1 in reverse, 0 none
     piece_number
-        (n,) index into `uppermost_pieces`
-    uppermost_pieces
+        (n,) index into `sticking_pieces`
+    sticking_pieces
         the different pieces in which stick edges are; None for P_c = 0, slip throughout
     friction
         coefficient f
@@ -468,7 +468,7 @@ class Snapshot:
     slip_zone_load: Array
     direction: NDArray[np.int64]
     piece_number: NDArray[np.intp]
-    uppermost_pieces: tuple[CurvePart | None, ...]
+    sticking_pieces: tuple[CurvePart | None, ...]
     friction: float
 
     @cached_property
@@ -485,7 +485,7 @@ class Snapshot:
         for piece_number, (start, end) in zip(
             numbers.tolist(), pairwise([*starts.tolist(), len(order_by_piece)]), strict=True
         ):
-            piece = self.uppermost_pieces[piece_number]
+            piece = self.sticking_pieces[piece_number]
             if piece is not None:
                 pieces_with_instants.append((piece, order_by_piece[start:end]))
         return tuple(pieces_with_instants)

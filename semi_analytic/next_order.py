@@ -19,7 +19,7 @@ from typing import Any
 from scenes import BodyEffects, Estimate
 from scenes.body_effects import ZERO
 from semi_analytic.body_numbers import NEXT_ORDER
-from semi_analytic.odd_memory import ODD_NUMBERS
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
 # Factors of r and of r^2: the order after the fourth. Fitted with the next two numbers, see above.
 _FACTORS_OF_SIXTH_ORDER = (0.02, 0.1)
@@ -95,7 +95,7 @@ def uncertain_fraction_of_tilt_and_strain(change_by_curvatures: float, ratio: fl
 
 def with_one_group_alone(effects: BodyEffects, name_of_group: str) -> BodyEffects:
     """The effects without tilt and bulk strain, and with one group of `CURVATURES` alone."""
-    other_effects: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
+    other_effects: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO)
     for name_of_other_group, names in CURVATURES.items():
         if name_of_other_group != name_of_group:
             other_effects |= dict.fromkeys(names, ZERO)

@@ -16,7 +16,7 @@ cycle gains a sum over its slip:
 
 1. while both edges slip one way,  f (-N' D^2/(2R) - a_s' D (P - P_c)) dt;
 2. where the stick edge passes memory that was set in stick,
-   -s f (P - P_c) (v^2 sigma'/(2R) + v (sigma alpha_m' - eps_m')) |dP_c|, ' by eta;
+   -s f (P - P_c) (v^2 dsigma/d eta/(2R) + v (sigma dalpha_m/d eta - deps_m/d eta)) |dP_c|;
 3. where it passes a kink of M, from mu_o and the centre d_o to mu_i and d_i,
    f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i));
 4. at a smooth end of a stroke, where N' = 0 at P = P_e: one side stops before the other and leaves
@@ -24,9 +24,9 @@ cycle gains a sum over its slip:
    `stroke_end`. Their work is f (P_e - eta) dT, and f (P - eta) dT again when the stick edge of the
    next stroke passes eta.
 
-Each is a quadratic form of o = (alpha_P, alpha_Q, e_P, e_Q). Source: second order of the odd part
-of Coulomb's problem, derived here. It is compared with grids, with closed forms, and with an
-earlier version.
+' is d/dt. Each is a quadratic form of o = (alpha_P, alpha_Q, e_P, e_Q). Source: second order of
+the odd part of Coulomb's problem, derived here. It is compared with grids, with closed forms, and
+with an earlier version.
 
 Declined, with the reason: a cycle in which slip comes back to an earlier limit under other loads
 and passes it (an inner loop that closes, or P that falls across a slip line of M), contact that
@@ -61,7 +61,7 @@ from semi_analytic.memory import (
 )
 from semi_analytic.stroke_end import loads_left_at_stroke_end
 
-ODD_NUMBERS = (
+TILT_AND_STRAIN_NAMES = (
     "tilt_under_pressure",
     "tilt_under_shear",
     "strain_under_pressure",
@@ -207,16 +207,18 @@ class OddAnswer:
 
 def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, to the
-    second order; with what `OddAnswer.centres` needs for the centres of contact and stick.
+    second order in both; with the history by which `OddAnswer.centres` finds the centres of contact
+    and stick.
 
-    Stick and slip are those of half-planes along the load path. The work is a quadratic form of the
-    tilt and the strain per load, which are among the `effects`.
+    Tilt and strain make tractions that are odd in x (hence the name), so that work has no first
+    order in them. It is a quadratic form of the tilt and the strain per load, which are among the
+    `effects`. Stick and slip are those of half-planes along the load path.
 
     Raises
     ------
     Declined
-        For profiles other than a parabola, unlike materials, long paths; where the second order
-        does not hold.
+        For profiles other than a parabola, unlike materials, paths of more than 1000 segments;
+        where the second order does not hold.
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
@@ -227,9 +229,10 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     n_segments = len(path.initial_loading) + len(path.cycle)
     if n_segments > _MOST_SEGMENTS:
         raise Declined(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
+    # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
-    estimates = [getattr(effects, name) for name in ODD_NUMBERS]
+    estimates = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
     tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
     uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
@@ -517,22 +520,26 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
 
         int f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    N = f P - s Q,    a_s = f alpha - s eps
-        - int s f (P - P_c) (v^2 M''/(2R) + v (M' alpha' - eps')) |dP_c|
+        - int s f (P - P_c) (v^2 d2M/d eta2/(2R) + v (dM/d eta dalpha/d eta - deps/d eta)) |dP_c|
 
-    D is the centre of stick minus that of contact, v its shift since the memory at the stick edge
-    was set. The memory M(eta) is the tangential force of the flat punches up to the load eta. The
-    second integral is there where it was set in stick; M'', alpha' and eps' are derivatives along
-    it, by eta. Both are taken by Gauss' rule of `n_points` nodes in
+    ' is d/dt; alpha = alpha_P P + alpha_Q Q is the tilt, eps = e_P P + e_Q Q the bulk strain. P_c
+    is the load at the stick edge. The memory M(eta) is the tangential force of the flat punches up
+    to the load eta. D is the centre of stick minus that of contact. v (`centre_shift`) is how far
+    tilt and strain have shifted the centre of stick since the memory at P_c was set.
+
+    Slip may have set that memory, at the end of a stroke: then the second integral is 0. Otherwise
+    the growing contact set it in stick, at P = eta and Q = M(eta): the derivatives by eta are of
+    alpha and eps at these loads. Both integrals are taken by Gauss' rule of `n_points` nodes in
     time; `radius` is R of the parabola. Declined where the contact slides as a whole.
     """
-    piece = span.sticking_piece
-    if piece is None:
+    piece_at_edge = span.sticking_piece  # of the memory curve, where the stick edge is
+    if piece_at_edge is None:
         raise Declined("the contact slides as a whole")
     time, weights = _gauss_times(span, n_points)
     slip_zone_load = span.slip_zone_load(time)
-    stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
-    combination = slip_combination(span.direction, span.friction)
-    load_fall_rate = np.asarray(span.segment.rate_of(combination, time))  # -N'
+    stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
+    minus_equivalent_load = slip_combination(span.direction, span.friction)  # s Q - f P = -N
+    load_fall_rate = np.asarray(span.segment.rate_of(minus_equivalent_load, time))  # -N'
     equivalent_tilt_rate = _equivalent_tilt_vectors(
         span.friction, span.direction, *span.segment.rates(time)
     )
@@ -544,25 +551,28 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     work_matrix = work_matrix - _quadratic_form(
         friction_weights * slip_zone_load, equivalent_tilt_rate, distance
     )
-    if _is_set_by_slip(piece, span.friction):
+    if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
     eta = stick_edge.load - slip_zone_load
-    memory_slope = piece.slope_at(eta)
+    memory_slope = piece_at_edge.slope_at(eta)
     ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
     tilt_by_eta = _tilt_vectors(ones, memory_slope)
     strain_by_eta = _strain_vectors(ones, memory_slope)
-    odd_slope = memory_slope[:, None] * tilt_by_eta - strain_by_eta
-    # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu
-    passing_weights = (
+    # dM/d eta dalpha/d eta - deps/d eta
+    equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
+    # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
+    weights_along_memory = (
         span.direction * friction_weights * slip_zone_load * load_fall_rate / stick_edge.steepness
     )
     work_by_bend = _quadratic_form(
-        passing_weights * _slope_derivative(piece, eta) / (2 * radius),
+        weights_along_memory * _slope_derivative(piece_at_edge, eta) / (2 * radius),
         stick_edge.centre_shift,
         stick_edge.centre_shift,
     )
-    work_by_odd_slope = _quadratic_form(passing_weights, stick_edge.centre_shift, odd_slope)
-    return work_matrix - work_by_bend - work_by_odd_slope
+    work_by_tilt = _quadratic_form(
+        weights_along_memory, stick_edge.centre_shift, equivalent_tilt_by_eta
+    )
+    return work_matrix - work_by_bend - work_by_tilt
 
 
 def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:

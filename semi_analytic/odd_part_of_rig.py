@@ -58,7 +58,7 @@ def odd_answer_of_rig(
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
-    if np.any(driven_path.slide[last_cycle][1:] != 0):
+    if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         raise Declined("the bodies slide as a whole")
     return odd_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
 

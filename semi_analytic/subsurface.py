@@ -554,27 +554,29 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
     """Lower load, upper load and slope M' of each smooth part of the memory curve M(eta) at one
     instant, from the normal load P down to 0.
 
-    The memory curve M(eta) is the tangential force carried by the flat punches up to the load eta.
-    Its uppermost part, from the load at the stick edge to P, is at the Coulomb limit.
+    The contact is a superposition of flat punches: those up to the load eta make up the contact
+    under P = eta. M(eta) is the tangential force that they carry. From the load at the stick edge
+    to P the contact slips: M' is f or -f. Below that edge are the pieces stored with the snapshot.
     """
     load = float(snapshot.load[instant_number])
     stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
     if stick_edge_load < load:
         slope = float(snapshot.direction[instant_number] * snapshot.friction)
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
-    for part in pieces(snapshot.uppermost_pieces[snapshot.piece_number[instant_number]]):
-        if part.bottom < stick_edge_load:
-            upper_load = min(part.top, stick_edge_load)
-            yield part.bottom, upper_load, _slope_of_part(part, snapshot.friction)
+    piece_at_edge = snapshot.sticking_pieces[snapshot.piece_number[instant_number]]
+    for piece in pieces(piece_at_edge):  # from there down
+        if piece.bottom < stick_edge_load:
+            upper_load = min(piece.top, stick_edge_load)
+            yield piece.bottom, upper_load, _slope_of_piece(piece, snapshot.friction)
 
 
-def _slope_of_part(part: CurvePart, friction: float) -> Slope:
-    """Slope M'(eta) on a part of the memory curve M, the tangential force of the flat punches up to
-    the load eta; |M'| <= f.
+def _slope_of_piece(piece: CurvePart, friction: float) -> Slope:
+    """Slope M'(eta) on a piece of the memory curve M, the tangential force of the flat punches up
+    to the load eta; |M'| <= f.
     """
-    if part.arc is None:
-        return part.slope_at
-    return lambda eta: np.asarray(np.clip(part.slope_at(eta), -friction, friction))
+    if piece.arc is None:
+        return piece.slope_at
+    return lambda eta: np.asarray(np.clip(piece.slope_at(eta), -friction, friction))
 
 
 def _potentials(

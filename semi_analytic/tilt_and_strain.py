@@ -29,7 +29,7 @@ from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import GridRequest, cycle_works, edges_along
-from semi_analytic.odd_memory import ODD_NUMBERS, Declined, odd_answer
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined, odd_answer
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.
@@ -106,7 +106,7 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     """
     if checked_effects(effects) is None:
         return ZERO
-    if not any(getattr(effects, name).value for name in ODD_NUMBERS):
+    if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return ZERO
     if scene.unsymmetric:
         raise InputError(
@@ -175,7 +175,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         )
     path_loads, contact = path_loads_and_contact(scene)
     loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
-    no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
+    no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO)
     effects_without = replace(effects, **no_tilt_nor_strain)
     loads_with_and_without = [
         FollowingLoads(**loads_of_scene, effects=effects),
@@ -193,7 +193,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     change = work_with / work_without - 1
     relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
-        for name in ODD_NUMBERS
+        for name in TILT_AND_STRAIN_NAMES
         if getattr(effects, name).value
     )
     # The change is of second order in tilt and strain per load.

@@ -503,8 +503,9 @@ class PiecewiseParabola(ConvexProfile):
             pi A p = pi h''_0 r + sum over knots of J [r theta_b - (b - x) ln|s_+/s_-|],
             s_+- = sin((theta_x +- theta_b)/2),  r = sqrt(c^2 - (x - m)^2)
 
-        h''_0 is the curvature left of all knots, J its jump at a knot b = m + c cos(theta_b); x = m
-        + c cos(theta_x).
+        h''_0 is the curvature of the profile h left of all knots, J its jump at a knot b = m + c
+        cos(theta_b), and x = m + c cos(theta_x). theta_b is 0 for knots to the right of the
+        contact, pi to the left.
         """
         t = x - m
         if self.is_parabola:
@@ -528,17 +529,18 @@ class PiecewiseParabola(ConvexProfile):
         return np.where(root[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
-        0 inside.
+        """Gap at x outside contacts of centre m and half-length c with the profile h, arrays that
+        broadcast [length]; 0 inside.
 
-        With F = d r - c^2 u, r = sqrt(d^2 - c^2), it is h''_0 F/2 plus for each knot b = m + c
-        cos(theta) the jump J of h'' there times
+        With F = d r - c^2 u, r = sqrt(d^2 - c^2), it is h''_0 F/2 plus for each knot b the jump J
+        of h'' there times
 
             (x - b)_+^2/2 + [theta F - (x - b)^2 phi - s c sin(theta) (r - s c cos(theta) u)]/(2 pi)
 
         # notation: t = x - m, d = |t|, s sign of t, u = arccosh(d/c), h''_0 curvature left of all
-        #           knots; tan(phi/2) = tan(theta/2)/tanh(u/2) where s > 0, and tan(theta/2)
-        #           tanh(u/2) where s < 0
+        #           knots; b = m + c cos(theta) in the contact, theta = 0 for b to the right of it,
+        #           pi to the left; tan(phi/2) = tan(theta/2)/tanh(u/2) where s > 0, and
+        #           tan(theta/2) tanh(u/2) where s < 0
         """
         t = x - m
         theta, sine, cosine = self.angles(m, c)

@@ -306,7 +306,7 @@ class Oracle(Punches):
             line = LONG(float(s.direction[k]) * s.friction)
             yield self.half(front), self.half(float(s.load[k])), lambda alpha: line + 0 * alpha
         upper = front
-        for piece in pieces(s.uppermost_pieces[s.piece_number[k]]):
+        for piece in pieces(s.sticking_pieces[s.piece_number[k]]):
             # What an arc starts from is its time: P0 + P1 cos t may have few digits of a small P.
             leg = piece.anchor.segment
             slope = _slope_on(piece)

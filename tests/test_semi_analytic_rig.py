@@ -119,7 +119,7 @@ def check_sliding_under_falling_load() -> None:
     assert result.followed_path.tangential_load[falling] == pytest.approx(
         FRICTION * load, rel=1e-12
     )
-    assert np.all(result.slide[falling] > 0)
+    assert np.all(result.slide_distance[falling] > 0)
 
 
 def check_nothing_is_remembered_through_separation() -> None:

@@ -10,10 +10,10 @@ of options.
     machine.py       doctor
 
 The commands of many runs are in `reports.studies`, in commands.py of each folder; they take
-`Answer` `Options` `WORKERS` `share_of`, the exit codes `WITHIN` `OUTSIDE` `NOT_CONVERGED`
-`INTERRUPTED`, and of solving.py `Job` `solving_command` `read` `deck_file`. The modules of
-commands are imported by name when one of their commands is called: `halfplane --help` loads nothing
-heavy.
+`Answer` `Options` `WORKERS` `share_of`, the exit codes `EXIT_WITHIN` `EXIT_OUTSIDE`
+`EXIT_NOT_CONVERGED` `EXIT_INTERRUPTED`, and of solving.py `Job` `solving_command` `read`
+`deck_file`. The modules of commands are imported by name when one of their commands is called:
+`halfplane --help` loads nothing heavy.
 """
 
 from reports.cli.application import main

@@ -652,12 +652,12 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
 # --------------------------------------------------------------------- streams, signals, exit codes
 # 0: within tolerance, or nothing to judge; 1: outside or undecided; 70: a fault of the program
 # itself. As shells count: 130 is 128 + SIGINT, 141 (nobody reads the output) 128 + SIGPIPE.
-WITHIN = 0
-OUTSIDE = 1
-_BAD_INPUT = 2
-NOT_CONVERGED = 3
-_PROGRAM_FAULT = 70
-INTERRUPTED = 130
+EXIT_WITHIN = 0
+EXIT_OUTSIDE = 1
+_EXIT_BAD_INPUT = 2
+EXIT_NOT_CONVERGED = 3
+_EXIT_PROGRAM_FAULT = 70
+EXIT_INTERRUPTED = 130
 _READER_GONE = 141
 
 
@@ -818,7 +818,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             # signs that the terminal's encoding lacks are printed as escapes
             stream.reconfigure(errors="backslashreplace")
     with ended_by_signals() as signals_received:
-        code = WITHIN
+        code = EXIT_WITHIN
         try:
             code = Context().run(_run, sys.argv[1:], signals_received)
             sys.stdout.flush()
@@ -827,16 +827,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _READER_GONE
         except OSError as reason:
             _drop_unwritten()
-            if code == WITHIN:  # nothing has been reported yet
+            if code == EXIT_WITHIN:  # nothing has been reported yet
                 code = _print_refusal(
                     f"the answer could not be written to stdout: {reason.strerror}; see to that and"
                     " ask again"
                 )
         except KeyboardInterrupt:  # a second Ctrl-C, while the first was reported
-            code = INTERRUPTED
+            code = EXIT_INTERRUPTED
         finally:
             gc.freeze()  # the process ends here: looking for garbage once more is left out
-        if code == INTERRUPTED and signals_received:
+        if code == EXIT_INTERRUPTED and signals_received:
             return 128 + signals_received[0]  # the convention of shells
         return code
 
@@ -859,7 +859,7 @@ def _run(tokens: list[str], signals_received: Sequence[int] = ()) -> int:
                 " or leave it out"
             )
         with _warnings_in_sentences():
-            return int(app(tokens) or WITHIN)
+            return int(app(tokens) or EXIT_WITHIN)
     except KeyboardInterrupt as stop:
         return _print_interruption(str(stop))
     except BrokenPipeError:
@@ -900,7 +900,7 @@ def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequenc
             return _print_refusal(f"{_one_line(str(fault))}{_notes_of(fault)}")
         if isinstance(fault, ConvergenceError):
             _print_refusal(f"not converged: {_one_line(str(fault))}")
-            return NOT_CONVERGED
+            return EXIT_NOT_CONVERGED
     if isinstance(fault, CycloptsError):
         return _print_refusal(_sentence_on_command_line(fault))
     if isinstance(fault, MemoryError):
@@ -923,7 +923,7 @@ def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequenc
 
 def _print_interruption(sentence: str) -> int:
     _print_refusal(f"interrupted; {sentence or 'nothing was written'}")
-    return INTERRUPTED
+    return EXIT_INTERRUPTED
 
 
 def _print_program_fault(fault: Exception, tokens: Sequence[str]) -> int:
@@ -945,7 +945,7 @@ def _print_program_fault(fault: Exception, tokens: Sequence[str]) -> int:
         f"internal error, a fault of halfplane: {error}{_notes_of(fault)}; the traceback is"
         f" {place}: please report it"
     )
-    return _PROGRAM_FAULT
+    return _EXIT_PROGRAM_FAULT
 
 
 def _notes_of(fault: Exception) -> str:
@@ -979,7 +979,7 @@ def _keep_traceback(text: str) -> str:
 
 def _print_refusal(sentence: str) -> int:
     complain(f"halfplane: {sentence}")
-    return _BAD_INPUT
+    return _EXIT_BAD_INPUT
 
 
 def _one_line(text: str) -> str:

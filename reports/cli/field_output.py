@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.application import WITHIN, Answer, Options
+from reports.cli.application import EXIT_WITHIN, Answer, Options
 from reports.cli.solving import (
     Job,
     load_engines,
@@ -92,7 +92,7 @@ def fields(job: Job) -> Answer:
         "seconds": stages.seconds,
     }
     parts = _parts(scene, content["instants"], names_of_files, request.notes, measures, collection)
-    return Answer(WITHIN, parts, lambda: json_answer, scene.name)
+    return Answer(EXIT_WITHIN, parts, lambda: json_answer, scene.name)
 
 
 @dataclass(frozen=True)

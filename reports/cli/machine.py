@@ -12,7 +12,7 @@ from pathlib import Path
 from platform import machine as processor
 from platform import python_version, system
 
-from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
+from reports.cli.application import EXIT_OUTSIDE, EXIT_WITHIN, Answer, Options
 from reports.console import Sheet
 
 _PACKAGES = (
@@ -60,13 +60,13 @@ class Finding:
 def doctor(options: Options) -> Answer:
     """Every check of this machine: 0 where all are good, else 1."""
     findings = examine(options.out or "out")
-    code = WITHIN if all(finding.good for finding in findings) else OUTSIDE
+    code = EXIT_WITHIN if all(finding.good for finding in findings) else EXIT_OUTSIDE
     checks = {finding.name: {"good": finding.good, "found": finding.words} for finding in findings}
     rows = [(finding.name, "yes" if finding.good else "no", finding.words) for finding in findings]
     return Answer(
         code,
         [Sheet("Doctor", ("check", "good", "found"), rows)],
-        lambda: {"passed": code == WITHIN, "checks": checks},
+        lambda: {"passed": code == EXIT_WITHIN, "checks": checks},
     )
 
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reports.cli.application import (
-    NOT_CONVERGED,
-    OUTSIDE,
+    EXIT_NOT_CONVERGED,
+    EXIT_OUTSIDE,
+    EXIT_WITHIN,
     TEMPLATES,
-    WITHIN,
     Answer,
     Options,
     requested_tolerances,
@@ -42,7 +42,7 @@ def score(result: str | None, options: Options) -> Answer:
 
     if options.mapping_example:
         example_file = TEMPLATES / "mapping.toml"
-        return Answer(WITHIN, [example_file.read_text("utf-8").rstrip()])
+        return Answer(EXIT_WITHIN, [example_file.read_text("utf-8").rstrip()])
     if result is None:
         raise InputError("score: name the result to score, a file or a folder of files")
     if options.scene is None:
@@ -71,7 +71,7 @@ def score(result: str | None, options: Options) -> Answer:
         sentence = f"the reference is not converged: {failure}"
         complain(f"halfplane: {scene.name}: {sentence}")
         return Answer(
-            NOT_CONVERGED,
+            EXIT_NOT_CONVERGED,
             (),
             lambda: {"passed": False, "error": sentence, "file": None},
             scene.name,
@@ -244,7 +244,7 @@ def _score_loop(
         range(1, len(heads)),
     )
     return Answer(
-        WITHIN if score.agrees else OUTSIDE,
+        EXIT_WITHIN if score.agrees else EXIT_OUTSIDE,
         [
             read_in_words(path.name, score.read_as),
             *(f"Assumed: {sentence}." for sentence in score.notes),
@@ -353,11 +353,11 @@ def diff(a: str, b: str, options: Options) -> Answer:
         parts += _difference_parts(difference_to_b)
     scene_name = values_a.scene.name or values_a.source
     parts.append(f"{b}: {len(values_a.figures)} values of {scene_name} accepted")
-    return Answer(WITHIN, parts, difference_to_b.content, difference_to_b.scene)
+    return Answer(EXIT_WITHIN, parts, difference_to_b.content, difference_to_b.scene)
 
 
 def _difference_answer(difference_of_runs: Difference) -> Answer:
-    code = WITHIN if difference_of_runs.same else OUTSIDE
+    code = EXIT_WITHIN if difference_of_runs.same else EXIT_OUTSIDE
     return Answer(
         code,
         _difference_parts(difference_of_runs),

@@ -13,7 +13,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from reports.cli.application import TEMPLATES, WITHIN, Answer, Options
+from reports.cli.application import EXIT_WITHIN, TEMPLATES, Answer, Options
 from reports.cli.solving import load_engines, read
 from reports.console import Part, Sheet, Stages, width
 
@@ -70,7 +70,7 @@ def init(file: Path, options: Options) -> Answer:
         f"{file}{companions_in_words}: edit it, then `halfplane check {file}` and"
         f" `halfplane run {file}`"
     )
-    return Answer(WITHIN, sentences)
+    return Answer(EXIT_WITHIN, sentences)
 
 
 def _write_new_files(text_of: dict[Path, str]) -> None:
@@ -205,7 +205,7 @@ def check(source: str, options: Options) -> Answer:
         content["bulk_and_tilt"] = vars(bulk)
     marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
     parts: list[Part] = [verdict, table, *marked_remarks, *sentences, *notes]
-    return Answer(WITHIN, parts, lambda: content, scene.name)
+    return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
 
 
 def _notes_and_remarks(
@@ -335,7 +335,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         content["rig"] = _values_of_rig(solution)
     content |= {"sentence": verdict, "notes": notes}
     parts = [verdict, *(f"Remark: {remark}" for remark in remarks), *notes]
-    return Answer(WITHIN, parts, lambda: content, scene.name)
+    return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
 
 
 def _loads_in_words(solution: ContactSolution, source: str) -> str:
@@ -439,11 +439,13 @@ def show(name: str, options: Options) -> Answer:
     if name:
         scene = read(name, may_prescribe_displacements=True)
         return Answer(
-            WITHIN, _details(scene), lambda: {"scenes": [_scene_content(scene)]}, scene.name
+            EXIT_WITHIN, _details(scene), lambda: {"scenes": [_scene_content(scene)]}, scene.name
         )
     scenes = tagged(options.tag)
     return Answer(
-        WITHIN, _listing(scenes), lambda: {"scenes": [_scene_content(scene) for scene in scenes]}
+        EXIT_WITHIN,
+        _listing(scenes),
+        lambda: {"scenes": [_scene_content(scene) for scene in scenes]},
     )
 
 
@@ -532,4 +534,4 @@ def schema(_: Options) -> Answer:
     """The JSON schema on stdout."""
     from scenes import scene_schema
 
-    return Answer(WITHIN, [json.dumps(scene_schema(), indent=2)])
+    return Answer(EXIT_WITHIN, [json.dumps(scene_schema(), indent=2)])

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from reports.cli.application import (
-    INTERRUPTED,
-    NOT_CONVERGED,
-    OUTSIDE,
-    WITHIN,
+    EXIT_INTERRUPTED,
+    EXIT_NOT_CONVERGED,
+    EXIT_OUTSIDE,
+    EXIT_WITHIN,
     Answer,
     Options,
     requested_tolerances,
@@ -112,7 +112,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
                 f"halfplane: {stop}; what was solved is kept in {path}"
                 f" ({len(partial_solution.time) - 1} steps)"
             )
-            return Answer(INTERRUPTED)
+            return Answer(EXIT_INTERRUPTED)
         except ConvergenceError as failure:
             complain(f"halfplane: {scene.name}: not converged: {failure}")
             json_content = {"passed": False, "error": str(failure), "file": None}
@@ -127,7 +127,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
                 ]
             elif not options.json:
                 complain("halfplane: no step was solved, so nothing was written")
-            return Answer(NOT_CONVERGED, parts, lambda: json_content, scene.name)
+            return Answer(EXIT_NOT_CONVERGED, parts, lambda: json_content, scene.name)
 
     return command
 
@@ -533,11 +533,11 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third_answer is not None and third_answer.failure:
         complain(f"halfplane: {scene.name}: {third_answer.failure}")
-        code = NOT_CONVERGED
+        code = EXIT_NOT_CONVERGED
     else:
         code = exit_code(comparison)
         if not all(finding.met for finding in findings):
-            code = OUTSIDE
+            code = EXIT_OUTSIDE
 
     def parts() -> Iterator[Part]:
         """What the terminal shows, from the headline to the path of the page."""
@@ -731,7 +731,7 @@ def exit_code(comparison: Comparison) -> int:
         keys = ", ".join(metric.key for metric in comparison.unscored)
         complain(
             f"halfplane: {comparison.scene.name}: not scored, though a tolerance judges it: {keys}:"
-            f" exit code {OUTSIDE} (--tolerance KEY=none leaves a metric out)"
+            f" exit code {EXIT_OUTSIDE} (--tolerance KEY=none leaves a metric out)"
         )
     if comparison.admissible and comparison.verdict == "undecided":
         keys = ", ".join(
@@ -739,9 +739,9 @@ def exit_code(comparison: Comparison) -> int:
         )
         complain(
             f"halfplane: {comparison.scene.name}: undecided: {keys}; this counts as outside: exit"
-            f" code {OUTSIDE}"
+            f" code {EXIT_OUTSIDE}"
         )
-    return WITHIN if comparison.passed else OUTSIDE
+    return EXIT_WITHIN if comparison.passed else EXIT_OUTSIDE
 
 
 # --------------------------------------------------------------------------------- one engine alone
@@ -818,7 +818,7 @@ def _answer_of_one_engine(
         inputs = _effects_of_inputs(job)
     law_checks = certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in law_checks)
-    code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
+    code = EXIT_WITHIN if admissible and all(finding.met for finding in findings) else EXIT_OUTSIDE
     values_of_rig = {}
     if job.scene.load.is_driven:
         values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
@@ -838,7 +838,7 @@ def _answer_of_one_engine(
         """
         content_of_solution = solution_content(solution, law_checks)
         return {
-            "passed": code == WITHIN,
+            "passed": code == EXIT_WITHIN,
             "admissible": admissible,
             **{
                 name: content_of_solution[name]
@@ -904,7 +904,7 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
             yield Sheet("the same by finite elements", ("quantity", "value"), rows)
         yield str(page)
 
-    code = answer.code if content_of_elements.get("admissible", True) else OUTSIDE
+    code = answer.code if content_of_elements.get("admissible", True) else EXIT_OUTSIDE
     return replace(answer, code=code, parts=parts(), content=json_content, command=command)
 
 

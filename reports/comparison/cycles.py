@@ -27,7 +27,7 @@ _FRACTION_TOLERANCE = 1e-9
 # Points closer than this share of the range of x are the same.
 _POINT_TOLERANCE = 1e-12
 # A pressure below this share of the largest counts as zero.
-_LEAST_PRESSURE = 1e-12
+_LEAST_PRESSURE_SHARE = 1e-12
 _N_EVENTS = 6  # instants that the page names
 
 
@@ -254,11 +254,13 @@ def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> C
 
 
 def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
-    """InputError, naming `engine`, where `x` (ascending) has points beyond an end of `cycle` at
-    which there is still pressure at some instant: nothing is known beyond that end.
+    """InputError, naming `engine`, where `x` (ascending) has points beyond the first or last point
+    of `cycle`, and there is still pressure at that point at some instant: nothing is known beyond
+    it. Pressures up to 1e-12 of the largest count as zero.
     """
     pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
-    is_loaded_left, is_loaded_right = pressure_at_ends > _LEAST_PRESSURE * np.max(cycle.pressure)
+    least_pressure = _LEAST_PRESSURE_SHARE * np.max(cycle.pressure)
+    is_loaded_left, is_loaded_right = pressure_at_ends > least_pressure
     has_points_left = x[0] < cycle.x[0]
     has_points_right = x[-1] > cycle.x[-1]
     if (is_loaded_left and has_points_left) or (is_loaded_right and has_points_right):

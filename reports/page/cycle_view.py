@@ -44,13 +44,13 @@ class CycleView:
     keys
         their entries of a legend
     chosen_events
-        the instants that have a number in every figure
+        the instants that every figure marks, by one number each
     shown_instant
         index of the one that a page shows first: that with most points slipping, of equal ones
         that of the largest P
     time, time_words
         the axis of figures through the last cycle
-    stretch, noun
+    part_of_path, noun
         what the values are of, "last cycle", "whole record" or "whole path", and its last word
     x, largest_x
         points over a_ref; the largest of them that is drawn, a little more than the largest
@@ -58,22 +58,23 @@ class CycleView:
     """
 
     def __init__(self, comparison: Comparison) -> None:
-        """Take the last cycle of both solutions of a comparison. Choose the instants that have a
-        number in figures, the instant that is shown first, and the range of x that is drawn.
+        """Take the last cycle of both solutions of a comparison. Choose the instants that figures
+        mark by numbers, the one of them that is shown first (most points slipping), and the range
+        of x that is drawn.
         """
         self.comparison = comparison
         self.scene = comparison.scene
         self.scales = comparison.scales
-        self.stretch = words.part_of_path(comparison.scene)
-        self.noun = self.stretch.split()[-1]
+        self.part_of_path = words.part_of_path(comparison.scene)
+        self.noun = self.part_of_path.split()[-1]
         self.reference_cycle = comparison.reference_cycle
         self.result_cycle = comparison.result_cycle
-        # "r" and "f": the classes of the style sheet for reference and result
+        # "r" and "f" (finite elements): the classes of the style sheet for reference and result
         self.engines = (
             EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
             EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
         )
-        self.keys = [Key(f"{engine.line_css} p", engine.name) for engine in self.engines]
+        self.keys = [Key(f"{view.line_css} p", view.name) for view in self.engines]
         self.chosen_events = events(
             self.result_cycle,
             self.scene.friction.coefficient,

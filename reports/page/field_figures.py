@@ -334,7 +334,7 @@ def state_map(view: CycleView) -> Plate:
         share=share_in_words,
         written=len(instants),
         instants=len(view.time),
-        stretch=view.stretch,
+        stretch=view.part_of_path,
     )
 
 
@@ -409,7 +409,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         (density_panel, difference_panel),
         table,
         (*view.keys, Key("d p", "difference")),
-        stretch=view.stretch,
+        stretch=view.part_of_path,
         peak=f"{density_of_result[peak_index]:.4g}",
         place=signed(float(x[peak_index])),
         stick=_ends_in_words(stick_edges),

@@ -113,7 +113,7 @@ def half_widths(view: CycleView) -> Plate:
         (upper_panel, lower_panel),
         table,
         legend,
-        stretch=view.stretch,
+        stretch=view.part_of_path,
         spacing=f"{spacing:.1g}" if np.isfinite(spacing) else "",
     )
 
@@ -188,7 +188,7 @@ def discrepancies(view: CycleView) -> Plate:
         columns=1,
         judged=has_tolerances,
         cut=has_tolerances and largest_ratio > _LARGEST_DRAWN_RATIO,
-        stretch=view.stretch,
+        stretch=view.part_of_path,
     )
 
 
@@ -233,7 +233,9 @@ def slip_histories(view: CycleView) -> Plate:
         time="x",
     )
     keys = [Key(f"point-{column}", place) for column, place in enumerate(places)]
-    return figure_with_texts("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
+    return figure_with_texts(
+        "slip_history", [panel], table, keys, columns=1, stretch=view.part_of_path
+    )
 
 
 def cumulative_work(view: CycleView) -> Plate | None:
@@ -329,7 +331,13 @@ def load_path(view: CycleView) -> Plate:
     }
     has_bulk_or_tilt = len(panels) > 1
     return figure_with_texts(
-        "load_path", panels, table, keys, columns=1, beside=has_bulk_or_tilt, stretch=view.stretch
+        "load_path",
+        panels,
+        table,
+        keys,
+        columns=1,
+        beside=has_bulk_or_tilt,
+        stretch=view.part_of_path,
     )
 
 
@@ -568,7 +576,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         panels,
         table,
         view.keys,
-        stretch=view.stretch,
+        stretch=view.part_of_path,
         slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
         unit=f"{unit_of_length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,

@@ -385,7 +385,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         "instants": len(instants),
         "points": len(points),
         "of": [len(view.result_cycle.time), len(view.result_cycle.x)],
-        "stretch": view.stretch,
+        "stretch": view.part_of_path,
         "rows": instants.tolist(),
         "x": [_seven_digits(x) for x in view.x[points]],
         "series": {

@@ -390,7 +390,10 @@ class Judgement:
         channels: tuple[int, ...],
     ) -> list[Fit]:
         """Try combinations of causes (known faults, such as a wrong friction coefficient): the fits
-        that explain what `fit_before` leaves of the difference in some tractions.
+        that explain what `fit_before` leaves of the difference between result and theory.
+
+        A fit explains it if less than a third is left, and not by chance. Fits that the integrals
+        of pressure and shear exclude are left out, and those with sizes of next to nothing.
 
         Parameters
         ----------

@@ -72,7 +72,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     table = text_table(
         path,
         kind=TableKind(
-            is_known=_is_known_heading,
+            is_expected_heading=_is_known_heading,
             example="U,Q",
             keys_by_number=_KEYS_BY_NUMBER,
             numbered=_takes_columns_by_number(mapping),

@@ -477,6 +477,8 @@ def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ..
     """Means of row values in equal parts of the cycle: the number of rows in each part that has
     any, then the mean of each of `row_values` (n,) there, (k,) each. `share_of_cycle` (n,) is the
     share of the cycle that is over at each row.
+
+    A part has eight rows on average, but there are 20 parts at least and 200 at most.
     """
     n_parts = max(20, min(_MOST_PARTS, len(share_of_cycle) // 8))
     part_of_row = np.floor(share_of_cycle * n_parts).astype(int)

@@ -106,7 +106,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         kind=TableKind(
             role="the result",
             cure="write the contact surface alone, and fewer instants",
-            is_known=lambda name: (
+            is_expected_heading=lambda name: (
                 _read_heading(name, mapping).quantity is not None
                 or normalised_name(name) in _KNOWN_HEADINGS
             ),

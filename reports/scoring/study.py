@@ -133,7 +133,8 @@ class Study:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences below the table of a mesh study: the element size h of each mesh and where it
-        is from, what the limit at h = 0 does not cover, and the notes of the study.
+        is from, what the limit at h = 0, with its uncertainty u, does not cover, and the notes of
+        the study.
         """
         sizes = ", ".join(
             f"{level.name}: {level.size:.4g} ({level.source_of_size})" for level in self.levels

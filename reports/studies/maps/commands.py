@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.application import OUTSIDE, WITHIN, Answer, Options, share_of
+from reports.cli.application import EXIT_OUTSIDE, EXIT_WITHIN, Answer, Options, share_of
 from reports.cli.solving import read
 from reports.console import Part, Sheet, Stages
 
@@ -69,7 +69,7 @@ def make_map(name: str, options: Options) -> Answer:
         }
         return {"passed": True, "heights": heights, "page": page}
 
-    return Answer(WITHIN, parts(), content)
+    return Answer(EXIT_WITHIN, parts(), content)
 
 
 def advise(scene: str, options: Options) -> Answer:
@@ -114,7 +114,7 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
         "limit": limit,
         "verdict": verdict,
     }
-    code = WITHIN if is_within else OUTSIDE
+    code = EXIT_WITHIN if is_within else EXIT_OUTSIDE
     return Answer(code, [f"{scene.name}: {sentence}"], lambda: content, scene.name)
 
 
@@ -143,7 +143,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
     def content() -> dict[str, Any]:
         return {
-            **_content(advice, "corrected theory", sentence(advice)),
+            **_shared_content(advice, "corrected theory", sentence(advice)),
             "parts": {cause: _pair(share) for cause, share in advice.parts.items()},
             "left_out": advice.neglected_part,
             "declined": "; ".join(
@@ -152,13 +152,17 @@ def _answer_by_numbers(advice: Advice) -> Answer:
             "effects": asdict(advice.effects),
         }
 
-    code = WITHIN if advice.verdict is Verdict.WITHIN else OUTSIDE
+    code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
     return Answer(code, parts(), content, advice.scene.name)
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     """The answer of the command `advise` by half-planes with the compliance of the bodies added
-    (kernels): the sentence of the advice, and a table of what the bodies change.
+    (kernels): the sentence of the advice, and a table of what the bodies change. Exit code 0 if the
+    verdict is that theory is within the limit, else 1.
+
+    The key "declined" of the JSON content is why corrected theory, which is quicker, does not
+    answer.
     """
     from reports.advising_by_kernels import sentence
     from reports.comparison.verdicts import Verdict
@@ -169,11 +173,11 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
 
     def content() -> dict[str, Any]:
         return {
-            **_content(advice, "kernel solve", sentence(advice)),
+            **_shared_content(advice, "kernel solve", sentence(advice)),
             "declined": advice.reason_for_kernels,
         }
 
-    code = WITHIN if advice.verdict is Verdict.WITHIN else OUTSIDE
+    code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
     return Answer(code, parts(), content, advice.scene.name)
 
 
@@ -203,7 +207,7 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
     return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)
 
 
-def _content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
+def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
     """The JSON content that both kinds of advice share: how it was found (`by`), verdict,
     `sentence`, limit, and of each quantity theory's value with the change that the bodies make.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.cli.application import OUTSIDE, WITHIN, Answer, Options
+from reports.cli.application import EXIT_OUTSIDE, EXIT_WITHIN, Answer, Options
 from reports.console import Part, Sheet, Stages
 
 
@@ -18,10 +18,10 @@ def paper(options: Options) -> Answer:
         from reports.studies.paper import page
         from reports.studies.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
-    code = WITHIN if report.proven else OUTSIDE
+    code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE
     verdicts = page.tally(report.statements)
     content = {
-        "passed": code == WITHIN,
+        "passed": code == EXIT_WITHIN,
         "verdicts": verdicts,
         "statements": [vars(statement) for statement in report.statements],
         "misprints": [vars(misprint) for misprint in report.misprints],

@@ -245,9 +245,12 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
 
 
 def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -> dict[str, float]:
-    """Slip over A P0/3 that points gain from the event B to G: its largest value at |x| up to
-    `half_width_z`, its least from there to `half_width_t` (both over a0). With it the largest
-    change of slip from G to M.
+    """Slip that points gain in the first cycle, from its begin (event B) to the end of reverse slip
+    (G): its largest size at 0 < x < `half_width_z`, and its least from there to `half_width_t`.
+    With it the largest change of slip from G to the end of the second forward slip (M).
+
+    The half-widths a(P_Z) and a(P_T) of `_residual_tractions` are over a0. The slips are over A
+    P0/3, with A = 2/E* and P0 the mean normal load.
     """
     fractions = np.linspace(0.01, 0.99, 50)
     x_within = half_width_z * fractions
@@ -526,24 +529,27 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
     """Check whether the whole contact slides (gross sliding) at the coefficients of friction of the
     paper's figure 4b: with the mean shear force Q0 of the cycle, and with Q0 = 0.
 
-    "Confirmed" if no coefficient slides with Q0; "refined" if none slides with Q0 = 0. `case` is
-    the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    "Confirmed" if at no coefficient the contact slides with Q0; "refined" if at none with Q0 = 0.
+    `case` is the paper's load cycle, an ellipse of P and Q, on one of its profiles. Returns
+    (verdict, numbers).
     """
     frictions = np.array(FRICTIONS)
     mean_shear = case.load.mean_tangential_load
     arguments = case.batch_arguments(
         friction_coefficient=frictions, mean_tangential_load=mean_shear * np.array([[1.0], [0.0]])
     )
-    # (2, n): with and without mean shear force along rows, coefficients along columns
+    # Why a cycle has no dissipation, (2, n): with and without mean shear force along rows,
+    # coefficients along columns.
     reasons = semi_analytic.dissipation(**arguments).reason
-    slides_with_mean, slides_without_mean = reasons == semi_analytic.Reason.SLIDING
+    slides_with_mean_shear, slides_without_mean_shear = reasons == semi_analytic.Reason.SLIDING
     numbers = {
-        "sliding with Q0": int(slides_with_mean.sum()),
-        "sliding with Q0 = 0": int(slides_without_mean.sum()),
+        "sliding with Q0": int(slides_with_mean_shear.sum()),
+        "sliding with Q0 = 0": int(slides_without_mean_shear.sum()),
         "Q0": mean_shear / case.unit_load,
-        "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean]),
+        "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean_shear]),
     }
-    return judge(not slides_with_mean.any(), nearly=not slides_without_mean.any()), numbers
+    verdict = judge(not slides_with_mean_shear.any(), nearly=not slides_without_mean_shear.any())
+    return verdict, numbers
 
 
 def no_effect_of_mean_shear(case: Case) -> VerdictAndNumbers:

@@ -7,7 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from reports.cli.application import INTERRUPTED, NOT_CONVERGED, WITHIN, WORKERS, Answer, Options
+from reports.cli.application import (
+    EXIT_INTERRUPTED,
+    EXIT_NOT_CONVERGED,
+    EXIT_WITHIN,
+    WORKERS,
+    Answer,
+    Options,
+)
 from reports.console import Part, Sheet, Stages, complain, say
 
 if TYPE_CHECKING:
@@ -63,14 +70,14 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
             table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
     except KeyboardInterrupt:
         complain(f"halfplane: interrupted; {stored_in_words()}; resume with: {command_again}")
-        return Answer(INTERRUPTED)
+        return Answer(EXIT_INTERRUPTED)
     except StoreError as fault:
         raise StoreError(
             f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
         ) from fault
     table_path = prepared_sweep.store.folder / "index.csv"
     json_content = _content(prepared_sweep.store) | {"file": str(table_path)}
-    exit_code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
+    exit_code = EXIT_WITHIN if (table["status"] == "done").all() else EXIT_NOT_CONVERGED
     return Answer(
         exit_code,
         _result_parts(prepared_sweep, table, json_content),
@@ -178,7 +185,7 @@ def status(folder: Path, _: Options) -> Answer:
         if seconds_left is not None:
             yield f"about {seconds_left:.0f} s of work left at the rate of the last results"
 
-    return Answer(WITHIN, parts(), lambda: json_content)
+    return Answer(EXIT_WITHIN, parts(), lambda: json_content)
 
 
 def report(folder: Path, _: Options) -> Answer:
@@ -187,4 +194,4 @@ def report(folder: Path, _: Options) -> Answer:
     from reports.studies.sweep.store import Store
 
     page = str(write_page(Store(folder)))
-    return Answer(WITHIN, [page], lambda: _content(Store(folder)) | {"page": page})
+    return Answer(EXIT_WITHIN, [page], lambda: _content(Store(folder)) | {"page": page})

@@ -259,10 +259,13 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         raise ValueError("uncertainty: an error budget needs both engines")
 
 
-def check_rig(scene: Scene, figures: Sequence[str]) -> None:
-    """InputError where the scene prescribes a displacement and one of the quantities (`figures`) is
-    a metric: metrics compare both engines at one load, and under a prescribed displacement each
-    engine finds loads of its own. Quantities with the prefix "error." can be had instead.
+def check_figures_of_driven_scene(scene: Scene, figures: Sequence[str]) -> None:
+    """InputError where the scene prescribes a displacement and one of a sweep's `figures` is a
+    metric. Metrics compare both engines, finite elements and half-plane theory, under one load.
+    Under a prescribed displacement each engine finds loads of its own.
+
+    An error can be had instead, such as "error.stroke": finite elements/theory - 1 of one of the
+    `QUANTITIES`.
     """
     if not scene.load.is_driven:
         return

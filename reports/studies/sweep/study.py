@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from reports.checking import require_admissible
-from reports.studies.sweep.solving import Question, check_figures, check_rig
+from reports.studies.sweep.solving import Question, check_figures, check_figures_of_driven_scene
 from reports.studies.sweep.store import PlannedPoint
 from scenes import InputError, Scene, load_scene
 from scenes.files import keys_of
@@ -339,7 +339,7 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
             require_admissible(scene, words_of_point)
-            check_rig(scene, study.figures)
+            check_figures_of_driven_scene(scene, study.figures)
             if "fe" in study.engines:
                 check_supports(scene)
         except InputError as fault:

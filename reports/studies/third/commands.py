@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from reports.cli.application import WITHIN, Answer
+from reports.cli.application import EXIT_WITHIN, Answer
 from reports.cli.solving import Job, deck_file, solving_command
 from reports.console import Sheet
 from reports.studies.third.calculix import ThirdSolver, find_calculix, solve_with_calculix
@@ -73,7 +73,7 @@ def export(job: Job) -> Answer:
     path = str(job.folder / file)
     content = {"passed": True, **deck_size, "file": path, "seconds": stages.seconds}
     return Answer(
-        WITHIN,
+        EXIT_WITHIN,
         [Sheet("Deck for CalculiX", ("what", "value"), rows), path],
         lambda: content,
         scene.name,
