@@ -143,8 +143,8 @@ def claim_values(sections: Mapping[str, Any]) -> dict[str, str]:
 def limit_values() -> dict[str, str]:
     """Key -> how large a file, how many rows or nodes are taken at most."""
     sizes = {
-        "TOML": files.TOML,
-        "text": files.TEXT,
+        "TOML": files.LARGEST_TOML,
+        "text": files.LARGEST_TEXT,
         "NetCDF": netcdf.LARGEST_SOLUTION,
         "fields": field_files.LARGEST,
         "unpacked": field_files.UNPACKED,

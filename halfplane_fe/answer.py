@@ -207,19 +207,21 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
 def _arrays_of_stress_and_tilt(
     problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
 ) -> dict[str, Array]:
-    """Series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk stresses of
-    both bodies, tilt, and the moments of pressure and of shear about x = 0.
+    """Read-only series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk
+    stresses of both bodies, tilt, and the moments of pressure and of shear about x = 0.
+
+    `states` hold the nodal forces p and q in units of `scales.load`.
     """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
-    pressure = np.stack([state.pressure for state in states])
-    shear = np.stack([state.shear for state in states])
-    moment = -problem.interface.work_of_unit_offsets(pressure, shear)[..., 2]
-    shear_moment = shear @ problem.interface.x
-    bulk_lower, bulk_upper, tilt = np.array([state.stresses_and_tilt for state in states]).T
+    p_of_nodes = np.stack([state.pressure for state in states])
+    q_of_nodes = np.stack([state.shear for state in states])
+    moment = problem.interface.moment(p_of_nodes, q_of_nodes)
+    shear_moment = q_of_nodes @ problem.interface.x
+    stress_lower, stress_upper, tilt = np.array([state.stresses_and_tilt for state in states]).T
     return {
-        "bulk_stress_lower": freeze(bulk_lower * stress_unit),
-        "bulk_stress_upper": freeze(bulk_upper * stress_unit),
+        "bulk_stress_lower": freeze(stress_lower * stress_unit),
+        "bulk_stress_upper": freeze(stress_upper * stress_unit),
         "tilt": freeze(tilt * stress_unit / scales.modulus),
         "moment": freeze(moment * moment_unit),
         "shear_moment": freeze(shear_moment * moment_unit),

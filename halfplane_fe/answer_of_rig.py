@@ -15,8 +15,9 @@ from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from scenes import STICK, PolygonLoad, Rig, Scene
 
-# Slides that a note names one by one.
+# Slides that a note names one by one, in the last cycle and before it.
 _MOST_SLIDES_NAMED = 4
+_MOST_EARLIER_SLIDES_NAMED = 2
 
 
 def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
@@ -95,6 +96,10 @@ def notes_of_rig(
     """Sentences for the reader of a solution in which actuators move the bodies: which loads were
     unknown, how exactly the movements are met, and where the bodies slide as a whole.
 
+    A tangential actuator moves by U_act, of which Q/k_s is the stretch of its spring, of stiffness
+    k_s. A scene that states the approach of a normal actuator leaves P unknown too. Displacements
+    of half-planes are relative to the surface at the datum length from the contact.
+
     Parameters
     ----------
     scene
@@ -152,7 +157,8 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:
         in_words = "; ".join(
-            _slide_in_words(slide, displacement_unit, length_unit) for slide in slides_before[:2]
+            _slide_in_words(slide, displacement_unit, length_unit)
+            for slide in slides_before[:_MOST_EARLIER_SLIDES_NAMED]
         )
         yield f"gross sliding: before it {in_words}"
 

@@ -215,9 +215,10 @@ def _fields_of_bodies(
         displacement, stress = _displacement_and_stress(
             solution, steps, tractions_at_steps, body_number
         )
-        condensed = solution.condensed[body_number]
-        points = condensed.body.mesh.p.T * [1.0, _sign_of_y(body_number)]
-        cells = _counter_clockwise_cells(points, cells_of(condensed.body.mesh, condensed.order))
+        condensed_body = solution.condensed[body_number]
+        mesh = condensed_body.body.mesh
+        points = mesh.p.T * [1.0, _sign_of_y(body_number)]
+        cells = _counter_clockwise_cells(points, cells_of(mesh, condensed_body.order))
         fields_of_steps = []
         for k, (step, step_tractions) in enumerate(zip(steps, tractions_at_steps, strict=True)):
             edges = (np.nan, np.nan) if step_tractions is None else step_tractions.edges
@@ -1087,14 +1088,14 @@ class _NodalFields:
         (n_dofs, k) [length]
     stress
         (n, 4, k) xx, yy, xy, zz [stress]
-    areas
+    areas_around_nodes
         (n,) sum of the areas of the elements around each node
     """
 
     basis: skfem.Basis
     displacement: Array
     stress: Array
-    areas: Array
+    areas_around_nodes: Array
 
 
 def _nodal_fields(
@@ -1103,28 +1104,32 @@ def _nodal_fields(
     """Displacement and stress at the nodes of one body by its elements, at k stored steps, in the
     body's own frame, whose y points out of it.
 
+    Displacements of a half-plane are relative to its surface at the datum length from the contact.
+
     Parameters
     ----------
     body_number
         0 of the lower body, 1 of the upper one
     steps
-        (k,) indices of stored instants
+        (k,) indices of the steps
     bulk_stress
         (k,) of this body at the steps [stress]
     """
-    condensed = solution.condensed[body_number]
+    condensed_body = solution.condensed[body_number]
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
     forces = body_forces(*solution.condensed, pressure, shear)[_BODY_NAMES[body_number]]
+    # Mixed elements have a part of the mean stress as a further unknown.
     basis, displacements, mean_stresses = displacement_fields(
-        condensed, forces, solution.scene.profile.datum_length, bulk_stress
+        condensed_body, forces, solution.scene.profile.datum_length, bulk_stress
     )
     stresses = []
     for displacement, mean_stress in zip(displacements.T, mean_stresses.T, strict=True):
-        stress, areas = _nodal_stress(basis, displacement, mean_stress, condensed)
+        stress, areas_around_nodes = _nodal_stress(basis, displacement, mean_stress, condensed_body)
         stresses.append(stress)
-    return _NodalFields(basis, displacements, np.stack(stresses, axis=-1), areas)
+    # The areas are those of the mesh, the same at every step.
+    return _NodalFields(basis, displacements, np.stack(stresses, axis=-1), areas_around_nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1209,7 +1214,7 @@ def _near_contact(
         stress_by_size = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
             tractions_on_body, x_fitted, y_fitted
         )
-        areas = nodal_fields.areas[nodes][is_accurate]
+        areas = nodal_fields.areas_around_nodes[nodes][is_accurate]
         size_effect = fitted_size_effect(
             x_fitted, y_fitted, stress_by_size, areas, largest_distance, half_width
         )
@@ -1307,7 +1312,7 @@ def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
 
 
 def _nodal_stress(
-    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed: CondensedBody
+    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed_body: CondensedBody
 ) -> tuple[Array, Array]:
     """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), averaged over the elements around
     each node. The sum of the areas of these elements, (n_nodes,), is returned too.
@@ -1326,10 +1331,10 @@ def _nodal_stress(
     mean_stress
         (n_corners,) part of lam div(u) that mixed elements have as a further unknown, r, at their
         corners [stress]
-    condensed
+    condensed_body
         the body, with its material and the order of its elements
     """
-    lam, _, mu = split_lame(condensed.material, condensed.order)
+    lam, _, mu = split_lame(condensed_body.material, condensed_body.order)
     strain = sym_grad(basis.interpolate(displacement))
     mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
         mean_stress
@@ -1339,10 +1344,10 @@ def _nodal_stress(
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
     stress_at_element_nodes = (
-        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _extrapolation_to_nodes(basis, condensed.order).T
+        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _extrapolation_to_nodes(basis, condensed_body.order).T
     )
     element_areas = basis.dx.sum(axis=1)[:, None]
-    cells = cells_of(basis.mesh, condensed.order).ravel()
+    cells = cells_of(basis.mesh, condensed_body.order).ravel()
     n_nodes = basis.mesh.p.shape[1]
     areas_of_nodes = np.broadcast_to(element_areas, stress_at_element_nodes.shape[1:]).ravel()
     areas = np.bincount(cells, areas_of_nodes, n_nodes)

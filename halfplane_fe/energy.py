@@ -528,11 +528,11 @@ def _normal_work_rate(
     _, p_by_i, q_by_i, _ = nodal(rates_by_i)
     approach_by_j = rates_by_j[:, 0]
     tilt_by_j = rates_by_j[:, 2]
-    minus_moment_by_i = problem.interface.work_of_unit_offsets(p_by_i, q_by_i)[..., 2]
+    moment_by_i = problem.interface.moment(p_by_i, q_by_i)
     normal_load_by_i: Array | float = float(i == 0)
     if problem.actuators.are_there:  # P or Q is no load, but follows from movements
         normal_load_by_i, _ = problem.interface.resultants(p_by_i.T, q_by_i.T)
-    work_rate = normal_load_by_i * approach_by_j + minus_moment_by_i * tilt_by_j
+    work_rate = normal_load_by_i * approach_by_j - moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
         pressure_work_per_stress = problem.interface.work_of_unit_offsets(p_by_i, 0 * q_by_i)
         work_rate = work_rate + pressure_work_per_stress[..., j - 2]
@@ -576,7 +576,7 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
             loads_reached[number] = rigid_motion + rig_compliance * loads_reached[number]
     imbalance = np.abs(np.array(loads_reached) - loads[:, :2].T).max(axis=0)
     if problem.has_given_moment:
-        moment = -problem.interface.work_of_unit_offsets(pressure, shear)[:, 2]
+        moment = problem.interface.moment(pressure, shear)
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
     normal_load = loads[:, 0] if problem.actuators.normal is None else normal_resultant
     return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}

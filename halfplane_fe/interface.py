@@ -140,6 +140,13 @@ class Interface:
             return np.zeros(3)
         return np.asarray(shear @ self.unit_offsets[1] - pressure @ self.unit_offsets[0])
 
+    def moment(self, pressure: Array, shear: Array) -> Array:
+        """Moment M (...) of nodal forces p and q (..., n) about x = 0, in the sense of the load M:
+        minus their work per unit of tilt. Zero where there are no offsets.
+        """
+        work_per_unit_of_tilt = self.work_of_unit_offsets(pressure, shear)[..., 2]
+        return np.asarray(-work_per_unit_of_tilt)
+
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     """Contact compliance of two bodies, gap and slip by nodal contact forces, from the condensed

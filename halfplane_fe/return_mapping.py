@@ -413,7 +413,7 @@ class _Iteration:
     def _moment(self, values: Array) -> float:
         """Moment of the nodal forces in `values` (3 + 4 n,), in the sense of the load M; scaled."""
         _, pressure, shear, _ = values[3:].reshape(4, -1)
-        return -float(self.contact.interface.work_of_unit_offsets(pressure, shear)[2])
+        return float(self.contact.interface.moment(pressure, shear))
 
     def _update_multipliers(self, multipliers: Array, mapped_tractions: Tractions) -> float:
         """Replace the multipliers (2, n) of pressure and shear, in place, by the mapped tractions;

@@ -235,9 +235,10 @@ class _Outline:
     contact face, as gmsh draws it.
     """
 
-    def __init__(self, shape: Solid, face: Face, length: float) -> None:
-        """Sizes of a body over a `length`: half-width and height, drop of its face at the end,
-        lower end of its sides, corners of a step.
+    def __init__(self, shape: Solid, face: Face, length_unit: float) -> None:
+        """Sizes of a body over a `length_unit`, to twelve digits: half-width and height, drop of
+        its face at the end, lower end of its sides, corners of a step. Also whether the strain is
+        infinite in the corner of its sides and base.
 
         Parameters
         ----------
@@ -245,43 +246,45 @@ class _Outline:
             block, pad, cylinder, T-shape or shouldered pad
         face
             depth of the body's face below its highest point, as a function of x
-        length
-            unit of length, here the half-width of the fine part of the contact face
+        length_unit
+            half-width of the fine part of the contact face [length]
         """
         self._face = face
-        self._length = length
-        half_width = shape.face_half_width / length
-        height = (shape.radius if isinstance(shape, Cylinder) else shape.height) / length
-        # The face's drop from the width as it is: at the end of an arc of 90 degrees it changes
-        # with the root of the width.
-        face_drop = float(self._true_depth(np.array(half_width)))
+        self._length_unit = length_unit
+        half_width = shape.face_half_width / length_unit
+        height = (shape.radius if isinstance(shape, Cylinder) else shape.height) / length_unit
+        # The drop is that at the unrounded half-width. At the end of an arc of 90 degrees it
+        # changes with the root of the half-width, and rounding this would cost half of the digits.
+        face_drop = float(self._unrounded_depth(np.array(half_width)))
         self._half_width, self._height, self._drop = rounded_lengths(
             [half_width, height, face_drop]
         ).tolist()
-        self._foot = (self._half_width, -self._height)  # lower end of the side
+        self._side_end = (self._half_width, -self._height)
         supports = _supports(shape)
-        self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
-        self._at_step: list[tuple[float, float]] = []  # from the face downwards
+        self._has_sharp_base_corner = supports["base"] == "fixed" and "sides" not in supports
+        self._step_corners: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            step_depth, half_width_below = rounded_lengths(np.array(shape.step) / length).tolist()
-            self._at_step = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
-            self._foot = (half_width_below, -self._height)
+            step_depth, half_width_below = rounded_lengths(
+                np.array(shape.step) / length_unit
+            ).tolist()
+            self._step_corners = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
+            self._side_end = (half_width_below, -self._height)
 
     @property
     def sharp_corners(self) -> list[tuple[float, float]]:
         """Where the strain is infinite: in the corner of a free side, or face, and a fixed base,
         and in the re-entrant corner of a step.
         """
-        corners = [self._foot] if self._is_sharp_at_base else []
-        return corners + sorted(self._at_step)[:1]
+        corners = [self._side_end] if self._has_sharp_base_corner else []
+        return corners + sorted(self._step_corners)[:1]
 
     def _rounded_depth(self, x: Array) -> Array:
         """Depth of the face at x, to the twelve digits that are drawn; any shape."""
-        return rounded_lengths(self._true_depth(x))
+        return rounded_lengths(self._unrounded_depth(x))
 
-    def _true_depth(self, x: Array) -> Array:
+    def _unrounded_depth(self, x: Array) -> Array:
         """Depth of the face at x below its highest point; any shape."""
-        return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
+        return np.asarray(self._face.depth(np.asarray(x) * self._length_unit)) / self._length_unit
 
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
         """Draw the half x >= 0 of the body into gmsh's current model: contact, the rest of the
@@ -320,7 +323,7 @@ class _Outline:
         last_point = face_end
         # A half-cylinder has no sides: its face goes down to the base.
         if self._drop < self._height * (1 - 1e-9):
-            for x, y in (*self._at_step, self._foot):
+            for x, y in (*self._step_corners, self._side_end):
                 corner_point = geometry.addPoint(x, y, 0)
                 sides.append(geometry.addLine(last_point, corner_point))
                 last_point = corner_point
@@ -356,7 +359,9 @@ class _Outline:
         geometry = gmsh.model.geo
         face_end = self._half_width
         if self._face.arc is not None:
-            arc_begin, radius = rounded_lengths(np.array(self._face.arc) / self._length).tolist()
+            arc_begin, radius = rounded_lengths(
+                np.array(self._face.arc) / self._length_unit
+            ).tolist()
             if start >= arc_begin:
                 last_point = geometry.addPoint(face_end, -self._drop, 0)
                 centre = geometry.addPoint(arc_begin, -radius, 0)
@@ -395,9 +400,9 @@ class _Outline:
         """
         true_points = points.copy()
         nodes = named_nodes["contact"]
-        if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:
+        if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length_unit:
             nodes = np.union1d(nodes, named_nodes["free"])
-        true_points[nodes, 1] = -self._true_depth(points[nodes, 0])
+        true_points[nodes, 1] = -self._unrounded_depth(points[nodes, 0])
         return true_points
 
 

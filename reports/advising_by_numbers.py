@@ -315,11 +315,11 @@ def _change_of_stick(
         of that relative change by the curvatures of the faces alone
     """
     import semi_analytic
-    from semi_analytic.odd_memory import Declined, odd_answer
+    from semi_analytic.odd_memory import DeclinedError, odd_answer
 
     try:
         odd_answer(scene, effects)
-    except Declined:
+    except DeclinedError:
         return Estimate(math.nan, math.nan)
     # the edges alone are needed, not the dissipation
     corrected_half_width = semi_analytic.solve(

@@ -25,10 +25,10 @@ from scenes.errors import InputError, in_words, shown
 # None where the system has no such thing; the sizes that files state are checked all the same.
 resource = import_module("resource") if find_spec("resource") else None
 
-# Bytes. A TOML file is written by hand, and its parser is slow; tables of numbers go to CSV,
-# answers to NetCDF.
-TOML = 2**20
-TEXT = 2**28
+# Largest files that are read [bytes]. A TOML file is written by hand, and its parser is slow;
+# tables of numbers go to CSV, answers to NetCDF.
+LARGEST_TOML = 2**20
+LARGEST_TEXT = 2**28
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
 # up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
 _LARGEST_DEPTH = 8
@@ -51,7 +51,7 @@ _TOML_TOKENS = re.compile(
 )
 
 
-def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> str:
+def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT, advice: str = "") -> str:
     """Read a text file in UTF-8, after a check of its kind and size; without a byte-order mark.
 
     Parameters
@@ -185,7 +185,7 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         JSON, with the line; or holds a list.
     """
     is_json = path.suffix == ".json"
-    text = text_of(path, role, TEXT if is_json else TOML, advice)
+    text = text_of(path, role, LARGEST_TEXT if is_json else LARGEST_TOML, advice)
     if not text.strip():
         return {}
     try:
@@ -279,7 +279,7 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     content = (
         json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)
     ).encode()
-    most_bytes = TEXT if is_json else TOML
+    most_bytes = LARGEST_TEXT if is_json else LARGEST_TOML
     if len(content) > most_bytes:
         remark = "" if is_json else "; save it as .json"
         raise InputError(

@@ -64,7 +64,7 @@ _ERROR_OF_STEP = 4.0
 # Steps without gain after which rounding is reached, where they are shorter than this share of the
 # way.
 _MOST_IDLE_STEPS = 3
-_SHORT_STEP = 1e-9
+_SHARE_OF_SHORT_STEP = 1e-9
 
 
 class Combination(NamedTuple):
@@ -242,8 +242,10 @@ class LoadSegment(abc.ABC):
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
         since `begin`, by Newton's method safeguarded by bisection.
 
-        Each time has a bracket. It is halved where a Newton step leaves it, or is longer than half
-        the last step. The steps end where round-off keeps the error from falling.
+        Newton's method without a bracket is tried first: it gives None where it does not converge
+        between `begin` and `end`. Then each time has a bracket. It is halved where a Newton step
+        leaves it, or is longer than half the last step. The steps end where round-off keeps the
+        error from falling.
 
         Parameters
         ----------
@@ -257,7 +259,7 @@ class LoadSegment(abc.ABC):
         Raises
         ------
         NotFoundError
-            Where the steps do not end.
+            Where `_MOST_STEPS` steps do not get there.
         """
         # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
@@ -282,10 +284,10 @@ class LoadSegment(abc.ABC):
             np.copyto(best_time, time, where=is_improved)
             np.copyto(least_error, absolute_error, where=is_improved)
             n_idle_steps = (n_idle_steps + 1) * ~is_improved
-            # Steps without a smaller error are round-off where they are short. A long one halves a
-            # bracket, and better ones follow.
+            # Short steps without a smaller error are round-off. After a long one, which halves a
+            # bracket, steps with a smaller error follow.
             has_stalled = (n_idle_steps >= _MOST_IDLE_STEPS) & (
-                last_step_length <= _SHORT_STEP * np.abs(best_time - begin)
+                last_step_length <= _SHARE_OF_SHORT_STEP * np.abs(best_time - begin)
             )
             is_round_off = last_step_length <= _ROUNDING_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.

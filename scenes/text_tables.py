@@ -28,7 +28,7 @@ from scenes.arrays import LARGEST
 from scenes.clock_times import WORDS, ClockColumn, is_clock_time
 from scenes.column_names import ALIASES, aliases_of, normalised_name
 from scenes.errors import InputError, shown
-from scenes.files import TEXT, check_size
+from scenes.files import LARGEST_TEXT, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
@@ -257,7 +257,7 @@ def text_table(
             )
     longest_line = _LONGEST_LINE if columns else _LONGEST_LINE_OF_ALL
     try:
-        check_size(path, kind.role, TEXT, kind.cure)
+        check_size(path, kind.role, LARGEST_TEXT, kind.cure)
         with path.open("rb") as binary:
             first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
         encodings = _encodings_of(first_bytes)
@@ -449,9 +449,10 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
     """Separator of a text table, and where its headings, units and rows stand, from the first
     `lines` of its file.
 
-    The line of headings is the first one that has the headings of all quantities to be read. Where
-    every column is read it is the first line with two headings that the kind of table expects, else
-    the first of two words or more. A table without headings has rows alone: see
+    The line of headings stands above the rows. It is the first that has the headings of all
+    quantities to be read, and a first row to go with them. Where every column is read it is the
+    first line with two headings known for this kind of table (`TableKind.is_known`). Without such a
+    line it is the first of two words or more. For a table of rows alone see
     `_layout_without_headings`.
 
     Raises
@@ -484,12 +485,16 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
                 if first_row_fits:
                     return layout
                 layouts_at_fault.append(layout)
-        # No line of headings fits its rows: take the first all the same, and report the row later
-        # as one at fault. Headings cut by another separator than the rows are not theirs.
+        # No headings fit their first row. The first ones cut by the separator of the rows count all
+        # the same: that row is reported later as one at fault. Without any row of numbers there is
+        # no separator to compare with.
         fewest_cells = max(len(quantities), 2)
-        _, separator_of_rows, cells_of_row = _first_row(lines_without_comments, fewest_cells)
+        _, separator_of_rows, cells_of_row = _first_numeric_row(
+            lines_without_comments, fewest_cells
+        )
+        has_numeric_row = bool(cells_of_row)
         for layout in layouts_at_fault:
-            if not cells_of_row or layout.separator == separator_of_rows:
+            if not has_numeric_row or layout.separator == separator_of_rows:
                 return layout
     return _layout_without_headings(request, lines_without_comments)
 
@@ -824,7 +829,7 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     )
     if not quantities:
         raise _fault_of_no_names(request, lines[0], begins_with_rows)
-    first_row = _first_row(lines, len(quantities))
+    first_row = _first_numeric_row(lines, len(quantities))
     if request.takes_columns_by_number:
         stated_columns = [int(request.stated_columns[name]) - 1 for name in quantities]
         # Other cells of the row may hold text.
@@ -971,7 +976,7 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
     it is the line above the first row of numbers, or above its units, else the first line.
     """
     for fewest_cells in (len(request.quantities), 2, 1):
-        row_index, separator_of_rows, cells_of_row = _first_row(lines, fewest_cells)
+        row_index, separator_of_rows, cells_of_row = _first_numeric_row(lines, fewest_cells)
         if cells_of_row:
             break
     separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS)
@@ -1000,7 +1005,7 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
     return likeliest_line, likeliest_headings
 
 
-def _first_row(lines: list[Line], fewest_cells: int) -> FirstRow:
+def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
     """The first line that is a row of `fewest_cells` numbers or more by any separator: its index,
     separator and cells; 0, None and no cells where there is none.
     """

@@ -478,7 +478,7 @@ def _tilt_and_strain_of(
         tilt_and_strain = OddPart(
             odd_answer_of_rig(rig.scene, rig.effects, driven_path, last_cycle)
         )
-    except Declined as reason:
+    except DeclinedError as reason:
         tilt_and_strain = _tilt_and_strain_on_grids(rig, driven_path, last_cycle, str(reason))
     half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
@@ -503,7 +503,7 @@ def _tilt_and_strain_on_grids(
         return OddPart(left_out=reason)
     try:
         scene_of_loads = loads_of_cycle(rig.scene, driven_path, last_cycle, _STEPS_ON_GRIDS)
-    except (Declined, InputError) as fault:
+    except (DeclinedError, InputError) as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
     return odd_part_on_grids(scene_of_loads, rig.effects, driven_path.work(last_cycle), reason)
 

@@ -1800,7 +1800,7 @@ def _tilt_and_strain_of(paths: _Paths) -> OddPart:
         return OddPart()
     try:
         tilt_and_strain = OddPart(odd_answer(question.scene, effects))
-    except Declined as reason:
+    except DeclinedError as reason:
         if not question.wants("dissipation"):
             return OddPart(left_out=str(reason))
         work_of_bodies = paths.bodies.work(paths.last_cycle)

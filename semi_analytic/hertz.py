@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
 
-# Of 2 artanh y - 2 y; with eleven terms it leaves 2e-16 up to a ratio of 0.3.
-_TAIL = (2 / np.arange(3.0, 25.0, 2.0)).tolist()
-_SERIES_UP_TO = 0.3
-_BELOW_ONE = 1 - 2.0**-53
+# Coefficients of 2 artanh y - 2 y; with eleven terms it leaves 2e-16 up to a ratio of 0.3.
+_TAIL_COEFFICIENTS = (2 / np.arange(3.0, 25.0, 2.0)).tolist()
+_LARGEST_RATIO_OF_SERIES = 0.3
+_NUMBER_BELOW_ONE = 1 - 2.0**-53
 
 
 def log_excess(ratio: ArrayLike) -> Array:
@@ -21,29 +21,31 @@ def log_excess(ratio: ArrayLike) -> Array:
     relative accuracy, however small r is.
 
     Friction work of Hertz contacts needs it (`HertzContact.dissipation_kernel`), r = (P - P_c)/P
-    with P_c the load at the stick edge. For r = 1 the number before it is taken, since ln 0 would
-    spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r =
-    r^2/(2 - r), so that nothing cancels.
+    with P_c the load at the stick edge. For r = 1 the floating-point number before it is taken,
+    since ln 0 would spoil an integral over r. Small r take a series, in which nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
     (1.000000000..., 0.19314718056)
     """
     r = np.asarray(ratio, dtype=float)
-    if not np.any(r > _SERIES_UP_TO):
+    if not np.any(r > _LARGEST_RATIO_OF_SERIES):
         return _log_series(r)
-    excess = np.asarray(-np.log1p(-np.minimum(r, _BELOW_ONE)) - r)
-    is_small = r <= _SERIES_UP_TO
+    excess = np.asarray(-np.log1p(-np.minimum(r, _NUMBER_BELOW_ONE)) - r)
+    is_small = r <= _LARGEST_RATIO_OF_SERIES
     excess[is_small] = _log_series(r[is_small])
     return excess
 
 
 def _log_series(ratio: Array) -> Array:
-    """-ln(1 - r) - r of ratios r up to 0.3, by the series of 2 artanh y, y = r/(2 - r)."""
+    """-ln(1 - r) - r of ratios r up to 0.3, by the series of 2 artanh y, y = r/(2 - r).
+
+    -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2 - r), so that nothing cancels.
+    """
     two_minus_ratio = 2 - ratio
     y = ratio / two_minus_ratio
     square = y * y
-    tail = _TAIL[-1]
-    for coefficient in _TAIL[-2::-1]:
+    tail = _TAIL_COEFFICIENTS[-1]
+    for coefficient in _TAIL_COEFFICIENTS[-2::-1]:
         tail = tail * square + coefficient
     return ratio * ratio / two_minus_ratio + tail * y * square
 

@@ -123,16 +123,18 @@ class OddWork:
 
         Raises
         ------
-        Declined
+        DeclinedError
             Where there is no matrix, or where one side of the contact slips alone, or nearly so
             (a ratio above 0.8), through half of a span.
         """
         if self.reason_declined:
-            raise Declined(self.reason_declined)
+            raise DeclinedError(self.reason_declined)
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
         one_sided_ratio = self.largest_one_sided_ratio(o)
         if one_sided_ratio > _LARGEST_ONE_SIDED_RATIO:
-            raise Declined("tilt and strain go so fast that one side of the contact slips alone")
+            raise DeclinedError(
+                "tilt and strain go so fast that one side of the contact slips alone"
+            )
         work = float(o @ self.matrix @ o)
         quadrature_error = abs(work - float(o @ self.coarse_matrix @ o))
         sum_of_absolute_terms = float(np.abs(o) @ np.abs(self.matrix) @ np.abs(o))
@@ -148,7 +150,7 @@ class OddWork:
         return max(medians, default=0.0)
 
 
-class Declined(Exception):
+class DeclinedError(Exception):
     """The second order in tilt and strain does not hold: for a history, or for values so large."""
 
 
@@ -222,9 +224,11 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
-        raise Declined("the second order is known of a parabola")
+        raise DeclinedError("the second order is known of a parabola")
     if effects.dundurs_beta:
-        raise Declined("the materials are unlike, and tilt and strain count in the first order")
+        raise DeclinedError(
+            "the materials are unlike, and tilt and strain count in the first order"
+        )
     path = scene.load.path()
     n_segments = len(path.initial_loading) + len(path.cycle)
     if n_segments > _MOST_SEGMENTS:
@@ -296,7 +300,7 @@ def odd_work(
         strokes.require_no_limit_in_stick()
         fine_matrix = strokes.matrix(_GAUSS_POINTS, _PANELS_OF_STROKE_END)
         coarse_matrix = strokes.matrix(_GAUSS_POINTS // 2, _PANELS_OF_STROKE_END // 2)
-    except Declined as reason:
+    except DeclinedError as reason:
         unknown_matrix = np.full((4, 4), np.nan)
         return OddWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
     one_sided_ratios = [
@@ -360,15 +364,15 @@ class _Strokes:
         return work_matrix
 
     def require_no_limit_in_stick(self) -> None:
-        """Raise Declined where P changes in full stick along the Coulomb limit, dQ = +-f dP: tilt
-        and strain make one side of the contact slip.
+        """Raise DeclinedError where P changes in full stick along the Coulomb limit, dQ = +-f dP:
+        tilt and strain make one side of the contact slip.
         """
         for span in self.spans:
             piece = span.sticking_piece
             if span.direction or piece is None or span.begin.normal == span.end.normal:
                 continue
             if _is_set_by_slip(piece, span.friction):
-                raise Declined("P and Q go along the limit of friction, where one side slips")
+                raise DeclinedError("P and Q go along the limit of friction, where one side slips")
 
 
 # ----------------------------------------- tilt and strain by (alpha_P, alpha_Q, e_P, e_Q)
@@ -628,7 +632,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
 
     Raises
     ------
-    Declined
+    DeclinedError
         In both cases.
     """
     friction = span.friction
@@ -648,9 +652,9 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
             abs(normal_change) > load_tolerance
             or abs(tangential_change) > friction * load_tolerance
         ):
-            raise Declined("slip comes back to an earlier limit under other loads")
+            raise DeclinedError("slip comes back to an earlier limit under other loads")
         if earlier_end is not None and np.any(earlier_end.tilt_rate_form):
-            raise Declined("slip goes on after a smooth end of its stroke")
+            raise DeclinedError("slip goes on after a smooth end of its stroke")
 
 
 @dataclass(frozen=True, eq=False)

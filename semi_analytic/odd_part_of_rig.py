@@ -26,7 +26,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from semi_analytic.driven import DrivenPath
-from semi_analytic.odd_memory import Declined, OddAnswer, odd_answer
+from semi_analytic.odd_memory import DeclinedError, OddAnswer, odd_answer
 
 # Instants of a cycle from which harmonics are computed, and harmonics: twice as many change the
 # added work by less than 1e-3 of itself.
@@ -46,15 +46,24 @@ def odd_answer_of_rig(
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
     the second order in both, and the centres of contact and stick.
 
-    Rows are instants of the followed path, `last_cycle` those of the steady cycle. `driven_path`
-    holds the loads that follow from the prescribed displacements, `effects` tilt and strain per
-    load.
+    Tilt and strain are the bodies' odd effects: they make tractions that are odd in x. The answer
+    is that of `odd_memory.odd_answer` under the loads of the cycle.
+
+    Parameters
+    ----------
+    effects
+        tilt and strain per load
+    driven_path
+        loads and gross sliding that follow from the prescribed displacements, one row for each
+        instant
+    last_cycle
+        rows of the steady cycle
 
     Raises
     ------
-    Declined
-        Where the second order does not hold for the loads, or these are constant; where the bodies
-        slide as a whole, or part.
+    DeclinedError
+        Where the bodies slide as a whole, or part; where the loads of the cycle are constant, or
+        one side of the contact slips alone under them (`odd_answer` has the other cases).
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
@@ -81,7 +90,7 @@ def loads_of_cycle(
 
     Raises
     ------
-    Declined
+    DeclinedError
         Where P and Q are constant.
     """
     normal_load = driven_path.followed_path.normal_load[last_cycle]
@@ -107,7 +116,7 @@ def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> Po
     turns_back = np.sign(step_of_load[moving_steps]) != np.sign(step_of_load[next_moving_steps])
     turning_rows = moving_steps[turns_back] + 1
     if len(turning_rows) < 2:
-        raise Declined("Q rests")
+        raise DeclinedError("Q rests")
     turning_loads = tangential_load[turning_rows]
     turning_loads = np.roll(turning_loads, -int(np.argmax(turning_loads)))
     points = [(float(normal_load[0]), float(turning_load)) for turning_load in turning_loads]

@@ -1529,8 +1529,11 @@ def _fill_tangent(nodes: Array, angle: Array, tangent: Array, squared_secant: Ar
 
 
 def quick_power_law_kernel(stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
-    """Kernel n Lam = P ln(P/P_c) - P + P_c of the friction work on a profile |x|^n (Hertz: 2 Lam),
-    to round-off of P - P_c; arrays of one shape.
+    """Kernel n Lam of the friction work on a profile |x|^n (Hertz: n = 2), to round-off of P - P_c;
+    arrays of one shape.
+
+    Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the half-widths at
+    that load and at P_c. As a^n is proportional to the load, n Lam = P ln(P/P_c) - P + P_c.
 
     P_c = `stick_edge_load` is the load at the stick edge, P - P_c = `slip_zone_load`. The result is
     written into `buffer` and returned; `stick_edge_load` is overwritten.
@@ -1545,8 +1548,11 @@ def quick_power_law_kernel(stick_edge_load: Array, slip_zone_load: Array, buffer
 
 
 def careful_power_law_kernel(stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
-    """Kernel n Lam = P ln(P/P_c) - P + P_c of the friction work on a profile |x|^n (Hertz: 2 Lam),
-    to round-off of itself; arrays of one shape.
+    """Kernel n Lam of the friction work on a profile |x|^n (Hertz: n = 2), to round-off of itself;
+    arrays of one shape.
+
+    Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the half-widths at
+    that load and at P_c. As a^n is proportional to the load, n Lam = P ln(P/P_c) - P + P_c.
 
     P_c = `stick_edge_load` is the load at the stick edge, P - P_c = `slip_zone_load`. The array
     `stick_edge_load` is overwritten; `buffer` is not used.

@@ -145,7 +145,7 @@ def _change_by_second_order(scene: Scene, effects: BodyEffects, work: float) -> 
     """
     try:
         added_work = odd_answer(scene, effects).works[-1]
-    except Declined:
+    except DeclinedError:
         return None
     return Estimate(added_work.value / work, added_work.uncertainty / work)
 

@@ -173,7 +173,7 @@ def amplitudes(cards: list[Card]) -> dict[str, np.ndarray]:
 class TestText:
     def test_every_name_and_number_that_a_deck_refers_to_is_there(self, name: str) -> None:
         cards = cards_of(name)
-        reference = deck_of(name).reference
+        reference = deck_of(name).reference_node
         nodes = {int(row[0]) for row in data_of(cards, "NODE")}
         elements = [list(map(int, row)) for row in data_of(cards, "ELEMENT")]
         assert [row[0] for row in elements] == list(range(1, len(elements) + 1))
@@ -230,7 +230,7 @@ class TestText:
             for keyword, parameters, lines_of_data in cards
             if keyword == "CLOAD"
         }
-        assert signs["NORMAL_LOAD"] == [str(deck.reference), "2", "-1."]
+        assert signs["NORMAL_LOAD"] == [str(deck.reference_node), "2", "-1."]
         assert ("TANGENTIAL_LOAD" in signs) == (scene.friction.coefficient > 0)
 
 
@@ -337,13 +337,13 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
     for name, strain in zip(("LOWER", "UPPER"), strains, strict=True):
         assert tables[f"{name}_STRAIN"][last, 1] == pytest.approx(strain * size, rel=1e-9)
     nodes = {
-        (deck.strained, way): strain * size for way, strain in zip((1, 2), strains, strict=True)
+        (deck.strain_node, way): strain * size for way, strain in zip((1, 2), strains, strict=True)
     }
     alpha = 1e-3 if "tilt" in turn else 2e-3
     nodes |= {
-        (deck.turning, 1): alpha * size * bool(turn),
-        (deck.reference, 1): 0.02,
-        (deck.reference, 2): -0.05,
+        (deck.tilt_node, 1): alpha * size * bool(turn),
+        (deck.reference_node, 1): 0.02,
+        (deck.reference_node, 2): -0.05,
     }
     movements = moved(deck, text, nodes)
     for body, strain, plane, turned in (
@@ -372,14 +372,14 @@ def test_half_planes_under_bulk_stress_move_by_its_strain_and_the_upper_one_turn
             if k == "CLOAD" and parameters["AMPLITUDE"] == "MOMENT"
             for row in lines_of_data
         ]
-        assert pushes == [[str(deck.turning), "1", "-1."]]  # what M does on -alpha
+        assert pushes == [[str(deck.tilt_node), "1", "-1."]]  # what M does on -alpha
     # A node that an equation moves is not held as well, and what drives it is.
     held = {(int(row[0]), int(row[1])) for row in data_of(cards, "BOUNDARY")}
     assert {
         (node, way) for way, numbers in deck.lower.held.items() for node in numbers.tolist()
     } <= held | movements.keys()
     assert not held & movements.keys()
-    assert {(deck.strained, 1), (deck.strained, 2)} <= held
+    assert {(deck.strain_node, 1), (deck.strain_node, 2)} <= held
 
 
 def test_the_ends_of_blocks_are_pulled_and_those_on_rollers_hold_the_tangential_load() -> None:

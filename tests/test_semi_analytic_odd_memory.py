@@ -171,7 +171,7 @@ def test_grids_find_the_same_change(loop: str, direction: str) -> None:
 def test_an_inner_loop_that_closes_is_declined() -> None:
     cycle = [(1.0, 0.4), (1.1, 0.1), (1.05, 0.3), (1.1, -0.4)]
     form = form_of(unit_scene({"initial_loading": [(1, 0)], "cycle": cycle}, 0.6))
-    with pytest.raises(Declined, match="comes back to an earlier limit under other loads"):
+    with pytest.raises(DeclinedError, match="comes back to an earlier limit under other loads"):
         form.added_work((0.0, 0.1, 0.0, 0.0))
 
 
@@ -193,14 +193,14 @@ def test_an_inner_loop_at_constant_load_adds_nothing_to_the_next_stroke() -> Non
 def test_numbers_so_large_that_one_side_slips_alone_are_declined() -> None:
     form = form_of(unit_scene(*LOOPS["triangle"]))
     assert form.added_work((0.0, 0.01, 0.0, 0.0)).value < 0
-    with pytest.raises(Declined, match="one side of the contact slips alone"):
+    with pytest.raises(DeclinedError, match="one side of the contact slips alone"):
         form.added_work((0.0, 3.0, 0.0, 0.0))
 
 
 def test_contact_that_grows_along_the_limit_of_friction_is_declined() -> None:
     cycle = [(1.0, 0.5), (1.4, 0.7), (1.4, -0.3)]
     form = form_of(unit_scene({"initial_loading": [(1, 0)], "cycle": cycle}, 0.5))
-    with pytest.raises(Declined, match=r"limit of friction|slides as a whole"):
+    with pytest.raises(DeclinedError, match=r"limit of friction|slides as a whole"):
         form.added_work((0.0, 0.0, 0.0, 0.01))
 
 

@@ -41,7 +41,7 @@ from semi_analytic.driven import (
     loads_of_approach,
 )
 from semi_analytic.hertz import HertzContact
-from semi_analytic.odd_memory import Declined
+from semi_analytic.odd_memory import DeclinedError
 
 BENCHMARKS = Path(__file__).parent.parent / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
@@ -501,7 +501,7 @@ def test_where_one_side_slips_alone_grids_add_what_tilt_makes(
 ) -> None:
     """Of the work without it, with the grids' uncertainty; and said."""
     scene = tilting(DRIVEN_WAVE, Rig())
-    declined = Mock(side_effect=Declined("one side slips alone"))
+    declined = Mock(side_effect=DeclinedError("one side slips alone"))
     monkeypatch.setattr(answer_of_rig, "odd_answer_of_rig", declined)
     by_grids = Mock(return_value=Estimate(0.1, 0.02))
     monkeypatch.setattr(corrected, "change_by_tilt_and_strain", by_grids)

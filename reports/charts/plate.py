@@ -214,21 +214,22 @@ class Band:
     label: str = ""
 
 
-# Of the axes: what segments that a page holds once are rounded to.
+# Segments that a page holds once are rounded to whole multiples of it, in numbers of the axes.
 _GRAIN = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Straight lines: `ends` (n, 2, 2) holds for each line its two ends, each as x and y.
+    """Straight lines: `end_points` (n, 2, 2) holds for each line its two ends, each as x and y.
 
     On a page several panels can show the same lines, which it then holds once, rounded to whole
-    multiples of `_GRAIN`: the first panel has their `name`, each other one has "NAME again".
+    multiples of `_GRAIN`. All these panels have their `name`, all but the first `is_repeated`.
     """
 
-    ends: NDArray[np.float64]
+    end_points: NDArray[np.float64]
     css: str
     name: str = ""
+    is_repeated: bool = False
 
 
 @dataclass(frozen=True)
@@ -942,22 +943,25 @@ class _Pen:
         """The SVG element of many straight lines as one path, such as the lines of a mesh.
 
         On a page a path with a name is written once, in whole multiples of a small length
-        (`_GRAIN`). Other panels use it again at their own scale: their `mark.name` is "NAME again".
+        (`_GRAIN`). Other panels, where the mark is repeated, use it again at their own scale. A
+        panel has one scale for x and y then, linear.
         """
         if self.is_standalone or not mark.name:
             return _element(
                 "path", d=self.path_of_visible_lines(mark) or "M0 0", **self.look(mark.css)
             )
         x_scale = self.frame.x
-        # pixels of a grain
-        zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
+        pixels_per_unit = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low)
+        pixels_per_grain = pixels_per_unit * _GRAIN
         x_of_origin = float(x_scale.place(0.0))
         y_of_origin = float(self.frame.y.place(0.0))
-        transform = f"translate({x_of_origin:.3f} {y_of_origin:.3f}) scale({zoom:.7g} {-zoom:.7g})"
-        path_name, *words_behind_name = mark.name.split()
-        if "again" in words_behind_name:
-            return _element("g", _element("use", href=f"#{path_name}"), transform=transform)
-        grains = np.rint(mark.ends / _GRAIN).astype(int)
+        transform = (
+            f"translate({x_of_origin:.3f} {y_of_origin:.3f})"
+            f" scale({pixels_per_grain:.7g} {-pixels_per_grain:.7g})"
+        )
+        if mark.is_repeated:
+            return _element("g", _element("use", href=f"#{mark.name}"), transform=transform)
+        grains = np.rint(mark.end_points / _GRAIN).astype(int)
         starts = grains[:, 0].tolist()
         moves = (grains[:, 1] - grains[:, 0]).tolist()
         lines = [
@@ -971,8 +975,8 @@ class _Pen:
         """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
         area: their bounding boxes do.
         """
-        x = self.frame.x.place(mark.ends[..., 0])
-        y = self.frame.y.place(mark.ends[..., 1])
+        x = self.frame.x.place(mark.end_points[..., 0])
+        y = self.frame.y.place(mark.end_points[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
         is_visible &= (y.max(axis=1) >= self.frame.y.end) & (y.min(axis=1) <= self.frame.y.start)
         pairs_x = np.round(x[is_visible], 2).tolist()

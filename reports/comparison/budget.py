@@ -581,13 +581,20 @@ def error_budget(
 
 
 def _sizes_and_values(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
-    """(size, value of the metric) of every run in which the metric has a finite value."""
+    """(size, value of the metric) of every run in which the metric has a finite value. The sizes
+    are ratios of element sizes, or of 1/radius of a half-plane: see `Run`.
+    """
     pairs = []
     for run in runs:
         value = run.values.get(metric.key)
         if value is not None and math.isfinite(value):
             pairs.append((run.size, value))
     return pairs
+
+
+def _finite_values(metric: Metric, runs: Iterable[Run]) -> list[float]:
+    """Value of the metric in every run in which it is finite."""
+    return [value for _, value in _sizes_and_values(metric, runs)]
 
 
 def _unmeasured_term(
@@ -663,21 +670,25 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh_runs if not run.failure)
-    method = f"{labels}: {term.kind}; {term.how}"
+    how_measured = f"{labels}: {term.kind}; {term.how}"
     stated_uncertainty = _uncertainty_of_value(metric, comparison)
     if stated_uncertainty is None:
-        return _with_stated_uncertainties(replace(term, how=method), metric, comparison)
+        return _with_stated_uncertainties(replace(term, how=how_measured), metric, comparison)
     if term.value is not None and abs(term.value) > stated_uncertainty:
-        return replace(term, how=f"{method}; the run itself states less, {stated_uncertainty:.1e}")
+        return replace(
+            term, how=f"{how_measured}; the run itself states less, {stated_uncertainty:.1e}"
+        )
     if stated_uncertainty < term.uncertainty:
         # The places of the edges within their elements move a value from mesh to mesh: a few meshes
         # show that scatter, and no order.
-        method = (
-            f"{method}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
-            " states"
+        how_measured = (
+            f"{how_measured}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run"
+            " itself states"
         )
-        return Term("mesh", None, stated_uncertainty, method)
-    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_STATED_BY_RUN_IN_WORDS}")
+        return Term("mesh", None, stated_uncertainty, how_measured)
+    return replace(
+        term, uncertainty=stated_uncertainty, how=f"{how_measured}; {_STATED_BY_RUN_IN_WORDS}"
+    )
 
 
 def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Comparison) -> Term:
@@ -748,26 +759,26 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
     by halved increments, as for an error of second order. Its uncertainty is that change.
     """
     if refinements.step_runs is not None:
-        values = [value for _, value in _sizes_and_values(metric, refinements.step_runs)]
+        values = _finite_values(metric, refinements.step_runs)
         if len(values) < 2:
             first_reason = "half-plane theory has no answer on the polygon of the steps, and "
             return _unmeasured_term("step", refinements.step_runs, first_reason=first_reason)
         value_with_increments, value_with_halved_increments = values
         change = value_with_increments - value_with_halved_increments
-        method = (
+        how_measured = (
             f"halved increments at {refinements.coarse_label}, second order; half-plane theory has"
             " no answer on the polygon of the steps"
         )
-        return Term("step", 4 / 3 * change, abs(change) + ROUNDING, method)
+        return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how_measured)
     # the first run is the result itself, compared with theory on the polygon
     value_on_polygon = refinements.mesh_runs[0].values.get(metric.key)
     if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
         reason = "theory on the polygon of the steps has no such value"
         return _unmeasured_term("step", reason=reason)
-    method = (
+    how_measured = (
         "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
     )
-    return Term("step", metric.value - value_on_polygon, ROUNDING, method, bound=True)
+    return Term("step", metric.value - value_on_polygon, ROUNDING, how_measured, bound=True)
 
 
 def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
@@ -775,26 +786,27 @@ def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinemen
     it.
 
     Its uncertainty is twice the change of that difference on the next coarser mesh. Where the
-    solver uses no layer there is no error, and the uncertainty is 0.
+    solver uses no layer there is no error, and the uncertainty 0 is a bound (never exceeded). The
+    term is not measured where one of the four runs has no finite value.
     """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
-        method = "none by construction: the law is met exactly"
-        return Term("penalty", None, 0.0, method, bound=True)
+        how_measured = "none by construction: the law is met exactly"
+        return Term("penalty", None, 0.0, how_measured, bound=True)
     differences = []
     for run_pair in refinements.penalty_pairs:
-        values = [value for _, value in _sizes_and_values(metric, run_pair)]
+        values = _finite_values(metric, run_pair)
         if len(values) == 2:
             value_with_layer, value_without_layer = values
             differences.append(value_with_layer - value_without_layer)
     reason = refinements.reasons_not_measured.get("penalty", "")
     if reason or len(differences) < 2:
         return _unmeasured_term("penalty", chain(*refinements.penalty_pairs), reason)
-    method = (
+    how_measured = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
     difference_on_mesh, difference_on_coarser_mesh = differences
     uncertainty = 2 * abs(difference_on_mesh - difference_on_coarser_mesh)
-    return Term("penalty", difference_on_mesh, uncertainty, method)
+    return Term("penalty", difference_on_mesh, uncertainty, how_measured)
 
 
 def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
@@ -813,13 +825,13 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     term = _extrapolated_term("far field", metric, refinements, runs, formal_order)
     if term.uncertainty is None:
         return term
-    method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
+    how_measured = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
     if term.kind == "exact" or _is_plausible(term.order, formal_order):
-        return replace(term, how=method)
-    values = [value for _, value in _sizes_and_values(metric, runs)]
+        return replace(term, how=how_measured)
+    values = _finite_values(metric, runs)
     spread = max(values) - min(values)
-    method += "; not resolved: the scatter between meshes is as large"
-    return replace(term, value=None, uncertainty=spread, how=method)
+    how_measured += "; not resolved: the scatter between meshes is as large"
+    return replace(term, value=None, uncertainty=spread, how=how_measured)
 
 
 def _iteration_term(comparison: Comparison) -> Term:
@@ -831,8 +843,8 @@ def _iteration_term(comparison: Comparison) -> Term:
     if not checks:
         return _unmeasured_term("solver", reason="the result states no residuals")
     worst_check = max(checks, key=lambda check: check.value)
-    method = f"worst residual of any step: {worst_check.name}"
-    return Term("solver", None, worst_check.value, method, bound=True)
+    how_measured = f"worst residual of any step: {worst_check.name}"
+    return Term("solver", None, worst_check.value, how_measured, bound=True)
 
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
@@ -854,11 +866,11 @@ def _theory_term(metric: Metric, comparison: Comparison) -> Term:
         error_estimates.append(metric.stated_by_reference)
     # without an estimate: closed forms
     uncertainty = ROUNDING
-    method = "closed forms: rounding"
+    how_measured = "closed forms: rounding"
     if error_estimates:
         uncertainty = max(error_estimates) + ROUNDING
-        method = "its own estimate of quadratures and series"
-    return Term("half-plane theory", None, uncertainty, method, bound=True)
+        how_measured = "its own estimate of quadratures and series"
+    return Term("half-plane theory", None, uncertainty, how_measured, bound=True)
 
 
 # --------------------------------------------------------------- mesh-refinement study of one value

@@ -31,8 +31,8 @@ class Scales(PythonNumbers):
         return self.friction * self.pressure
 
     @property
-    def shift(self) -> float:
-        """A f P_ref [length]."""
+    def displacement(self) -> float:
+        """A f P_ref, a typical size of U [length]."""
         return self.compliance * self.friction * self.normal_load
 
     @property

@@ -44,15 +44,15 @@ _ROUND_OFF_OF_SLIP = 1e-11
 # Stick edges within this distance of the contact edges, over a_ref, are the contact edges.
 _EDGE_TOLERANCE = 1e-9
 
-_TOO_LIGHT = "no instant carries enough load to be judged"
-_NOT_IN_CONTACT = "no instant has points in contact in both"
-_NO_SLIP_RESOLVED = (
+_REASON_TOO_LIGHT = "no instant carries enough load to be judged"
+_REASON_NO_CONTACT = "no instant has points in contact in both"
+_REASON_NO_SLIP_RESOLVED = (
     "no node of the finite elements slips by more than round-off while it is in contact: what"
     " slips is narrower than an element; make edge_element_size smaller"
 )
-_NO_LOOP = "the path is not periodic: no loop"
-_NO_DATUM = "no datum: c_t of these bodies is not known"
-_WITH_COMPLIANCES = "with c_t, c_n of these bodies"
+_REASON_NO_LOOP = "the path is not periodic: no loop"
+_REASON_NO_DATUM = "no datum: c_t of these bodies is not known"
+_NOTE_ON_COMPLIANCES = "with c_t, c_n of these bodies"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -486,7 +486,7 @@ def largest_slip(pair: Pair) -> Measured:
     is_closed_in_result = result_cycle.state != OPEN
     is_closed_in_reference = reference_cycle.state != OPEN
     if not is_closed_in_result.any():
-        return _without_value(_NOT_IN_CONTACT)
+        return _without_value(_REASON_NO_CONTACT)
     # ranges (n,) of the points
     ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
     ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
@@ -500,7 +500,7 @@ def largest_slip(pair: Pair) -> Measured:
         # Where all slip is round-off the slip zone is narrower than an element.
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
         if result_value <= round_off < measurement.amounts[0]:
-            return replace(measurement, value=None, note=_NO_SLIP_RESOLVED)
+            return replace(measurement, value=None, note=_REASON_NO_SLIP_RESOLVED)
     return replace(measurement, place=_place_of_largest_value(pair, ranges_in_result))
 
 
@@ -510,7 +510,7 @@ def largest_slip_common(pair: Pair) -> Measured:
     """
     is_closed = _is_closed_in_both(pair)
     if not is_closed.any():
-        return _without_value(_NOT_IN_CONTACT)
+        return _without_value(_REASON_NO_CONTACT)
     # ranges (n,) of the points
     ranges_in_reference = range_of_slip(pair.reference_cycle.slip, is_closed)
     ranges_in_result = range_of_slip(pair.result_cycle.slip, is_closed)
@@ -920,7 +920,7 @@ def slip(pair: Pair) -> Measured:
     is_closed = _is_closed_in_both(pair)  # at an open point s is a displacement, and no slip
     is_considered = pair.is_judged & is_closed.any(axis=1)
     if not is_considered.any():
-        return _without_value(_NOT_IN_CONTACT)
+        return _without_value(_REASON_NO_CONTACT)
     range_of_reference = np.ptp(reference_cycle.slip[is_closed])
     is_absolute = bool(range_of_reference <= _NEGLIGIBLE_SHARE * pair.scales.slip)
     scale = pair.scales.slip if is_absolute else range_of_reference
@@ -964,11 +964,11 @@ def tangential_displacement(pair: Pair) -> Measured:
     where no instant carries enough load.
     """
     if pair.lacks_common_datum:
-        return _without_value(_NO_DATUM)
+        return _without_value(_REASON_NO_DATUM)
     reference_values = pair.reference_cycle.tangential_displacement
     result_values = pair.result_cycle.tangential_displacement
     stroke = float(np.ptp(reference_values))
-    least_stroke = _NEGLIGIBLE_SHARE * pair.scales.shift
+    least_stroke = _NEGLIGIBLE_SHARE * pair.scales.displacement
     if stroke <= least_stroke:
         no_values = np.full_like(reference_values, np.nan)
         note = "the reference does not move sideways"
@@ -977,9 +977,9 @@ def tangential_displacement(pair: Pair) -> Measured:
     series = np.full_like(reference_values, np.nan)
     if stroke > least_stroke:
         series = (result_values - reference_values) / stroke
-    note = "" if pair.effects is None else _WITH_COMPLIANCES
+    note = "" if pair.effects is None else _NOTE_ON_COMPLIANCES
     if not pair.is_judged.any():
-        note = _TOO_LIGHT
+        note = _REASON_TOO_LIGHT
     return _value_at_worst_instant(pair, series, note=note)
 
 
@@ -996,18 +996,27 @@ def approach_amplitude(pair: Pair) -> Measured:
 
 
 def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
-    """Half the range of a displacement (its `name` in a cycle), (result − reference)/reference. No
-    value where a solution does not state it, or the reference does not vary: then with the note
-    `reason_for_none`.
+    """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
+
+    The metric has no value where a solution does not state the displacement, nor where that of the
+    reference does not vary: by less than 1e-12 of A f P_ref, a typical displacement.
+
+    Parameters
+    ----------
+    name
+        of the displacement in a cycle
+    reason_for_none
+        note of the metric where the displacement of the reference does not vary
     """
-    reference_value = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
-    result_value = float(np.ptp(getattr(pair.result_cycle, name))) / 2
-    if not math.isfinite(reference_value + result_value):
+    reference_amplitude = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
+    result_amplitude = float(np.ptp(getattr(pair.result_cycle, name))) / 2
+    if not math.isfinite(reference_amplitude + result_amplitude):
         return _without_value("a solution states none")
-    if reference_value <= _NEGLIGIBLE_SHARE * pair.scales.shift:
+    typical_displacement = pair.scales.displacement
+    if reference_amplitude <= _NEGLIGIBLE_SHARE * typical_displacement:
         return _without_value(reason_for_none)
     return _difference_of_amounts(
-        reference_value, result_value, pair.scales.shift, note=_WITH_COMPLIANCES
+        reference_amplitude, result_amplitude, typical_displacement, note=_NOTE_ON_COMPLIANCES
     )
 
 
@@ -1045,7 +1054,7 @@ def hysteresis(pair: Pair) -> Measured:
     load path is not periodic.
     """
     if not pair.periodic:
-        return _without_value(_NO_LOOP)
+        return _without_value(_REASON_NO_LOOP)
     return _difference_of_amounts(
         loop_work(pair.reference_cycle), loop_work(pair.result_cycle), pair.scales.dissipation
     )
@@ -1062,7 +1071,7 @@ def bulk_term(pair: Pair) -> Measured:
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.periodic:
-        return _without_value(_NO_LOOP)
+        return _without_value(_REASON_NO_LOOP)
     for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
         if cycle.shear_moment is None:
             return _without_value(f"{name_of(solution.engine)} states no moment of its shear")

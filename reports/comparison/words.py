@@ -449,29 +449,33 @@ def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
 
 def _claim_of_agreement(metric: Metric) -> tuple[str, str, str]:
     """How far two solutions agree in a metric for which theory is exact, as ("agreement", name, per
-    cent in words): size of the difference plus its uncertainty.
+    cent in words): size of the difference plus its uncertainty. A missing value or uncertainty
+    counts as 0.
     """
     difference = abs(metric.value or 0.0) + (metric.uncertainty or 0.0)
     return "agreement", _label_in_sentence(metric), _in_digits(difference, plus=False, digits=2)
 
 
 def _claim_of_difference(metric: Metric) -> tuple[str, str, str]:
-    """The difference in a metric as (kind, name, per cent in words). Kinds: the result has "more"
-    or "less" than the reference, has "none", or is "equal"; the last two have no per cent ("").
+    """The difference in a metric as (kind, name, difference in per cent in words). Kinds: the
+    result has "more" or "less" than the reference, has "none" (exactly −100 %), or is "equal". The
+    last two have no per cent ("").
 
-    The kind is "open" (not resolved) where the uncertainty exceeds half of the difference.
+    The kind is "open" (not resolved) where the uncertainty exceeds half of the difference. A metric
+    without a value counts as 0.
     """
-    value = metric.value or 0.0
+    difference = metric.value or 0.0
     uncertainty = metric.uncertainty
-    percent = None if uncertainty is None else 100 * uncertainty
-    if uncertainty is not None and uncertainty > abs(value) / 2:
-        return "open", _label_in_sentence(metric), with_uncertainty(100 * value, percent)
-    if uncertainty is None and abs(value) < 1e-12:  # round-off error
-        return "equal", _label_in_sentence(metric), ""
-    if value == -1:
-        return "none", _label_in_sentence(metric), ""
-    kind = "more" if value > 0 else "less"
-    return kind, _label_in_sentence(metric), with_uncertainty(100 * abs(value), percent)
+    uncertainty_in_percent = None if uncertainty is None else 100 * uncertainty
+    label = _label_in_sentence(metric)
+    if uncertainty is not None and uncertainty > abs(difference) / 2:
+        return "open", label, with_uncertainty(100 * difference, uncertainty_in_percent)
+    if uncertainty is None and abs(difference) < 1e-12:  # round-off error
+        return "equal", label, ""
+    if difference == -1:
+        return "none", label, ""
+    kind = "more" if difference > 0 else "less"
+    return kind, label, with_uncertainty(100 * abs(difference), uncertainty_in_percent)
 
 
 def _label_in_sentence(metric: Metric) -> str:

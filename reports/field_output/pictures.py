@@ -270,9 +270,9 @@ def mesh(
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
         left_x, bottom_y = (centre - half_size).tolist()
         right_x, top_y = (centre + half_size).tolist()
-        link_end = " again" if view_number else ""  # an SVG holds the lines of a mesh once
+        is_repeated = view_number > 0  # a page holds the lines of a mesh once
         marks: list[Mark] = [
-            Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}{link_end}")
+            Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}", is_repeated)
             for body_name, sides_of_body in sides.items()
         ]
         if view_number == 0:

@@ -597,7 +597,7 @@ def published(comparison: Comparison) -> str:
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
 
-    moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.shift
+    moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.displacement
     loop_plate = hysteresis(view) if moves else None
     # half-widths over time, not over the share of the period
     view.time = view.result_cycle.time

@@ -21,7 +21,7 @@ from scenes import InputError
 from scenes.array_types import Array
 from scenes.column_names import normalised_name
 from scenes.errors import shown
-from scenes.files import TEXT, check_size
+from scenes.files import LARGEST_TEXT, check_size
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -95,7 +95,9 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
         One sentence with file, line, value and rule: for values that are not nodal, no places,
         several surfaces in contact.
     """
-    check_size(path, "the result", TEXT, "write the contact surface alone, and fewer frames")
+    check_size(
+        path, "the result", LARGEST_TEXT, "write the contact surface alone, and fewer frames"
+    )
     blocks = list(_blocks(path))
     if not blocks:
         raise InputError(

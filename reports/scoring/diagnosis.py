@@ -44,7 +44,7 @@ from reports.scoring.traces import (
 )
 from reports.scoring.variants import Predictions
 
-_UNITS = ("p_ref", "f p_ref")
+_TRACTION_UNIT_WORDS = ("p_ref", "f p_ref")
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
@@ -300,10 +300,13 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     """Sentences on where and when the tractions of result and reference differ most in contact, and
     on the share of the squared difference beside edges, where that is more than the share of the
     points there. Nothing without a difference.
+
+    Differences are over p_ref (pressure) and f p_ref (shear). Their squares are weighted by length
+    and time.
     """
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
     difference = discrepancy.result_tractions - discrepancy.reference_tractions
-    scaled_difference = np.where(is_in_contact, difference / discrepancy.units, 0.0)
+    scaled_difference = np.where(is_in_contact, difference / discrepancy.traction_units, 0.0)
     if not scaled_difference.any():
         return
     index_of_largest = np.unravel_index(
@@ -314,7 +317,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     yield (
         f"largest: the {TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
         f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
-        f" {_UNITS[channel]}"
+        f" {_TRACTION_UNIT_WORDS[channel]}"
     )
     is_near_edge = points_near_edges(discrepancy)
     squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)

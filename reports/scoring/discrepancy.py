@@ -160,7 +160,7 @@ class Discrepancy:
         return self.comparison.has_bulk_stress or self.comparison.may_tilt
 
     @property
-    def units(self) -> Array:
+    def traction_units(self) -> Array:
         """(2, 1, 1): p_ref and f p_ref, what pressure and shear are divided by [stress]."""
         return by_traction(self.comparison.scales.pressure, self.comparison.scales.shear)
 
@@ -178,7 +178,7 @@ class Discrepancy:
         unit, p_ref or f p_ref.
         """
         difference = self.result_tractions[channel] - predicted[channel]
-        scaled_difference = difference / self.units[channel]
+        scaled_difference = difference / self.traction_units[channel]
         return Residual(scaled_difference, self.weight, self.in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:

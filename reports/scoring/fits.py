@@ -302,7 +302,7 @@ class Search:
         residuals_of_channels = []
         for channel in channels:
             difference = discrepancy.result_tractions[channel] - predicted_tractions[channel]
-            residual = root_of_weight * difference / discrepancy.units[channel]
+            residual = root_of_weight * difference / discrepancy.traction_units[channel]
             residuals_of_channels.append(residual.ravel())
         return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_RESIDUAL_WITHOUT_SOLUTION)
 

@@ -286,9 +286,12 @@ def _best_alignment(
     n_rows = len(loop.load)
 
     def alignment_at(frequency: float, phase: float) -> _Alignment:
-        """The alignment with a given frequency and phase (share of a cycle at time 0) of the cycle.
-        Its misfit is still the root mean square in units of Q; a negative scale gets one too large
-        to be the best.
+        """Where the measured rows lie on the scene's cycle, for a given frequency of the cycle and
+        its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
+        measured Q best.
+
+        The misfit is a force here, not yet over the amplitude: the root mean square of the rest.
+        Where the scale is not positive it gets too large to be the best.
         """
         share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
         scene_load = np.interp(share_of_cycle, SHARES, load_of_cycle)
@@ -296,8 +299,8 @@ def _best_alignment(
         scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
         residuals = loop.load - scale * scene_load - offset
         misfit = float(np.sqrt(residuals @ residuals / n_rows))
-        # A negative scale fits a sine as well as the positive one half a cycle later: only this
-        # one counts.
+        # A negative scale fits a sine as well as a positive one does half a cycle later: only the
+        # positive one counts.
         if scale <= 0:
             misfit += 10 * float(np.ptp(loop.load))
         return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
@@ -320,6 +323,7 @@ def _best_alignment(
         },
     )
     alignment = alignment_at(*minimum.x)
+    # from a force to a share of the amplitude
     return alignment._replace(misfit=alignment.misfit / (abs(alignment.scale) * amplitude))
 
 

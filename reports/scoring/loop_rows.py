@@ -32,8 +32,8 @@ _DISPLACEMENT_NAMES = (
     "U1",
 )
 _KEYS_BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
-# Rows that show with how many digits numbers are written.
-_ROWS_WITH_DIGITS = 1000
+# Rows, from the first on, that show with how many digits numbers are written.
+_MOST_ROWS_FOR_DIGITS = 1000
 _FEWEST_ROWS = 20
 
 
@@ -264,8 +264,9 @@ def _takes_columns_by_number(mapping: Mapping) -> bool:
 
 
 def _step_of_digits(values: Array) -> float:
-    """The step of the last decimal digit with which numbers (n,) were written, 0.01 for 0.25. The
-    median counts, since zeros at the end do not show.
+    """The step of the last decimal digit with which numbers (n,) were written, 0.01 for 0.25; 0 for
+    no numbers. The median counts, since zeros at the end do not show; between two digits the
+    later one.
 
     >>> (
     ...     _step_of_digits(np.array([0.25, 0.3, -0.17])),
@@ -275,6 +276,8 @@ def _step_of_digits(values: Array) -> float:
     """
     exponents = [
         int(Decimal(repr(value)).normalize().as_tuple().exponent)
-        for value in values[:_ROWS_WITH_DIGITS].tolist()
+        for value in values[:_MOST_ROWS_FOR_DIGITS].tolist()
     ]
-    return float(10.0 ** int(np.floor(np.median(exponents)))) if exponents else 0.0
+    if not exponents:
+        return 0.0
+    return float(10.0 ** int(np.floor(np.median(exponents))))

@@ -425,7 +425,7 @@ def tractions_of_coarse_mesh(
     largest_error = (
         by_traction(*_LARGEST_ERROR_AT_EDGE)
         * np.sqrt(2 * spacing / discrepancy.half_width)
-        * discrepancy.units
+        * discrepancy.traction_units
     )
     difference = np.clip(
         discrepancy.result_tractions - discrepancy.reference_tractions,

@@ -135,7 +135,7 @@ class ThirdSolver:
         limits.
         """
         # nodes are numbered from 1, and the reference node of the rigid plane is the last
-        n_nodes = self.deck.reference
+        n_nodes = self.deck.reference_node
         size = f"{n_nodes} nodes, {len(self.deck.time) - 1} instants"
         if self.run_record is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
@@ -185,7 +185,7 @@ class ThirdSolver:
             "failure": self.failure or None,
             "deck": {
                 "settings": asdict(deck.settings),
-                "nodes": deck.reference,
+                "nodes": deck.reference_node,
                 "instants": len(deck.time) - 1,
                 "element_size": deck.element_size,
                 "stiffness": deck.stiffness,

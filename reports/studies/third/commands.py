@@ -52,7 +52,7 @@ def export(job: Job) -> Answer:
     with results_folder(job.folder, stale_prefixes=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
     deck_size = {
-        "nodes": deck.reference,  # the number of the last node
+        "nodes": deck.reference_node,  # the number of the last node
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
         "instants": len(deck.time) - 1,

@@ -150,7 +150,7 @@ class Deck:
         the question, how it is cut, and the size of its contact
     lower, upper
         the bodies; the upper one is held by a rigid plane whose motion is that of the node
-        `reference`
+        `reference_node`
     time
         (n + 1,) instants of the scene's path, the unloaded one first; deck times are counted
         from that one
@@ -180,23 +180,23 @@ class Deck:
     moment: Array | None = None
 
     @property
-    def strained(self) -> int:
+    def strain_node(self) -> int:
         """Number of the node whose movements along x and y are the bulk strains of half-planes,
         lower and upper, times a.
         """
-        return self.reference + 1
+        return self.reference_node + 1
 
     @property
-    def turning(self) -> int:
+    def tilt_node(self) -> int:
         """Number of the node whose movement along x is the tilt of the upper body times a."""
-        return self.reference + 2
+        return self.reference_node + 2
 
-    def strain(self, body: int) -> Array | None:
+    def strain(self, body_number: int) -> Array | None:
         """Bulk strain sigma/E' over time, (n + 1,), of the lower (0) or the upper (1) body where it
         is a half-plane; else None.
         """
-        stress = self.bulk_stress[body]
-        name = ("lower", "upper")[body]
+        stress = self.bulk_stress[body_number]
+        name = ("lower", "upper")[body_number]
         if stress is None or not stress.any():
             return None
         if not isinstance(getattr(self.scene.bodies, name), HalfPlane):
@@ -204,29 +204,30 @@ class Deck:
         material = getattr(self.scene.material, name)
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
-    def end_stresses(self, body: int) -> tuple[Array, Array] | None:
+    def end_stresses(self, body_number: int) -> tuple[Array, Array] | None:
         """Stress along x over time, (n + 1,) each, on the left and on the right end of the lower
         (0) or upper (1) body, where it is a block that bulk stress pulls.
 
-        The base of a lower block on rollers carries no Q: each end then carries Q/2 too. None for
-        other bodies, and where the stress is 0 throughout.
+        The base of a lower block on rollers carries no Q: each end then carries Q/2 too, which
+        pulls the left end and presses the right one where Q > 0. None for bodies whose ends are not
+        pulled, and where the stress is 0 throughout.
         """
-        meshed_body = (self.lower, self.upper)[body]
-        shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body]
-        if not meshed_body.ends or not isinstance(shape, Block):
+        deck_body = (self.lower, self.upper)[body_number]
+        shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body_number]
+        if not deck_body.ends or not isinstance(shape, Block):
             return None
-        mean_stress = self.bulk_stress[body]
+        mean_stress = self.bulk_stress[body_number]
         if mean_stress is None:
             mean_stress = np.zeros(len(self.time))
         stress_by_half_of_q = np.zeros(len(self.time))
-        if shape.base == "rollers" and body == 0:
+        if shape.base == "rollers" and body_number == 0:
             stress_by_half_of_q = self.tangential_load / (2 * shape.height)
         if not (mean_stress.any() or stress_by_half_of_q.any()):
             return None
         return mean_stress + stress_by_half_of_q, mean_stress - stress_by_half_of_q
 
     @property
-    def reference(self) -> int:
+    def reference_node(self) -> int:
         """Number of the node that the upper rigid plane moves with."""
         return self.upper.first_node + len(self.upper.nodes)
 
@@ -561,11 +562,11 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
     """
     half_width = deck.scales.half_width
     histories = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
-    for body, name in enumerate(("LOWER", "UPPER")):
-        strain = deck.strain(body)
+    for body_number, name in enumerate(("LOWER", "UPPER")):
+        strain = deck.strain(body_number)
         if strain is not None:
             histories[f"{name}_STRAIN"] = strain * half_width
-        stresses_of_ends = deck.end_stresses(body)
+        stresses_of_ends = deck.end_stresses(body_number)
         if stresses_of_ends is not None:
             left_stress, right_stress = stresses_of_ends
             histories[f"{name}_LEFT_END"] = left_stress
@@ -584,9 +585,9 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     (node, direction, factor) whose displacements times factors add up to 0.
 
     A node of the upper body moves with the rigid plane that carries P and Q (node
-    `deck.reference`), and turns with it (node `deck.turning`, whose displacement is tilt times a).
-    A node on the arc of a half-plane moves by the bulk strain (node `deck.strained`, strain times
-    a). A constraint with one term means that the node does not move.
+    `deck.reference_node`), and turns with it (node `deck.tilt_node`, whose displacement is tilt
+    times a). A node on the arc of a half-plane moves by the bulk strain (node `deck.strain_node`,
+    strain times a). A constraint with one term means that the node does not move.
     """
     half_width = deck.scales.half_width
     is_upper = body is deck.upper
@@ -599,18 +600,18 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
             x, y = body.nodes[node - body.first_node].tolist()
             terms = [(node, direction, 1.0)]
             if is_upper:
-                terms.append((deck.reference, direction, -1.0))
+                terms.append((deck.reference_node, direction, -1.0))
             if has_strain:
                 # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
                 minus_displacement_per_strain = -x
                 if direction == 2:
                     minus_displacement_per_strain = poisson_ratio / (1 - poisson_ratio) * y
                 factor = minus_displacement_per_strain / half_width
-                terms.append((deck.strained, int(is_upper) + 1, factor))
+                terms.append((deck.strain_node, int(is_upper) + 1, factor))
             if can_tilt:
                 # A tilt that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
                 minus_displacement_per_tilt = y if direction == 1 else -x
-                terms.append((deck.turning, 1, minus_displacement_per_tilt / half_width))
+                terms.append((deck.tilt_node, 1, minus_displacement_per_tilt / half_width))
             yield [term for term in terms if term[2]]  # those with a factor
 
 
@@ -640,9 +641,9 @@ def held_of(deck: Deck) -> list[str]:
             node, direction, _ = terms[0]
             lines.append(f"{node}, {direction}")
     # the node for strain has direction 1 for the lower body, 2 for the upper body
-    bodies_without_strain = [body for body in (0, 1) if deck.strain(body) is None]
+    bodies_without_strain = [number for number in (0, 1) if deck.strain(number) is None]
     if len(bodies_without_strain) == 1:
-        lines.append(f"{deck.strained}, {bodies_without_strain[0] + 1}")
+        lines.append(f"{deck.strain_node}, {bodies_without_strain[0] + 1}")
     if deck.tilt is not None or deck.moment is not None:
-        lines.append(f"{deck.turning}, 2")
+        lines.append(f"{deck.tilt_node}, 2")
     return lines
