@@ -57,7 +57,7 @@ from semi_analytic.next_order import (
     uncertain_fraction_of_tilt_and_strain,
     without_next_order,
 )
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError
 from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_answer_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 

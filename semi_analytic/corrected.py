@@ -89,7 +89,7 @@ from semi_analytic.next_order import (
     uncertain_fraction_of_tilt_and_strain,
     with_one_group_alone,
 )
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined, OddAnswer, odd_answer
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, OddAnswer, odd_answer
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 

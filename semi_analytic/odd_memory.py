@@ -28,8 +28,8 @@ cycle gains a sum over its slip:
 the odd part of Coulomb's problem, derived here. It is compared with grids, with closed forms, and
 with an earlier version.
 
-Declined, with the reason: a cycle in which slip comes back to an earlier limit under other loads
-and passes it (an inner loop that closes, or P that falls across a slip line of M), contact that
+Refused by `DeclinedError`, with the reason: a cycle in which slip comes back to an earlier limit
+under other loads and passes it (an inner loop that closes, or P that falls across a slip line of M), contact that
 grows or shrinks along the limit of friction, gross sliding.
 
 # notation: A = 2/E*, eta load in [0, P], M(eta) memory curve, P_c load at the stick edge, a contact
@@ -218,7 +218,7 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
 
     Raises
     ------
-    Declined
+    DeclinedError
         For profiles other than a parabola, unlike materials, paths of more than 1000 segments;
         where the second order does not hold.
     """
@@ -232,7 +232,7 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     path = scene.load.path()
     n_segments = len(path.initial_loading) + len(path.cycle)
     if n_segments > _MOST_SEGMENTS:
-        raise Declined(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
+        raise DeclinedError(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
     # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
@@ -345,7 +345,7 @@ class _Strokes:
         It is the sum over all spans of slip, the kinks of the memory curve M(eta) that their stick
         edges pass, and the smooth ends of strokes. M(eta) is the tangential force of the flat
         punches up to the load eta. `n_points` are the quadrature nodes of a span, `n_panels` the
-        panels of the loads that a stroke's end leaves. Declined where no matrix holds.
+        panels of the loads that a stroke's end leaves. DeclinedError where no matrix holds.
         """
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
@@ -534,11 +534,11 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     Slip may have set that memory, at the end of a stroke: then the second integral is 0. Otherwise
     the growing contact set it in stick, at P = eta and Q = M(eta): the derivatives by eta are of
     alpha and eps at these loads. Both integrals are taken by Gauss' rule of `n_points` nodes in
-    time; `radius` is R of the parabola. Declined where the contact slides as a whole.
+    time; `radius` is R of the parabola. DeclinedError where the contact slides as a whole.
     """
     piece_at_edge = span.sticking_piece  # of the memory curve, where the stick edge is
     if piece_at_edge is None:
-        raise Declined("the contact slides as a whole")
+        raise DeclinedError("the contact slides as a whole")
     time, weights = _gauss_times(span, n_points)
     slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
@@ -675,12 +675,12 @@ class _SmoothEnd:
 
     def loads_left(self, n_panels: int) -> tuple[Array, Array]:
         """Loads eta (n,), and the tangential load that the end leaves on flat punches next to each,
-        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P. Declined where
+        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P. DeclinedError where
         almost nothing sticks, c/a below 1e-3.
         """
         stick_ratio = float(np.sqrt(self.edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
-            raise Declined("all but the middle of the contact slides")
+            raise DeclinedError("all but the middle of the contact slides")
         panels = loads_left_at_stroke_end(stick_ratio, n_panels)
         eta = self.load * panels.half_width**2
         # d eta/eta is 2 dc'/c'

@@ -66,9 +66,10 @@ def odd_answer_of_rig(
         one side of the contact slips alone under them (`odd_answer` has the other cases).
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
-        raise Declined("the bodies part")
+        raise DeclinedError("the bodies part")
+    # The slide of a row is that of the step before it: the first row's is not of this cycle.
     if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
-        raise Declined("the bodies slide as a whole")
+        raise DeclinedError("the bodies slide as a whole")
     return odd_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
 
 
@@ -108,7 +109,7 @@ def loads_of_cycle(
 
 def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> PolygonLoad:
     """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q,
-    the largest Q first. Declined where Q does not turn round.
+    the largest Q first. DeclinedError where Q does not turn round.
     """
     step_of_load = np.diff(tangential_load)
     moving_steps = np.flatnonzero(step_of_load)

@@ -29,7 +29,7 @@ from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import GridRequest, cycle_works, edges_along
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined, odd_answer
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, odd_answer
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.

@@ -17,7 +17,7 @@ from scenes import BodyEffects, Estimate, Scene, load_scene
 from semi_analytic import odd_memory
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, history_of
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, Declined, OddWork, odd_work
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, OddWork, odd_work
 from semi_analytic.tilt_and_strain import _change_by_grids
 
 RADIUS = 1.0
