@@ -451,9 +451,8 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
 
     The line of headings stands above the rows. It is the first that has the headings of all
     quantities to be read, and a first row to go with them. Where every column is read it is the
-    first line with two headings known for this kind of table (`TableKind.is_expected_heading`). Without such a
-    line it is the first of two words or more. For a table of rows alone see
-    `_layout_without_headings`.
+    first line with two headings that this kind of table expects. Without such a line it is the
+    first of two words or more. For a table of rows alone see `_layout_without_headings`.
 
     Raises
     ------

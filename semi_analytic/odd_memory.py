@@ -29,8 +29,8 @@ the odd part of Coulomb's problem, derived here. It is compared with grids, with
 with an earlier version.
 
 Refused by `DeclinedError`, with the reason: a cycle in which slip comes back to an earlier limit
-under other loads and passes it (an inner loop that closes, or P that falls across a slip line of M), contact that
-grows or shrinks along the limit of friction, gross sliding.
+under other loads and passes it (an inner loop that closes, or P that falls across a slip line of
+M), contact that grows or shrinks along the limit of friction, gross sliding.
 
 # notation: A = 2/E*, eta load in [0, P], M(eta) memory curve, P_c load at the stick edge, a contact
 #           half-width, c stick half-width
