@@ -863,7 +863,10 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
-    tractions_at_steps = [tractions(_nodal_tractions(solution, step)) for step in steps]
+    nodal_tractions_at_steps = [_nodal_tractions(solution, step) for step in steps]
+    tractions_at_steps = [
+        tractions(nodal_tractions) for nodal_tractions in nodal_tractions_at_steps
+    ]
     added_tension, added_uncertainty = _added_edge_tension(solution, steps, tractions_at_steps)
     tension_by_tractions = [
         np.outer([1.0, -1.0], step_tractions.edge_tension())
@@ -877,12 +880,14 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
     candidate, body_number, edge_number = (int(index) for index in largest_index)
     series_uncertainty = tractions_with_uncertainty(
-        _nodal_tractions(solution, steps[candidate])
+        nodal_tractions_at_steps[candidate]
     ).tension_uncertainty
     unseen_change = np.array(
         [
-            change_by_unseen_slip(_nodal_tractions(solution, step), step_tractions)
-            for step, step_tractions in zip(steps, tractions_at_steps, strict=True)
+            change_by_unseen_slip(nodal_tractions, step_tractions)
+            for nodal_tractions, step_tractions in zip(
+                nodal_tractions_at_steps, tractions_at_steps, strict=True
+            )
         ]
     )
     seen = np.where(unseen_change[:, None, :] > 0, -math.inf, values)
