@@ -46,7 +46,7 @@ def mindlin() -> Iterator[Row]:
     answer = halfplane_fe.solve(load_scene("cattaneo-mindlin"))
     exact = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
     at = int(np.argmin(np.abs(answer.time - 2.0)))
-    weights = answer.weights
+    weights = answer.face_lengths
     f = answer.scene.friction.coefficient
 
     def norm(values: np.ndarray) -> float:
@@ -208,7 +208,8 @@ def shear_errors(answer: FiniteElementSolution, exact: ContactSolution) -> np.nd
     """L2 of the shear's error over ||q|| at the end of each line that shears."""
     ends = [int(np.argmin(np.abs(answer.time - t))) for t in range(2, round(answer.time[-1]) + 1)]
     off, size = (
-        (values[ends] ** 2) @ answer.weights for values in (answer.shear - exact.shear, exact.shear)
+        (values[ends] ** 2) @ answer.face_lengths
+        for values in (answer.shear - exact.shear, exact.shear)
     )
     return np.sqrt(off / size)
 

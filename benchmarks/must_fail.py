@@ -167,7 +167,7 @@ def sticky() -> Planted:
     append = PathRun.append
 
     def short(increment: Increment) -> Increment:
-        sliding = slip_sign(increment.state.state) != 0
+        sliding = slip_sign(increment.state.node_states) != 0
         pressure = increment.state.pressure
         return replace(
             increment,
@@ -336,7 +336,7 @@ def figures(answer: FiniteElementSolution) -> dict[str, float]:
         return getattr(answer, name)[cycle], getattr(exact, name)[cycle]
 
     def norm(values: np.ndarray) -> np.ndarray:
-        return np.sqrt(values**2 @ answer.weights)
+        return np.sqrt(values**2 @ answer.face_lengths)
 
     def worst(name: str) -> float:
         values, reference = pair(name)

@@ -377,7 +377,7 @@ def against_theory(
     )
 
     def l2(values: np.ndarray) -> np.ndarray:
-        return np.sqrt(values**2 @ answer.weights)
+        return np.sqrt(values**2 @ answer.face_lengths)
 
     work = work_of(scene)
     size = l2(exact.pressure)

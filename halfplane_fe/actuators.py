@@ -27,17 +27,17 @@ class Actuators(NamedTuple):
 
     Attributes
     ----------
-    normal, tangential
+    normal_compliance, tangential_compliance
         compliance between actuator and contact, times E*; None where P or Q is given
     """
 
-    normal: float | None = None
-    tangential: float | None = None
+    normal_compliance: float | None = None
+    tangential_compliance: float | None = None
 
     @property
     def are_there(self) -> bool:
         """Whether any load is a movement."""
-        return self.normal is not None or self.tangential is not None
+        return self.normal_compliance is not None or self.tangential_compliance is not None
 
 
 LOADS_ARE_GIVEN = Actuators()

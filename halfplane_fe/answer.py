@@ -73,7 +73,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     states = [run.states[index] for index in run.stored_indices]
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
-    weights = problem.interface.weights * scales.half_width
+    weights = problem.interface.face_lengths * scales.half_width
     # (n_cycles, n) friction work of each node in each load cycle
     cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(weights)) * work_unit
     work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
@@ -180,12 +180,12 @@ def _nodal_arrays(
     """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
     (n_instants, n); slip has the elastic slip of a penalty layer in it.
     """
-    weights = problem.interface.weights * scales.half_width  # length of the face of each node
+    weights = problem.interface.face_lengths * scales.half_width  # length of the face of each node
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
     shear = np.stack([state.shear for state in states])
-    if problem.layer.tangential.any():
-        slip += problem.layer.tangential * shear
+    if problem.layer.tangential_compliance.any():
+        slip += problem.layer.tangential_compliance * shear
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
     np.multiply(pressure, scales.load / weights, out=pressure)
     np.multiply(shear, scales.load / weights, out=shear)
@@ -325,9 +325,11 @@ def _edges_at_instants(
     scene
         whether it is symmetric
     """
-    weights = problem.interface.weights
+    weights = problem.interface.face_lengths
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
-    states_by_law = np.stack([state.state for state in states])  # as the law of friction left them
+    states_by_law = np.stack(
+        [state.node_states for state in states]
+    )  # as the law of friction left them
     answer = NodalAnswer(
         x=problem.interface.x,
         pressure=normal_force / weights,
@@ -661,12 +663,12 @@ def penalty_audit(
     scales
         half-width and modulus that lengths and compliances are scaled by
     """
-    length_per_force = problem.interface.weights * scales.half_width / scales.modulus
+    length_per_force = problem.interface.face_lengths * scales.half_width / scales.modulus
     normal_deflection = _LayerDeflection.by_tractions(
-        problem.layer.normal * length_per_force, arrays["pressure"]
+        problem.layer.normal_compliance * length_per_force, arrays["pressure"]
     )
     tangential_deflection = _LayerDeflection.by_tractions(
-        problem.layer.tangential * length_per_force, arrays["shear"]
+        problem.layer.tangential_compliance * length_per_force, arrays["shear"]
     )
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
@@ -678,7 +680,7 @@ def penalty_audit(
     is_in_cycle = np.ones(len(time), dtype=bool)
     if period is not None:
         is_in_cycle = time > time[-1] - period * (1 + 1e-9)
-    states_by_law = np.stack([state.state for state in states])[is_in_cycle]
+    states_by_law = np.stack([state.node_states for state in states])[is_in_cycle]
     slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
     slips_once = np.any(slip_sign(states_by_law) != 0, axis=0)

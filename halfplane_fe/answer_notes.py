@@ -41,7 +41,7 @@ _NOTE_RENAMED = (
 
 def notes_of_answer(
     task: Task,
-    condensed: tuple[CondensedBody, CondensedBody],
+    condensed_bodies: tuple[CondensedBody, CondensedBody],
     problem: ContactProblem,
     run: PathRun,
     arrays: Mapping[str, Any],
@@ -56,7 +56,7 @@ def notes_of_answer(
     ----------
     task
         the scene, its meshes, settings, and the scales of its variables
-    condensed
+    condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
         the contact problem, and its states along the load path
@@ -68,10 +68,10 @@ def notes_of_answer(
     scene = task.scene
     scales = task.scales
     notes = []
-    if problem.work[REPEATED_RUNS] and run.failure is None:
+    if problem.work_counts[REPEATED_RUNS] and run.failure is None:
         notes.append(_NOTE_REPEATED)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
-    notes += bulk_stress_notes(scene, condensed, largest_tangential_load)
+    notes += bulk_stress_notes(scene, condensed_bodies, largest_tangential_load)
     if run.failure is None:
         notes += _drift_notes(run, scales)
         notes += _thinned_notes(run)
@@ -185,7 +185,7 @@ def work_done(
     scene: Scene,
     problem: ContactProblem,
     run: PathRun,
-    condensed: tuple[CondensedBody, CondensedBody],
+    condensed_bodies: tuple[CondensedBody, CondensedBody],
     seconds: Mapping[str, float],
 ) -> Work:
     """Computing effort of a finite-element solution: counts of what was computed, counts and
@@ -197,23 +197,23 @@ def work_done(
         the contact, whose path may have more cycles than were computed
     problem, run
         the contact problem, with its counters, and its states along the load path
-    condensed
+    condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     seconds
         name of a stage -> its time [s]
     """
-    lower_body, upper_body = condensed
+    lower_body, upper_body = condensed_bodies
     is_one_mesh = lower_body.body is upper_body.body
     counts = {
         "bodies meshed": 1 if is_one_mesh else 2,
-        "condensations": problem.work["condensations"],
+        "condensations": problem.work_counts["condensations"],
         "degrees of freedom": int(lower_body.diagnostics["degrees_of_freedom"]),
         "contact nodes": len(lower_body.x),
         "steps solved": len(run.iterations),
-        "sparse factorisations": problem.work["sparse factorisations"],
-        **{name: int(count) for name, count in sorted(problem.work.items())},
+        "sparse factorisations": problem.work_counts["sparse factorisations"],
+        **{name: int(count) for name, count in sorted(problem.work_counts.items())},
     }
-    skipped = _skipped_at_bodies(scene, problem, run, condensed)
+    skipped = _skipped_at_bodies(scene, problem, run, condensed_bodies)
     skipped |= _skipped_along_path(scene, problem, run)
     return Work(counts, skipped, dict(seconds))
 
@@ -222,7 +222,7 @@ def _skipped_at_bodies(
     scene: Scene,
     problem: ContactProblem,
     run: PathRun,
-    condensed: tuple[CondensedBody, CondensedBody],
+    condensed_bodies: tuple[CondensedBody, CondensedBody],
 ) -> dict[str, tuple[int, str]]:
     """Work that symmetry and the cache of condensed bodies saved, and the correction of the faces
     where it was not made: name of the work -> (how often it was skipped, why).
@@ -230,7 +230,7 @@ def _skipped_at_bodies(
     The correction takes out of N - T and K what only the mesh puts there: N, T and K are the
     compliances of the face, normal, tangential and coupled.
     """
-    lower_body, upper_body = condensed
+    lower_body, upper_body = condensed_bodies
     is_one_mesh = lower_body.body is upper_body.body
     skipped: dict[str, tuple[int, str]] = {}
     if is_one_mesh:
@@ -240,7 +240,7 @@ def _skipped_at_bodies(
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
-    n_cached = problem.work[CACHED]
+    n_cached = problem.work_counts[CACHED]
     if n_cached:
         skipped["condensations, cached"] = (
             n_cached,
@@ -253,11 +253,11 @@ def _skipped_at_bodies(
         )
     if not problem.has_shear:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
-    if not problem.work[CORRECTED_FACES]:
+    if not problem.work_counts[CORRECTED_FACES]:
         reason = (
             "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
-        if problem.work[REPEATED_RUNS]:
+        if problem.work_counts[REPEATED_RUNS]:
             reason = "the contact did not converge without it"
         skipped["the mesh's part of N - T"] = (1, reason)
     return skipped
@@ -268,7 +268,7 @@ def _skipped_along_path(
 ) -> dict[str, tuple[int, str]]:
     """What the load path did not need: name of the work -> (how often it was skipped, why)."""
     skipped: dict[str, tuple[int, str]] = {}
-    if problem.has_shear and not problem.work["slip iterations"]:
+    if problem.has_shear and not problem.work_counts["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
         skipped["revolutions"] = (

@@ -71,7 +71,7 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
     slides: list[_Slide] = []
     for start, end in pairwise(states):
         touches_throughout = start.is_closed & end.is_closed
-        if np.any(end.state == STICK) or not np.any(touches_throughout):
+        if np.any(end.node_states == STICK) or not np.any(touches_throughout):
             continue
         slip = (end.slip - start.slip)[touches_throughout]
         distance = float(slip[np.argmin(np.abs(slip))])

@@ -357,7 +357,7 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
     def values_of_cycle(cycle: int | None) -> RunValues:
         return run_values(
             run,
-            problem.interface.weights,
+            problem.interface.face_lengths,
             displacement_unit=scales.load / scales.modulus,
             stress_unit=scales.load / scales.half_width,
             cycle=cycle,

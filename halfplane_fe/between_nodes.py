@@ -282,7 +282,7 @@ def place_when_met(interface: Interface, node: int, side: int) -> float:
 
 def _is_corner(interface: Interface, node: int) -> bool:
     """Whether a node of quadratic elements is a corner, not a mid-side one."""
-    return bool(interface.weights[node] < interface.weights[node - 1])
+    return bool(interface.face_lengths[node] < interface.face_lengths[node - 1])
 
 
 class EdgesByLoad(NamedTuple):
@@ -348,7 +348,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             last_closed = int(inwards[0])
             if not _is_quadratic(problem, last_closed):
                 continue
-            by_load = nodal(problem.rates(state.state, len(state.loads))[0])  # cached
+            by_load = nodal(problem.rates(state.node_states, len(state.loads))[0])  # cached
             edge = Edge.of_contact(problem, side, last_closed, state, by_load)
             if edge.is_moved:
                 _, pressure_rates, _, _ = by_load
@@ -395,7 +395,7 @@ def stick_by_load(
 
 def _is_quadratic(problem: ContactProblem, node: int) -> bool:
     """Whether corners and mid-side nodes take turns around a node, elements of any sizes."""
-    if not 2 <= node < len(problem.interface.weights) - 2:
+    if not 2 <= node < len(problem.interface.face_lengths) - 2:
         return False
     if _has_equal_elements(problem, node):
         return True
@@ -407,7 +407,7 @@ def _comes_to_limit(
     problem: ContactProblem, before: InterfaceState, after: InterfaceState, edge: Edge
 ) -> bool:
     """Whether the shear of the last node that sticks has come nearer to the Coulomb limit."""
-    sense = int(slip_sign(after.state[edge.node]))
+    sense = int(slip_sign(after.node_states[edge.node]))
     distance_before, distance_after = (
         force_to_limit(
             state.pressure[edge.next_node], state.shear[edge.next_node], sense, problem.friction
@@ -432,7 +432,7 @@ def _behind_slip_zone(
     Slip began beside the node that has come farthest. `travel` (n,) is how far each has.
     """
     inwards = _inwards(problem, state, side)
-    slides = slip_sign(state.state[inwards]) != 0
+    slides = slip_sign(state.node_states[inwards]) != 0
     if not slides.any():
         return -1, 0
     outermost = int(np.argmax(slides))  # nodes that have just come to touch stick
@@ -451,8 +451,8 @@ def _placed_by_load(
     takes it on, by `_unevenness`.
     """
     node = last_stuck + side
-    sense = int(slip_sign(state.state[node]))
-    by_load = nodal(problem.rates(state.state, len(state.loads))[1])
+    sense = int(slip_sign(state.node_states[node]))
+    by_load = nodal(problem.rates(state.node_states, len(state.loads))[1])
     _, pressure_rates, shear_rates, _ = by_load
     to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
@@ -619,7 +619,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     to node: positive where the discrete solution dissipates too much; scaled.
 
     An edge counts if the zones on both its sides have three nodes or more, and if the elements
-    around it are quadratic and of equal size. The count goes to `problem.work[TAKEN_OFF]`.
+    around it are quadratic and of equal size. The count goes to `problem.work_counts[TAKEN_OFF]`.
 
     Parameters
     ----------
@@ -629,7 +629,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         contact states of the cycle, the first one from before it
     """
     no_excess = Excess(0.0, 0.0, 0)
-    problem.work.pop(TAKEN_OFF, None)
+    problem.work_counts.pop(TAKEN_OFF, None)
     if not problem.has_shear:
         return no_excess
     slip = np.stack([state.slip for state in states])
@@ -652,7 +652,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
             works_at_contact_edges.append(work_at_contact_edge)
     works_at_stick_edges = [edge.excess for edge in stick_edges.values()]
     works_at_edges = works_at_stick_edges + works_at_contact_edges
-    problem.work[TAKEN_OFF] = len(works_at_edges)
+    problem.work_counts[TAKEN_OFF] = len(works_at_edges)
     # The two edges of a zone mostly stand alike in their elements, so their errors add up.
     rms_of_all = math.hypot(
         sum(at_edge.rms for at_edge in works_at_stick_edges),
@@ -758,7 +758,7 @@ def _at_stick_edge(
         return None
     slip_of_node = slip[:, first_sliding]
     slip_range = float(np.ptp(slip_of_node))
-    signs = slip_sign(np.array([state.state[first_sliding] for state in states]))
+    signs = slip_sign(np.array([state.node_states[first_sliding] for state in states]))
     states_at_turns: dict[int, InterfaceState] = {}  # by the sense of slip that ends
     turn_times: list[float] = []
     for sign in (1, -1):
@@ -780,7 +780,7 @@ def _at_stick_edge(
     for sign, turning_state in states_at_turns.items():
         # Nodes that have only reached the Coulomb limit stick.
         nodal_states = np.where(
-            sticks & (turning_state.state != OPEN), STICK, turning_state.state
+            sticks & (turning_state.node_states != OPEN), STICK, turning_state.node_states
         ).astype(np.int8)
         is_sliding = slip_sign(nodal_states) == sign
         sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
@@ -852,7 +852,7 @@ def _at_contact_edge(
         return np.asarray(rates_by_load(state)[1])
 
     for state in states:
-        rates_by_load(state.state)
+        rates_by_load(state.node_states)
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
@@ -867,7 +867,7 @@ def _at_contact_edge(
             return None
         if not 0 <= next_node < len(node_slips):
             return None
-        edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.state))
+        edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.node_states))
         if not edge.is_moved:
             return None
         fraction_at_start = edge.fraction_passed()
@@ -875,7 +875,9 @@ def _at_contact_edge(
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
         fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
         nodes = (node, opposite_node) if _has_equal_elements(problem, opposite_node) else (node,)
-        change_of_pressure_rates = _change_of_rates(pressure_by_load, start.state, nodes, OPEN)
+        change_of_pressure_rates = _change_of_rates(
+            pressure_by_load, start.node_states, nodes, OPEN
+        )
         work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         # Simpson's rule along the increment
@@ -932,7 +934,7 @@ def _has_equal_elements(problem: ContactProblem, node: int) -> bool:
     By Simpson's rule a mid-side node then has twice the integration weight of its neighbours, which
     are corners of two elements.
     """
-    weights = problem.interface.weights
+    weights = problem.interface.face_lengths
     if not 2 <= node < len(weights) - 2:
         return False
     weights_of_kind = weights[node - 2 : node + 3 : 2].tolist()

@@ -215,7 +215,7 @@ def _fields_of_bodies(
         displacement, stress = _displacement_and_stress(
             solution, steps, tractions_at_steps, body_number
         )
-        condensed_body = solution.condensed[body_number]
+        condensed_body = solution.condensed_bodies[body_number]
         mesh = condensed_body.body.mesh
         points = mesh.p.T * [1.0, _sign_of_y(body_number)]
         cells = _counter_clockwise_cells(points, cells_of(mesh, condensed_body.order))
@@ -271,7 +271,7 @@ def _displacement_and_stress(
     body_number
         0 of the lower body, 1 of the upper one
     """
-    material = solution.condensed[body_number].material
+    material = solution.condensed_bodies[body_number].material
     sign_of_y = _sign_of_y(body_number)
     bulk_stress = _bulk_stress(solution, steps, body_number)
     nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
@@ -814,7 +814,7 @@ def stress(
             )
         stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
     stress[..., 2] *= sign_of_y  # s_xy from the body's own frame to the common one
-    poisson_ratio = solution.condensed[body_number].material.poisson_ratio
+    poisson_ratio = solution.condensed_bodies[body_number].material.poisson_ratio
     stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])  # plane strain
     for k, step in enumerate(steps):
         if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
@@ -1031,7 +1031,9 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     is_closed = pressure > _NEGLIGIBLE_PRESSURE * np.max(pressure)
     tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
-        tangential_load = float(shear @ solution.weights)  # on curved faces p carries a part of Q
+        tangential_load = float(
+            shear @ solution.face_lengths
+        )  # on curved faces p carries a part of Q
     step_before = max(step - 1, 0)
     rise_of_p = float(solution.normal_load[step] - solution.normal_load[step_before])
     rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
@@ -1120,11 +1122,11 @@ def _nodal_fields(
     bulk_stress
         (k,) of this body at the steps [stress]
     """
-    condensed_body = solution.condensed[body_number]
+    condensed_body = solution.condensed_bodies[body_number]
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
-    forces = body_forces(*solution.condensed, pressure, shear)[_BODY_NAMES[body_number]]
+    forces = body_forces(*solution.condensed_bodies, pressure, shear)[_BODY_NAMES[body_number]]
     # Mixed elements have a part of the mean stress as a further unknown.
     basis, displacements, mean_stresses = displacement_fields(
         condensed_body, forces, solution.scene.profile.datum_length, bulk_stress

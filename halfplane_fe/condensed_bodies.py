@@ -44,8 +44,8 @@ class CondensedBodies:
         """Bytes of the cached arrays."""
         return sum(_nbytes(values) for values in self._cached.values())
 
-    def condensed(
-        self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
+    def condensed_body(
+        self, body: BodyMesh, material: Elastic, datum_length: float, work_counts: Counter[str]
     ) -> CondensedBody:
         """Compliance of a meshed body at the nodes of its contact face, by static condensation;
         taken from this process's cache where the same body was condensed before.
@@ -56,7 +56,7 @@ class CondensedBodies:
             mesh with its supports, and elastic constants
         datum_length
             distance from a force at which a half-plane's surface counts as unmoved [length]
-        work
+        work_counts
             counters of the solution, raised here: by a body from the cache, or by the condensations
             and factorisations that were needed
         """
@@ -66,15 +66,17 @@ class CondensedBodies:
             if cached_fields is not None:
                 self._cached.move_to_end(key)
         if cached_fields is not None:
-            work[CACHED] += 1
+            work_counts[CACHED] += 1
             return CondensedBody(body=body, **cached_fields)
-        condensed = condense(body, material, datum_length)
-        work["condensations"] += 1
-        work["sparse factorisations"] += int(condensed.diagnostics["sparse_factorisations"])
+        condensed_body = condense(body, material, datum_length)
+        work_counts["condensations"] += 1
+        work_counts["sparse factorisations"] += int(
+            condensed_body.diagnostics["sparse_factorisations"]
+        )
         # Without the mesh, which is larger than what was made of it.
-        stored_names = [field.name for field in fields(condensed) if field.name != "body"]
-        self._add(key, {name: getattr(condensed, name) for name in stored_names})
-        return condensed
+        stored_names = [field.name for field in fields(condensed_body) if field.name != "body"]
+        self._add(key, {name: getattr(condensed_body, name) for name in stored_names})
+        return condensed_body
 
     def _add(self, key: bytes, values: dict[str, Any]) -> None:
         """Cache the fields of a body; those that were used least recently go."""

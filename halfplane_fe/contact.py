@@ -77,7 +77,7 @@ def _motion_property(number: int) -> property:
 
 def _nodal_property(number: int) -> property:
     """Property of a state: slip (0), pressure (1), shear (2) or gap (3) of the nodes, (n,)."""
-    return property(lambda state: state.values[3:].reshape(-1, len(state.state))[number])
+    return property(lambda state: state.values[3:].reshape(-1, len(state.node_states))[number])
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class InterfaceState:
         penalty method between the inner faces of its layer. Pressure and shear are nodal forces.
         The tilt is given or found from the moment. To save memory a long run drops all after the
         slip from some states (`run.PathRun`)
-    state
+    node_states
         (n,) SurfaceState of each node
     resultants
         P and Q of the nodal forces where `loads` are movements; else None
@@ -106,7 +106,7 @@ class InterfaceState:
     time: float
     loads: tuple[float, ...]
     values: Array
-    state: States
+    node_states: States
     resultants: tuple[float, float] | None = None
 
     approach, shift, tilt = (_motion_property(number) for number in range(3))
@@ -125,12 +125,12 @@ class InterfaceState:
     @property
     def is_complete(self) -> bool:
         """Whether forces and gap are still there, see `run.PathRun`."""
-        return len(self.values) > 3 + len(self.state)
+        return len(self.values) > 3 + len(self.node_states)
 
     @property
     def is_closed(self) -> Mask:
         """Whether each node is in contact, (n,)."""
-        return self.state != OPEN
+        return self.node_states != OPEN
 
     @property
     def stresses_and_tilt(self) -> Array:
@@ -141,7 +141,9 @@ class InterfaceState:
             return np.zeros(3)
         return np.array([*self.loads[_BULK_STRESSES], self.tilt])
 
-    def changed(self, *, state: ArrayLike | None = None, **parts: ArrayLike) -> InterfaceState:
+    def changed(
+        self, *, node_states: ArrayLike | None = None, **parts: ArrayLike
+    ) -> InterfaceState:
         """Copy with other values, by name (`tilt`, `slip`, ...), or other node states."""
         values = self.values.copy()
         for name, part in parts.items():
@@ -149,8 +151,8 @@ class InterfaceState:
                 values[_RIGID_NAMES.index(name)] = part
             else:
                 nodal(values)[_NODAL_NAMES.index(name)] = part
-        states = self.state if state is None else freeze(state, np.int8)
-        return replace(self, values=freeze(values), state=states)
+        states = self.node_states if node_states is None else freeze(node_states, np.int8)
+        return replace(self, values=freeze(values), node_states=states)
 
 
 class BesideTheFaces(InputError):
@@ -202,7 +204,7 @@ class ContactProblem:
     ----------
     interface
         compliance of the two bodies, scaled
-    height
+    initial_gap
         (n,) initial gap h of the faces, scaled
     friction
         coefficient f
@@ -220,7 +222,7 @@ class ContactProblem:
         augmented_lagrangian they are the penalty
     has_given_moment
         whether the fifth load is the moment, so that the tilt follows from it, instead of the tilt
-    work
+    work_counts
         counts of what was done
     method
         by which an equilibrium is found, see `settings.SolverSettings`
@@ -232,14 +234,14 @@ class ContactProblem:
     """
 
     interface: Interface
-    height: Array
+    initial_gap: Array
     friction: float
     layer: Layer
     has_shear: bool = True
     max_iterations: int = 100
     augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
     has_given_moment: bool = False
-    work: Counter[str] = field(default_factory=Counter)
+    work_counts: Counter[str] = field(default_factory=Counter)
     method: Method = "active_set"
     actuators: Actuators = LOADS_ARE_GIVEN
     n_jumps: int = field(default=0, init=False)
@@ -250,7 +252,7 @@ class ContactProblem:
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.has_shear and self.interface.coupling is not None
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
-        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
+        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.initial_gap))
         all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
         self._shear_over_pressure_of_state = np.asarray(
             self.friction * slip_sign(all_states), dtype=float
@@ -262,7 +264,12 @@ class ContactProblem:
         half have a problem, and so systems, of their own.
         """
         return Systems(
-            self.interface, self.layer, self.friction, self.work, self.has_shear, self.actuators
+            self.interface,
+            self.layer,
+            self.friction,
+            self.work_counts,
+            self.has_shear,
+            self.actuators,
         )
 
     @cached_property
@@ -276,7 +283,7 @@ class ContactProblem:
 
         penalty = None
         if self.method == "augmented_lagrangian":
-            ones = np.ones_like(self.height)
+            ones = np.ones_like(self.initial_gap)
             penalty = (self.augmentation[0] * ones, self.augmentation[1] * ones)
         return ReturnMapping(
             self.interface,
@@ -284,7 +291,7 @@ class ContactProblem:
             self.layer,
             self.has_shear,
             penalty,
-            self.work,
+            self.work_counts,
             self._shear_scale,
             self.actuators,
         )
@@ -321,18 +328,18 @@ class ContactProblem:
             stresses_and_tilt[2] = (
                 self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
             )
-        gap_offset, slip_offset = self.offsets(stresses_and_tilt)
-        undeformed_gap = self.height + gap_offset
-        approach = float((undeformed_gap / self.interface.normals[1]).min())
-        shift = loads[1] if self.actuators.tangential is not None else 0.0
+        gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
+        undeformed_gap = self.initial_gap + gap_offset
+        approach = float((undeformed_gap / self.interface.face_normals[1]).min())
+        shift = loads[1] if self.actuators.tangential_compliance is not None else 0.0
         gap_by_approach, slip_by_approach = self.interface.gap_and_slip_by_motion(approach, shift)
         gap = undeformed_gap + gap_by_approach
         slip = slip_offset + slip_by_approach
-        no_force = np.zeros_like(self.height)
+        no_force = np.zeros_like(self.initial_gap)
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
-        load_or_position = approach if self.actuators.normal is not None else 0.0
+        load_or_position = approach if self.actuators.normal_compliance is not None else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
         return self._state(time, loads_at_rest, freeze(values), states)
 
@@ -392,22 +399,27 @@ class ContactProblem:
         >>> pressed.pressure.tolist()
         [2.0, 1.0]
         >>> sheared, _ = problem.equilibrium(pressed, 2.0, (3.0, 1.2))
-        >>> sheared.shear.round(12).tolist(), sheared.state.tolist()  # the second one slips at f p
+        >>> (
+        ...     sheared.shear.round(12).tolist(),
+        ...     sheared.node_states.tolist(),
+        ... )  # the second one slips at f p
         ([0.7, 0.5], [1, 2])
         """
         if self.method != "active_set":
             return self._equilibrium_by_return_mapping(start, time, loads)
         state = None
         iterations = 0
-        if expected is not None and not np.array_equal(expected, start.state):
+        if expected is not None and not np.array_equal(expected, start.node_states):
             state, iterations, n_changing = self._active_set(start, time, loads, expected)
         if state is None:
-            state, more_iterations, n_changing = self._active_set(start, time, loads, start.state)
+            state, more_iterations, n_changing = self._active_set(
+                start, time, loads, start.node_states
+            )
             iterations += more_iterations
         if state is None and (self.has_shear or self.has_given_moment):
             state, turns, n_changing = self._alternating(start, time, loads)
             iterations += turns
-        self.work["contact iterations"] += iterations
+        self.work_counts["contact iterations"] += iterations
         if state is None:
             raise ConvergenceError(
                 f"contact: {n_changing} nodes still change state after {iterations} iterations at"
@@ -418,8 +430,10 @@ class ContactProblem:
     def _loads_in_words(self, loads: tuple[float, ...]) -> str:
         """The two loads, normal and tangential, with their names, for a message."""
         names = [
-            "normal load" if self.actuators.normal is None else "approach",
-            "tangential load" if self.actuators.tangential is None else "tangential displacement",
+            "normal load" if self.actuators.normal_compliance is None else "approach",
+            "tangential load"
+            if self.actuators.tangential_compliance is None
+            else "tangential displacement",
         ]
         values = ", ".join(f"{name} {load:.6g}" for name, load in zip(names, loads, strict=False))
         return f"{values} (over the largest normal load, or that over E*)"
@@ -445,14 +459,14 @@ class ContactProblem:
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start.loads)
         solution = self._return_mapping.equilibrium(
-            Start(start.values, start.state, change_of_loads, moment), self.max_iterations
+            Start(start.values, start.node_states, change_of_loads, moment), self.max_iterations
         )
         if solution is None:
             raise ConvergenceError(
                 f"contact: the return mapping does not converge, however soft the penalty, at time"
                 f" {time:.6g}, {self._loads_in_words(loads)}"
             )
-        self.work["contact iterations"] += solution.newton_steps
+        self.work_counts["contact iterations"] += solution.newton_steps
         state = self._state(time, loads, freeze(solution.values), solution.states)
         return state, solution.newton_steps
 
@@ -552,7 +566,7 @@ class ContactProblem:
         SingularSet
             If a tilt does not change the moment, so that none follows from it.
         """
-        self.work["rates"] += 1
+        self.work_counts["rates"] += 1
         if self.has_given_moment and len(rates_by_load) > 2:
             *moments_by_load, moment_by_tilt = self._moments(rates_by_load)
             if not moment_by_tilt < -_LEAST_STIFFNESS:
@@ -632,8 +646,8 @@ class ContactProblem:
                 state = self.state_following(start, time, loads, states)
                 next_states = self._states_by_law(state, start)
                 n_changing = int(np.count_nonzero(next_states != states))
-                self.work["slip iterations"] += iteration > 0 and not np.array_equal(
-                    slip_sign(next_states), slip_sign(start.state)
+                self.work_counts["slip iterations"] += iteration > 0 and not np.array_equal(
+                    slip_sign(next_states), slip_sign(start.node_states)
                 )
                 if not n_changing:
                     return _Outcome(state, max(iteration, 1), 0)
@@ -657,12 +671,12 @@ class ContactProblem:
         is taken. Like materials need one turn. Where actuators prescribe movements, P and Q are
         those of the turn before.
         """
-        self.work["alternating solves"] += 1
+        self.work_counts["alternating solves"] += 1
         systems = self._systems
-        normals_x = self.interface.normals[0]
+        normals_x = self.interface.face_normals[0]
         coupling = self.interface.coupling  # (n, n) slip by nodal normal forces
         if coupling is None:
-            coupling = np.zeros_like(self.interface.normal)
+            coupling = np.zeros_like(self.interface.normal_compliance)
         shear = start.shear
         shift = start.shift
         is_closed = start.is_closed
@@ -672,12 +686,12 @@ class ContactProblem:
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
-            gap_without_pressure = self.height - coupling.T @ shear + normals_x * shift
+            gap_without_pressure = self.initial_gap - coupling.T @ shear + normals_x * shift
             if self.has_given_moment:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
-            gap_offset, slip_offset = self.offsets(stresses_and_tilt)
+            gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
             pressure, approach, is_closed = pressure_at_known_shear(
                 systems,
                 gap_without_pressure + gap_offset,
@@ -697,7 +711,7 @@ class ContactProblem:
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
             # Without a sticking node the full system is singular, unless an actuator holds it.
-            if not np.any(states == STICK) and self.actuators.tangential is None:
+            if not np.any(states == STICK) and self.actuators.tangential_compliance is None:
                 continue
             state = self.state_following(start, time, loads, states)
             resultants = state.resultants or resultants
@@ -724,7 +738,7 @@ class ContactProblem:
         start
             the state before the increment
         """
-        states = answer.state
+        states = answer.node_states
         # What the equations of these states set to zero is zero (`state_following`): weighted, its
         # rounding would look like a force.
         slip, pressure, shear, gap = nodal(answer.values)
@@ -791,12 +805,12 @@ class ContactProblem:
         ConvergenceError
             Where no tilt has the moment.
         """
-        load_of_pressure = loads[0] - float(self.interface.normals[0] @ shear)
+        load_of_pressure = loads[0] - float(self.interface.face_normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
             """Moment of pressure and shear at a tilt, minus the given one."""
-            gap_offset, _ = self.offsets(np.array([*stresses_and_tilt[:2], tilt]))
+            gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
                 self._systems,
                 gap_without_pressure + gap_offset,
@@ -804,10 +818,10 @@ class ContactProblem:
                 is_closed,
                 ROUNDING,
             )
-            return -float(self.interface.work_of_unit_offsets(pressure, shear)[2]) - moment
+            return -float(self.interface.work_per_stress_and_tilt(pressure, shear)[2]) - moment
 
         latest_tilt = float(stresses_and_tilt[2])
-        slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
+        slope_of_gap = float(np.ptp(self.initial_gap)) / float(np.ptp(self.interface.x))
         # The range is a thousandth of the gap's slope at first, doubled until it holds the tilt.
         for half_range in slope_of_gap * 2.0 ** np.arange(-10, 30):
             least_tilt = latest_tilt - half_range
@@ -839,10 +853,10 @@ class ContactProblem:
         BesideTheFaces
             Where no node lies on one side of that place.
         """
-        n_y = self.interface.normals[1]
-        gap_by_unit_tilt, _ = self.offsets(np.array([0.0, 0.0, 1.0]))
+        n_y = self.interface.face_normals[1]
+        gap_by_unit_tilt, _ = self.gap_and_slip_by(np.array([0.0, 0.0, 1.0]))
         x = gap_by_unit_tilt / n_y  # (n,) lever arms: a unit tilt opens the gap along y by them
-        gap_along_y = self.height / n_y
+        gap_along_y = self.initial_gap / n_y
         if not x[0] < x_of_load < x[-1]:
             raise BesideTheFaces(
                 "load: the upper body falls over: its line of action meets the faces beside where"
@@ -856,14 +870,18 @@ class ContactProblem:
         gaps_of_chords = gap_along_y[nodes_before] + chord_slopes * (x_of_load - x[nodes_before])
         return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
-    def offsets(self, stresses_and_tilt: Array) -> tuple[Array, Array]:
+    def gap_and_slip_by(self, stresses_and_tilt: Array) -> tuple[Array, Array]:
         """Gap and slip that bulk stresses and tilt (..., 3) add at the n nodes, each (..., n);
         where all of these are 0, or cannot act, each is (n,) zeros.
         """
-        if self.interface.unit_offsets is None or not stresses_and_tilt.any():
-            return np.zeros_like(self.height), np.zeros_like(self.height)
+        if self.interface.gap_and_slip_per_stress_and_tilt is None or not stresses_and_tilt.any():
+            return np.zeros_like(self.initial_gap), np.zeros_like(self.initial_gap)
         gap, slip = np.moveaxis(
-            np.tensordot(stresses_and_tilt, self.interface.unit_offsets, (-1, -1)), -2, 0
+            np.tensordot(
+                stresses_and_tilt, self.interface.gap_and_slip_per_stress_and_tilt, (-1, -1)
+            ),
+            -2,
+            0,
         )
         return gap, slip
 
@@ -872,4 +890,4 @@ class ContactProblem:
         states; scaled.
         """
         _, pressure, shear, _ = nodal(values)
-        return np.asarray(-self.interface.work_of_unit_offsets(pressure, shear)[..., 2])
+        return np.asarray(-self.interface.work_per_stress_and_tilt(pressure, shear)[..., 2])

@@ -337,7 +337,7 @@ class CondensedBody:
     material: Elastic
     x: Array
     y: Array
-    weights: Array
+    face_lengths: Array
     compliance: Array
     displacement_by_stress: Array
     diagnostics: Mapping[str, float]
@@ -893,7 +893,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         material=material,
         x=freeze(places[0]),
         y=freeze(places[1]),
-        weights=freeze(weights),
+        face_lengths=freeze(weights),
         compliance=freeze(compliance.reshape(*dof_shape, *dof_shape)),
         displacement_by_stress=freeze(displacement_by_stress),
         diagnostics={
@@ -915,7 +915,7 @@ def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
 
 
 def displacement_fields(
-    condensed: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
+    condensed_body: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
 ) -> tuple[skfem.Basis, Array, Array]:
     """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
     its full finite-element system.
@@ -926,7 +926,7 @@ def displacement_fields(
 
     Parameters
     ----------
-    condensed
+    condensed_body
         the body: its mesh, material and contact nodes
     forces
         (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
@@ -946,7 +946,7 @@ def displacement_fields(
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
     """
-    system = assemble(condensed.body, condensed.material)
+    system = assemble(condensed_body.body, condensed_body.material)
     loads_on_contact = forces.reshape(-1, forces.shape[-1])
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
@@ -986,6 +986,6 @@ def displacement_fields(
         displacements += motions @ amplitudes
     mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(pressures_over_g):
-        shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
+        shear_modulus = split_lame(condensed_body.material, condensed_body.order).shear_modulus
         mean_stress[:] = shear_modulus * pressures_over_g
     return system.basis, displacements, mean_stress

@@ -120,7 +120,7 @@ class _Increments(NamedTuple):
         """
         slip, p, q, _ = nodal(np.stack([state.values for state in states]))
         slip_change = np.diff(slip, axis=0)
-        states_before = np.stack([state.state for state in states[:-1]])
+        states_before = np.stack([state.node_states for state in states[:-1]])
         return cls(
             p_at_start=p[:-1],
             p_at_end=p[1:],
@@ -152,11 +152,14 @@ def elastic_energies(
         values[:, 0, None], values[:, 1, None]
     )
     stresses_and_tilt = np.array([state.stresses_and_tilt for state in states])
-    gap_by_stress_and_tilt, slip_by_stress_and_tilt = problem.offsets(stresses_and_tilt)
-    gap_by_forces = gap - problem.height - gap_by_motion - gap_by_stress_and_tilt
+    gap_by_stress_and_tilt, slip_by_stress_and_tilt = problem.gap_and_slip_by(stresses_and_tilt)
+    gap_by_forces = gap - problem.initial_gap - gap_by_motion - gap_by_stress_and_tilt
     minus_slip_by_forces = slip_by_motion + slip_by_stress_and_tilt - slip
     elastic_energy = (pressure * gap_by_forces + shear * minus_slip_by_forces).sum(axis=1) / 2
-    layer_energy = (pressure**2 @ problem.layer.normal + shear**2 @ problem.layer.tangential) / 2
+    layer_energy = (
+        pressure**2 @ problem.layer.normal_compliance
+        + shear**2 @ problem.layer.tangential_compliance
+    ) / 2
     return np.asarray(elastic_energy), np.asarray(layer_energy)
 
 
@@ -223,7 +226,7 @@ def increment_energies(
 
     def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
         """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments."""
-        work_per_unit = interface.work_of_unit_offsets(p_of_nodes, q_of_nodes)
+        work_per_unit = interface.work_per_stress_and_tilt(p_of_nodes, q_of_nodes)
         return np.asarray(
             load_pairs[:, 0] * approach_change
             + load_pairs[:, 1] * shift_change
@@ -249,7 +252,7 @@ def increment_energies(
     # the increment, and the work of Q with it: by as much as its dissipation differs from q ds.
     trapezoidal_work = np.where(sense != 0, mean_q * slip_change, 0.0)
     loop_work = mean_loads[:, 1] * shift_change + (dissipation - trapezoidal_work).sum(axis=1)
-    shear_work_per_unit = interface.work_of_unit_offsets(0 * mean_p, mean_q)
+    shear_work_per_unit = interface.work_per_stress_and_tilt(0 * mean_p, mean_q)
     loop_work += (shear_work_per_unit * stress_and_tilt_change)[:, :2].sum(axis=1)
 
     curve_work = np.zeros_like(slip_change)
@@ -534,7 +537,7 @@ def _normal_work_rate(
         normal_load_by_i, _ = problem.interface.resultants(p_by_i.T, q_by_i.T)
     work_rate = normal_load_by_i * approach_by_j - moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
-        pressure_work_per_stress = problem.interface.work_of_unit_offsets(p_by_i, 0 * q_by_i)
+        pressure_work_per_stress = problem.interface.work_per_stress_and_tilt(p_by_i, 0 * q_by_i)
         work_rate = work_rate + pressure_work_per_stress[..., j - 2]
     return np.asarray(work_rate)
 
@@ -578,5 +581,5 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
     if problem.has_given_moment:
         moment = problem.interface.moment(pressure, shear)
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
-    normal_load = loads[:, 0] if problem.actuators.normal is None else normal_resultant
+    normal_load = loads[:, 0] if problem.actuators.normal_compliance is None else normal_resultant
     return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}

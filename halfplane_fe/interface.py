@@ -52,19 +52,19 @@ class Interface:
 
     Attributes
     ----------
-    x, weights
+    x, face_lengths
         (n,) contact nodes of the lower body and the length of face that each stands for [length]
-    normals
+    face_normals
         (2, n) n_x and n_y of the unit normal out of the lower body
     gap
         (n,) initial distance of the faces as they are meshed, unloaded [length]
-    normal, tangential
+    normal_compliance, tangential_compliance
         (n, n) N, gap by p, and T, minus slip by q [length per force per thickness]
     coupling
         (n, n) K, slip by p, or None where it is exactly zero
     nearest
         x and initial distance where the faces are nearest to each other [length]
-    unit_offsets
+    gap_and_slip_per_stress_and_tilt
         (2, n, 3) G and S: gap and slip, without contact forces, by a unit of bulk stress in the
         lower body, in the upper one [length per stress], and by a unit of tilt [length]; zero by
         stress in pads and cylinders. None where neither bulk stress nor tilt may act
@@ -76,20 +76,20 @@ class Interface:
     """
 
     x: Array
-    weights: Array
-    normals: Array
+    face_lengths: Array
+    face_normals: Array
     gap: Array
-    normal: Array
-    tangential: Array
+    normal_compliance: Array
+    tangential_compliance: Array
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
     has_odd_shear: bool = False
-    unit_offsets: Array | None = None
+    gap_and_slip_per_stress_and_tilt: Array | None = None
 
     @property
     def is_flat(self) -> bool:
         """Whether the normal is (0, 1) everywhere."""
-        return not self.normals[0].any()
+        return not self.face_normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
         """This contact compliance in other units: x, weights and gap over `length`; N, T and K over
@@ -98,53 +98,59 @@ class Interface:
         coupling = self.coupling
         if coupling is not None:
             coupling = freeze(coupling / compliance)
-        unit_offsets = self.unit_offsets
-        if unit_offsets is not None:
-            unit_offsets = freeze(unit_offsets / [length * compliance, length * compliance, length])
+        gap_and_slip_per_stress_and_tilt = self.gap_and_slip_per_stress_and_tilt
+        if gap_and_slip_per_stress_and_tilt is not None:
+            gap_and_slip_per_stress_and_tilt = freeze(
+                gap_and_slip_per_stress_and_tilt
+                / [length * compliance, length * compliance, length]
+            )
         return replace(
             self,
             x=freeze(self.x / length),
-            weights=freeze(self.weights / length),
+            face_lengths=freeze(self.face_lengths / length),
             gap=freeze(self.gap / length),
-            normal=freeze(self.normal / compliance),
-            tangential=freeze(self.tangential / compliance),
+            normal_compliance=freeze(self.normal_compliance / compliance),
+            tangential_compliance=freeze(self.tangential_compliance / compliance),
             coupling=coupling,
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
-            unit_offsets=unit_offsets,
+            gap_and_slip_per_stress_and_tilt=gap_and_slip_per_stress_and_tilt,
         )
 
     def gap_and_slip_by_motion(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
         """Gap and slip of the n nodes, (..., n) each, by a rigid motion of the upper body: normal
         approach and tangential displacement, (..., 1) each at one or many instants [length].
         """
-        n_x, n_y = self.normals
+        n_x, n_y = self.face_normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
     def resultants(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
         """Resultants P and Q (...) of nodal forces p and q (n, ...), along y and x. Q is 0 on one
         half of a contact whose shear is odd in x.
         """
-        n_x, n_y = self.normals
+        n_x, n_y = self.face_normals
         normal_force = n_y @ pressure + n_x @ shear
         tangential_force = n_y @ shear - n_x @ pressure
         return normal_force, 0 * tangential_force if self.has_odd_shear else tangential_force
 
-    def work_of_unit_offsets(self, pressure: Array, shear: Array) -> Array:
+    def work_per_stress_and_tilt(self, pressure: Array, shear: Array) -> Array:
         """Work of nodal forces p and q (..., n) on the unit offsets, F = S q - G p, (..., 3): per
         unit of bulk stress in the lower and in the upper body, and of tilt, where it is minus the
         moment M. Zeros (3,) where there are no offsets.
 
         For the bulk stress of a lower half-plane it is -(1/E') sum x q.
         """
-        if self.unit_offsets is None:
+        if self.gap_and_slip_per_stress_and_tilt is None:
             return np.zeros(3)
-        return np.asarray(shear @ self.unit_offsets[1] - pressure @ self.unit_offsets[0])
+        return np.asarray(
+            shear @ self.gap_and_slip_per_stress_and_tilt[1]
+            - pressure @ self.gap_and_slip_per_stress_and_tilt[0]
+        )
 
     def moment(self, pressure: Array, shear: Array) -> Array:
         """Moment M (...) of nodal forces p and q (..., n) about x = 0, in the sense of the load M:
         minus their work per unit of tilt. Zero where there are no offsets.
         """
-        work_per_unit_of_tilt = self.work_of_unit_offsets(pressure, shear)[..., 2]
+        work_per_unit_of_tilt = self.work_per_stress_and_tilt(pressure, shear)[..., 2]
         return np.asarray(-work_per_unit_of_tilt)
 
 
@@ -181,13 +187,13 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
         x=freeze(lower.x),
-        weights=freeze(lower.weights),
-        normals=freeze(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
+        face_lengths=freeze(lower.face_lengths),
+        face_normals=freeze(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
         gap=freeze(np.zeros_like(lower.x)),
-        normal=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
-        tangential=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
+        normal_compliance=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
+        tangential_compliance=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
         coupling=freeze(coupling) if coupling.any() else None,
-        unit_offsets=freeze(gap_and_slip),
+        gap_and_slip_per_stress_and_tilt=freeze(gap_and_slip),
     )
 
 
@@ -224,14 +230,14 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
     coupling = compliance_of_both[n_nodes:, :n_nodes]
     return Interface(
         x=freeze(lower.x),
-        weights=freeze(mortar_sides.weights),
-        normals=freeze(mortar_sides.normals),
+        face_lengths=freeze(mortar_sides.face_lengths),
+        face_normals=freeze(mortar_sides.face_normals),
         gap=freeze(mortar_sides.gap),
-        normal=freeze(compliance_of_both[:n_nodes, :n_nodes]),
-        tangential=freeze(compliance_of_both[n_nodes:, n_nodes:]),
+        normal_compliance=freeze(compliance_of_both[:n_nodes, :n_nodes]),
+        tangential_compliance=freeze(compliance_of_both[n_nodes:, n_nodes:]),
         coupling=freeze(coupling) if coupling.any() else None,
         nearest=mortar_sides.nearest,
-        unit_offsets=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
+        gap_and_slip_per_stress_and_tilt=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
     )
 
 
@@ -296,7 +302,9 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
         mean_of_sides = (smooth_on_left + smooth_on_right) / 2
         smooth_part = np.where(distances_in_elements == 0, mean_of_sides, smooth_part)
         coupling = freeze(np.where(is_in_band, smooth_part, coupling))
-    return replace(interface, tangential=freeze(tangential_compliance), coupling=coupling)
+    return replace(
+        interface, tangential_compliance=freeze(tangential_compliance), coupling=coupling
+    )
 
 
 def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
@@ -326,21 +334,25 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
     Parameters
     ----------
     interface
-        condensed compliances N and T, and the length of face of each node, (n,) `weights`
+        condensed compliances N and T, and the length of face of each node, (n,) `face_lengths`
     distances_in_elements
         (n, n) signed distance of two nodes over the size of the elements there
     """
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     smooth_difference = _smooth_compliance(
-        interface.normal - interface.tangential, interface.x, np.abs(distances_in_elements)
+        interface.normal_compliance - interface.tangential_compliance,
+        interface.x,
+        np.abs(distances_in_elements),
     )
     symmetric_difference = (smooth_difference + smooth_difference.T) / 2
     tangential_compliance = np.where(
-        is_in_band, interface.normal - symmetric_difference, interface.tangential
+        is_in_band,
+        interface.normal_compliance - symmetric_difference,
+        interface.tangential_compliance,
     )
     is_in_wide_band = np.abs(distances_in_elements) <= 2 * _ELEMENTS_WITH_MESH_ERROR
-    weights = interface.weights
-    row_sums = (tangential_compliance - interface.tangential) @ weights
+    weights = interface.face_lengths
+    row_sums = (tangential_compliance - interface.tangential_compliance) @ weights
     # The symmetric matrix v_i + v_j on the wide band has these row sums.
     v = solve(np.diag(is_in_wide_band @ weights) + is_in_wide_band * weights, row_sums)
     tangential_compliance -= np.where(is_in_wide_band, np.add.outer(v, v), 0.0)
@@ -545,19 +557,19 @@ def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
 
 
 def condensed_pair(
-    scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work: Counter[str]
+    scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work_counts: Counter[str]
 ) -> tuple[CondensedBody, CondensedBody]:
     """Compliance of the lower and of the upper body at their contact nodes, by static condensation.
     Bodies that this process condensed before come from a cache.
 
     `bodies` are their meshes. `datum_length` is the distance from a force at which a half-plane's
     surface has no displacement [length]. Condensations and factorisations are added to the counts
-    in `work`.
+    in `work_counts`.
     """
-    lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
+    lower = BODIES.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
     if scene.material.alike and bodies[1] is bodies[0]:
         return lower, lower
-    return lower, BODIES.condensed(bodies[1], scene.material.upper, datum_length, work)
+    return lower, BODIES.condensed_body(bodies[1], scene.material.upper, datum_length, work_counts)
 
 
 def initial_gap(scene: Scene, interface: Interface) -> Array:
@@ -583,7 +595,7 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
 
 
 def bulk_stress_notes(
-    scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
+    scene: Scene, condensed_bodies: tuple[CondensedBody, CondensedBody], tangential_load: float
 ) -> Iterator[str]:
     """Notes for the user on where the stated bulk stress of a block with pulled ends acts: one
     sentence for each such body.
@@ -592,11 +604,11 @@ def bulk_stress_notes(
     contact (H: height). A fixed base holds the block back: the sentence states which part of the
     stress arrives at the middle of the face, by the slope of its displacement.
 
-    `condensed` are the lower and the upper body, `tangential_load` is the largest |Q| of the path.
+    `condensed_bodies` are the lower and the upper one; `tangential_load` is the largest |Q|.
     """
     if not has_bulk_stress(path_of(scene)):
         return
-    for name, condensed_body in zip(("lower", "upper"), condensed, strict=True):
+    for name, condensed_body in zip(("lower", "upper"), condensed_bodies, strict=True):
         body = getattr(scene.bodies, name)
         if not (isinstance(body, Block) and has_ends(body)):
             continue

@@ -94,8 +94,8 @@ class KernelValues(NamedTuple):
     along x by a pressing force (k_tn).
     """
 
-    normal: Array
-    tangential: Array
+    inward_by_pressure: Array
+    along_by_shear: Array
     along_by_pressure: Array
 
 
@@ -137,8 +137,10 @@ class CurvatureJumpKernels:
         poisson_ratio = self.material.poisson_ratio
         modulus = self.material.young_modulus / (1 - poisson_ratio**2)
         phi_difference = _divided_differences(self._phi(x), self._phi(s), self._phi_slope(s), x, s)
-        tangential = chord_kernels.tangential + 4 / (np.pi**2 * modulus) * phi_difference
-        return KernelValues(chord_kernels.normal, tangential, chord_kernels.along_by_pressure)
+        tangential = chord_kernels.along_by_shear + 4 / (np.pi**2 * modulus) * phi_difference
+        return KernelValues(
+            chord_kernels.inward_by_pressure, tangential, chord_kernels.along_by_pressure
+        )
 
     def _phi(self, x: Array) -> Array:
         """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x, the function in
@@ -196,7 +198,7 @@ class FaceKernels:
     ----------
     reach
         half-width of the side that may touch [length]
-    normal, tangential
+    inward_by_pressure, along_by_shear
         (d+1, d+1) coefficients of k_nn and k_tt, symmetric [1 / stress]
     along_by_pressure
         (d+1, d+1) coefficients of k_tn [1 / stress]
@@ -205,8 +207,8 @@ class FaceKernels:
     """
 
     reach: float
-    normal: Array
-    tangential: Array
+    inward_by_pressure: Array
+    along_by_shear: Array
     along_by_pressure: Array
     jump_kernels: CurvatureJumpKernels | None = None
 
@@ -214,12 +216,12 @@ class FaceKernels:
         """Displacements of the face at places x (n,) by unit forces at s (m,), minus those of a
         half-plane: k_nn, k_tt and k_tn, (n, m) each [1 / stress].
         """
-        degree = len(self.normal) - 1
+        degree = len(self.inward_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         smooth_kernels = KernelValues(
-            polynomials_of_x @ self.normal @ polynomials_of_s.T,
-            polynomials_of_x @ self.tangential @ polynomials_of_s.T,
+            polynomials_of_x @ self.inward_by_pressure @ polynomials_of_s.T,
+            polynomials_of_x @ self.along_by_shear @ polynomials_of_s.T,
             polynomials_of_x @ self.along_by_pressure @ polynomials_of_s.T,
         )
         if self.jump_kernels is None:
@@ -246,13 +248,13 @@ class FaceKernels:
             (m,) forces at s into the body, and along +x [force per thickness]
         """
         derivative = np.polynomial.chebyshev.chebder
-        degree = len(self.normal) - 1
+        degree = len(self.inward_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
         series_by_pressing = (
             derivative(self.along_by_pressure) @ polynomials_of_s.T @ pressing_force
         )
-        series_by_shear = derivative(self.tangential) @ polynomials_of_s.T @ force_along_x
+        series_by_shear = derivative(self.along_by_shear) @ polynomials_of_s.T @ force_along_x
         return np.asarray(polynomials_of_x @ (series_by_pressing + series_by_shear) / self.reach)
 
 
@@ -279,10 +281,10 @@ def fitted_kernels(
         largest i + j
     """
     if jump_kernels is not None:
-        singular_kernels = jump_kernels.kernels(kernels.x, kernels.forces_at)
+        singular_kernels = jump_kernels.kernels(kernels.x, kernels.x_of_forces)
         kernels = kernels._replace(
-            normal=kernels.normal - singular_kernels.normal,
-            tangential=kernels.tangential - singular_kernels.tangential,
+            inward_by_pressure=kernels.inward_by_pressure - singular_kernels.inward_by_pressure,
+            along_by_shear=kernels.along_by_shear - singular_kernels.along_by_shear,
             along_by_pressure=kernels.along_by_pressure - singular_kernels.along_by_pressure,
             # By reciprocity k_nt(x, s) = -k_tn(s, x); the singular part of k_tn is symmetric.
             outward_by_shear=kernels.outward_by_shear + singular_kernels.along_by_pressure,
@@ -290,7 +292,7 @@ def fitted_kernels(
     reach = float(np.abs(kernels.x).max())
     chebyshev = np.polynomial.chebyshev.chebvander
     polynomials_of_x = chebyshev(kernels.x / reach, degree)
-    polynomials_of_s = chebyshev(kernels.forces_at / reach, degree)
+    polynomials_of_s = chebyshev(kernels.x_of_forces / reach, degree)
 
     def products(i: int, j: int) -> Array:
         """T_i(x/r) T_j(s/r) at all places, (n, m)."""
@@ -300,7 +302,9 @@ def fitted_kernels(
     even_terms = np.stack(
         [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
     )
-    even_kernels = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    even_kernels = np.stack(
+        [kernels.inward_by_pressure.ravel(), kernels.along_by_shear.ravel()], axis=1
+    )
     even_coefficients = np.linalg.lstsq(even_terms, even_kernels, rcond=None)[0]
     symmetric_coefficients = np.zeros((2, degree + 1, degree + 1))
     for (i, j), coefficient in zip(even_pairs, even_coefficients, strict=True):
@@ -375,8 +379,8 @@ class KernelPair:
             coupling = coupling + half_planes.coupling
         interface_along_axes = replace(
             half_planes,
-            normal=freeze(half_planes.normal + added_normal),
-            tangential=freeze(half_planes.tangential + added_tangential),
+            normal_compliance=freeze(half_planes.normal_compliance + added_normal),
+            tangential_compliance=freeze(half_planes.tangential_compliance + added_tangential),
             coupling=freeze(coupling) if coupling.any() else None,
         )
         if self.faces[0].is_flat and self.faces[1].is_flat:
@@ -416,8 +420,8 @@ class KernelPair:
                 continue
             kernels: FaceKernels = getattr(body, mesh)
             body_values = kernels.at(x, x)
-            normal = normal + body_values.normal
-            tangential = tangential + body_values.tangential
+            normal = normal + body_values.inward_by_pressure
+            tangential = tangential + body_values.along_by_shear
             if self.lower is not self.upper:
                 coupling = coupling + sign * body_values.along_by_pressure
         return normal, tangential, coupling
@@ -462,8 +466,8 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     weight_xy = np.multiply.outer(n_x, n_y)
     weight_yx = weight_xy.T
     weight_yy = np.multiply.outer(n_y, n_y)
-    compliance_y = along_axes.normal
-    compliance_x = along_axes.tangential
+    compliance_y = along_axes.normal_compliance
+    compliance_x = along_axes.tangential_compliance
     coupling_along_axes = along_axes.coupling
     if coupling_along_axes is None:
         coupling_along_axes = np.zeros_like(compliance_x)
@@ -487,11 +491,11 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     )
     return replace(
         along_axes,
-        weights=freeze(along_axes.weights / n_y),
-        normals=freeze(np.stack([n_x, n_y])),
+        face_lengths=freeze(along_axes.face_lengths / n_y),
+        face_normals=freeze(np.stack([n_x, n_y])),
         gap=freeze((depth_of_lower + depth_of_upper) * n_y),
-        normal=freeze(normal),
-        tangential=freeze(tangential),
+        normal_compliance=freeze(normal),
+        tangential_compliance=freeze(tangential),
         coupling=freeze(coupling) if coupling.any() else None,
     )
 
@@ -532,20 +536,22 @@ def is_arc(shape: Shape, profile: Profile) -> bool:
     return arc is not None
 
 
-def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[str]) -> KernelPair:
+def kernel_pair(
+    scene: Scene, reach: float, datum_length: float, work_counts: Counter[str]
+) -> KernelPair:
     """Kernels of both bodies of a scene over |x| <= `reach` [length]: what their finite size adds
     to the displacement of the face by unit forces, as polynomials.
 
     Bodies that mirror each other have one set of kernels, computed once. `datum_length` is the
     distance from a force at which a half-plane's surface has no displacement [length]. Linear
-    systems and their unknowns are added to the counts in `work`.
+    systems and their unknowns are added to the counts in `work_counts`.
     """
     kernels_by_body: dict[str, BodyKernels | None] = {}
     for name in ("lower", "upper"):
         if name == "upper" and shapes_alike(scene):
             kernels_by_body[name] = kernels_by_body["lower"]
             continue
-        kernels_by_body[name] = body_kernels(scene, name, reach, datum_length, work)
+        kernels_by_body[name] = body_kernels(scene, name, reach, datum_length, work_counts)
     lower_face, upper_face = (
         face_of(getattr(scene.bodies, name), scene.profile) for name in ("lower", "upper")
     )
@@ -582,7 +588,7 @@ def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
 
 
 def body_kernels(
-    scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
+    scene: Scene, name: str, reach: float, datum_length: float, work_counts: Counter[str]
 ) -> BodyKernels | None:
     """Kernels of one body over |x| <= `reach`, from a fine and from a coarse mesh: what its finite
     size adds to the displacement of its face by unit forces, as polynomials. None for a half-plane.
@@ -595,7 +601,7 @@ def body_kernels(
         half-width of the part of the face that may touch [length]
     datum_length
         distance from a force at which a half-plane's surface has no displacement [length]
-    work
+    work_counts
         counts of linear systems and of their unknowns, added to here
 
     Raises
@@ -632,6 +638,6 @@ def body_kernels(
         force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
         computed_kernels = remainder_kernels(body, material, force_places, datum_length)
         kernels_of_meshes.append(fitted_kernels(computed_kernels, jump_kernels, degree))
-        work["kernel unknowns"] += computed_kernels.unknowns
-        work["kernel solves"] += 1
+        work_counts["kernel unknowns"] += computed_kernels.unknowns
+        work_counts["kernel solves"] += 1
     return BodyKernels(*kernels_of_meshes)

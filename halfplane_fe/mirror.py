@@ -46,12 +46,12 @@ def is_mirrored(faces: Interface, has_tangential_load: bool) -> bool:
         return False
     values_and_images = [
         (faces.x, -faces.x[::-1]),
-        (faces.weights, faces.weights[::-1]),
+        (faces.face_lengths, faces.face_lengths[::-1]),
         (faces.gap, faces.gap[::-1]),
-        (faces.normals[0], -faces.normals[0, ::-1]),
-        (faces.normals[1], faces.normals[1, ::-1]),
-        (faces.normal, faces.normal[::-1, ::-1]),
-        (faces.tangential, faces.tangential[::-1, ::-1]),
+        (faces.face_normals[0], -faces.face_normals[0, ::-1]),
+        (faces.face_normals[1], faces.face_normals[1, ::-1]),
+        (faces.normal_compliance, faces.normal_compliance[::-1, ::-1]),
+        (faces.tangential_compliance, faces.tangential_compliance[::-1, ::-1]),
     ]
     if faces.coupling is not None:
         values_and_images.append((faces.coupling, -faces.coupling[::-1, ::-1]))
@@ -72,19 +72,19 @@ def half_interface(faces: Interface) -> Interface:
     right_half = slice(len(faces.x) // 2, None)
     is_coupled = faces.coupling is not None
     parity_of_shear = -1.0 if is_coupled else 1.0
-    tangential_compliance = _folded(faces.tangential, parity_of_shear, parity_of_shear)
+    tangential_compliance = _folded(faces.tangential_compliance, parity_of_shear, parity_of_shear)
     if is_coupled:
         # An odd q is zero at x = 0: its row is zero, and any compliance solves.
-        tangential_compliance[0, 0] = faces.tangential.diagonal().max()
+        tangential_compliance[0, 0] = faces.tangential_compliance.diagonal().max()
     return replace(
         faces,
         x=freeze(faces.x[right_half]),
-        weights=freeze(np.bincount(_images(faces).place, faces.weights)),
-        normals=freeze(faces.normals[:, right_half]),
+        face_lengths=freeze(np.bincount(_images(faces).node_of_half, faces.face_lengths)),
+        face_normals=freeze(faces.face_normals[:, right_half]),
         gap=freeze(faces.gap[right_half]),
-        unit_offsets=None,
-        normal=freeze(_folded(faces.normal, 1.0, 1.0)),
-        tangential=freeze(tangential_compliance),
+        gap_and_slip_per_stress_and_tilt=None,
+        normal_compliance=freeze(_folded(faces.normal_compliance, 1.0, 1.0)),
+        tangential_compliance=freeze(tangential_compliance),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
         has_odd_shear=is_coupled,
     )
@@ -95,17 +95,17 @@ class _Images(NamedTuple):
 
     Attributes
     ----------
-    place
+    node_of_half
         (n,) index of each node, or of its mirror image, among the nodes with x >= 0
-    share
+    force_share
         (n,) part of that node's force: 1/2, at x = 0 1
-    sign
+    shear_sign
         (n,) factor on that node's q and slip: -1 at x < 0 where they are odd, else 1
     """
 
-    place: Indices
-    share: Array
-    sign: Array
+    node_of_half: Indices
+    force_share: Array
+    shear_sign: Array
 
 
 def _images(faces: Interface) -> _Images:
@@ -113,9 +113,9 @@ def _images(faces: Interface) -> _Images:
     nodes_from_middle = np.arange(len(faces.x)) - len(faces.x) // 2
     has_odd_shear = faces.coupling is not None
     return _Images(
-        place=np.abs(nodes_from_middle),
-        share=np.where(nodes_from_middle == 0, 1.0, 0.5),
-        sign=np.where((nodes_from_middle < 0) & has_odd_shear, -1.0, 1.0),
+        node_of_half=np.abs(nodes_from_middle),
+        force_share=np.where(nodes_from_middle == 0, 1.0, 0.5),
+        shear_sign=np.where((nodes_from_middle < 0) & has_odd_shear, -1.0, 1.0),
     )
 
 
@@ -143,29 +143,37 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
     # Index of each value of a state among the values of the half.
-    nodal_indices = [3 + images.place + quantity * n_half for quantity in range(4)]
+    nodal_indices = [3 + images.node_of_half + quantity * n_half for quantity in range(4)]
     index_in_half = np.concatenate([np.arange(3), *nodal_indices])
-    sign_of_slip = images.sign
-    factor_of_shear = images.share * images.sign
+    sign_of_slip = images.shear_sign
+    factor_of_shear = images.force_share * images.shear_sign
     factors = np.concatenate(
-        [np.ones(3), sign_of_slip, images.share, factor_of_shear, np.ones_like(images.share)]
+        [
+            np.ones(3),
+            sign_of_slip,
+            images.force_share,
+            factor_of_shear,
+            np.ones_like(images.force_share),
+        ]
     )
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def state_at_all_nodes(state: InterfaceState) -> InterfaceState:
         """The state at all nodes; without forces and gap where a long run has dropped them."""
-        n_values = len(index_in_half) if state.is_complete else 3 + len(images.place)
+        n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
         values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
-        states = state.state[images.place]
-        states = np.where(images.sign < 0, states_of_image[states], states)
-        return replace(state, values=values, state=freeze(states, np.int8))
+        states = state.node_states[images.node_of_half]
+        states = np.where(images.shear_sign < 0, states_of_image[states], states)
+        return replace(state, values=values, node_states=freeze(states, np.int8))
 
     middle = len(faces.x) // 2
     return replace(
         run,
         states=[state_at_all_nodes(state) for state in run.states],
-        nodal_work_by_cycle=[work[images.place] * images.share for work in run.nodal_work_by_cycle],
+        nodal_work_by_cycle=[
+            work[images.node_of_half] * images.force_share for work in run.nodal_work_by_cycle
+        ],
         excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
         contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
         stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],

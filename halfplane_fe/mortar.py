@@ -54,9 +54,9 @@ class Mortar:
 
     Attributes
     ----------
-    weights
+    face_lengths
         (n,) integrals D_j of the dual functions [length]
-    normals
+    face_normals
         (2, n) weighted mean of n; the tangent is (n_y, -n_x)
     gap
         (n,) weighted initial distance along n [length]
@@ -69,8 +69,8 @@ class Mortar:
         multiplier's unit force
     """
 
-    weights: Array
-    normals: Array
+    face_lengths: Array
+    face_normals: Array
     gap: Array
     nearest: tuple[float, float]
     lower: Array
@@ -158,8 +158,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
 
     nearest_point = np.unravel_index(np.argmin(distance_along_normal), distance_along_normal.shape)
     return Mortar(
-        weights=dual_integrals,
-        normals=np.stack([integrals_with_duals(component) for component in unit_normal])
+        face_lengths=dual_integrals,
+        face_normals=np.stack([integrals_with_duals(component) for component in unit_normal])
         / dual_integrals,
         gap=integrals_with_duals(distance_along_normal) / dual_integrals,
         nearest=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),

@@ -104,9 +104,9 @@ class RemainderKernels(NamedTuple):
     ----------
     x
         (n,) places on the face, in ascending order [length]
-    forces_at
+    x_of_forces
         (m,) places of the forces [length]
-    normal, tangential
+    inward_by_pressure, along_by_shear
         (n, m) k_nn, inwards by a pressing unit force, and k_tt, along +x by one along +x
         [1 / stress]
     along_by_pressure, outward_by_shear
@@ -117,9 +117,9 @@ class RemainderKernels(NamedTuple):
     """
 
     x: Array
-    forces_at: Array
-    normal: Array
-    tangential: Array
+    x_of_forces: Array
+    inward_by_pressure: Array
+    along_by_shear: Array
     along_by_pressure: Array
     outward_by_shear: Array
     unknowns: int
@@ -129,13 +129,13 @@ class RemainderKernels(NamedTuple):
         """Largest |k_tn(x, s) + k_nt(s, x)| of places s of forces: 0 in exact elasticity
         [1 / stress].
         """
-        nodes = np.abs(self.x[:, None] - self.forces_at).argmin(axis=0)
+        nodes = np.abs(self.x[:, None] - self.x_of_forces).argmin(axis=0)
         gap = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
         return float(np.abs(gap).max())
 
 
 def remainder_kernels(
-    body: BodyMesh, material: Elastic, forces_at: Array, datum_length: float
+    body: BodyMesh, material: Elastic, x_of_forces: Array, datum_length: float
 ) -> RemainderKernels:
     """Displacement of a body's face by unit forces on it, minus that of a half-plane, by one linear
     solution on a coarse mesh without contact.
@@ -151,7 +151,7 @@ def remainder_kernels(
         face that is read
     material
         Young's modulus and Poisson's ratio of the body; mixed elements above 1/3 do not lock
-    forces_at
+    x_of_forces
         (m,) places of the forces on the face [length]; on a curved one the nodes of "contact"
         next to them
     datum_length
@@ -168,11 +168,11 @@ def remainder_kernels(
     held_dofs = system.held_dofs
     free_dofs = np.setdiff1d(np.arange(n_dofs), held_dofs)
     x, y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
-    forces = _SurfaceForces(forces_at, np.zeros(len(forces_at)))
+    forces = _SurfaceForces(x_of_forces, np.zeros(len(x_of_forces)))
     if y.any():
-        force_nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
+        force_nodes = np.abs(x[:, None] - x_of_forces).argmin(axis=0)
         forces = _SurfaceForces(x[force_nodes], y[force_nodes])
-    n_forces = len(forces_at)
+    n_forces = len(x_of_forces)
     # Columns: unit forces along x at all places, then along y.
     nodal_loads = np.zeros((n_dofs, 2 * n_forces))
     nodal_loads[: 2 * body.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
@@ -186,9 +186,11 @@ def remainder_kernels(
     )
     kernels = RemainderKernels(
         x=x,
-        forces_at=forces.x,
-        normal=displacement_out[:, 1],  # a pull moves the face out as far as a push moves it in
-        tangential=displacement_along[:, 0],
+        x_of_forces=forces.x,
+        inward_by_pressure=displacement_out[
+            :, 1
+        ],  # a pull moves the face out as far as a push moves it in
+        along_by_shear=displacement_along[:, 0],
         along_by_pressure=-displacement_along[:, 1],
         outward_by_shear=displacement_out[:, 0],
         unknowns=len(free_dofs),
@@ -239,15 +241,15 @@ def _with_chord_slopes(
     material
         of the body
     """
-    distance_to_force = kernels.x[:, None] - kernels.forces_at
+    distance_to_force = kernels.x[:, None] - kernels.x_of_forces
     is_at_force = distance_to_force == 0
     chord_slope = (y[:, None] - y_of_forces) / np.where(is_at_force, 1.0, distance_to_force)
     face_slope = np.gradient(y, kernels.x, edge_order=2)
     slope = np.where(is_at_force, face_slope[:, None], chord_slope)
     kernels_of_chord = kernels_of_slope(slope, material)
     return kernels._replace(
-        normal=kernels.normal + kernels_of_chord.normal,
-        tangential=kernels.tangential + kernels_of_chord.tangential,
+        inward_by_pressure=kernels.inward_by_pressure + kernels_of_chord.inward_by_pressure,
+        along_by_shear=kernels.along_by_shear + kernels_of_chord.along_by_shear,
         along_by_pressure=kernels.along_by_pressure + kernels_of_chord.along_by_pressure,
         outward_by_shear=kernels.outward_by_shear + kernels_of_chord.outward_by_shear,
     )
@@ -259,14 +261,14 @@ class KernelsOfSlope(NamedTuple):
 
     Attributes
     ----------
-    normal, tangential
+    inward_by_pressure, along_by_shear
         inwards by a pressing force; along +x by a force along +x
     along_by_pressure, outward_by_shear
         along +x by a pressing force; outwards by a force along +x
     """
 
-    normal: Array
-    tangential: Array
+    inward_by_pressure: Array
+    along_by_shear: Array
     along_by_pressure: Array
     outward_by_shear: Array
 
@@ -290,8 +292,8 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
     cross_term = slope / (1 + slope**2)
     angle_term = k * np.arctan(slope)
     return KernelsOfSlope(
-        normal=-c * (log_term - depth_term),
-        tangential=-c * (log_term + depth_term),
+        inward_by_pressure=-c * (log_term - depth_term),
+        along_by_shear=-c * (log_term + depth_term),
         along_by_pressure=-c * (cross_term + angle_term),
         outward_by_shear=c * (cross_term - angle_term),
     )
@@ -436,10 +438,12 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     # notation: n normal, t tangential; first index displacement, second force
     """
     half_length = float(np.abs(kernels.x).max())  # of the part of the face that is fitted
-    x, s = np.meshgrid(kernels.x / half_length, kernels.forces_at / half_length, indexing="ij")
+    x, s = np.meshgrid(kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij")
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
-    direct_kernels = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    direct_kernels = np.stack(
+        [kernels.inward_by_pressure.ravel(), kernels.along_by_shear.ravel()], axis=1
+    )
     coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
     # k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...; equal powers of x and
     # s stand twice in a term.
@@ -518,8 +522,8 @@ def face_kernels(
     size = size_factor * half_length / _N_ELEMENTS
     grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
     body = build(name, shape, profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH))
-    forces_at = half_length * np.array(_FORCE_PLACES)
-    return remainder_kernels(body, material, forces_at, datum_length)
+    x_of_forces = half_length * np.array(_FORCE_PLACES)
+    return remainder_kernels(body, material, x_of_forces, datum_length)
 
 
 def body_numbers(

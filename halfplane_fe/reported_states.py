@@ -59,7 +59,9 @@ def reported_states(
     """
     if problem.interface.coupling is not None:
         return law_states(states)
-    return visible_states(states, cycle_starts, problem.friction, problem.interface.unit_offsets)
+    return visible_states(
+        states, cycle_starts, problem.friction, problem.interface.gap_and_slip_per_stress_and_tilt
+    )
 
 
 def law_states(states: Sequence[InterfaceState]) -> States:
@@ -68,7 +70,7 @@ def law_states(states: Sequence[InterfaceState]) -> States:
 
     `states` are the m + 1 contact states of the load path; up to the first, nothing has moved.
     """
-    node_states = np.stack([state.state for state in states])
+    node_states = np.stack([state.node_states for state in states])
     blocks = _blocks_of_increments(len(states) - 1)
     largest_slip = max(
         (float(np.abs(_slip_of_increments(states, block)).max()) for block in blocks), default=0.0
@@ -96,7 +98,7 @@ def _blocks_of_increments(n_increments: int) -> list[slice]:
 
 def _slip_of_increments(states: Sequence[InterfaceState], block: slice) -> Array:
     """(k, n) slip of the nodes in each of k increments, the difference of neighbouring states."""
-    n_nodes = len(states[0].state)
+    n_nodes = len(states[0].node_states)
     slip_of_states = [
         state.values[3 : 3 + n_nodes] for state in states[block.start : block.stop + 1]
     ]
@@ -107,7 +109,7 @@ def visible_states(
     states: Sequence[InterfaceState],
     cycle_starts: Sequence[int],
     friction: float,
-    unit_offsets: Array | None = None,
+    gap_and_slip_per_stress_and_tilt: Array | None = None,
 ) -> States:
     """Node states as they are reported between like bodies, open, stick or slip, (m + 1, n): those
     of the law of friction, but a node that only creeps sticks.
@@ -126,14 +128,14 @@ def visible_states(
         initial loading
     friction
         coefficient f
-    unit_offsets
+    gap_and_slip_per_stress_and_tilt
         (2, n, 3) gap and slip of the nodes by a unit of the bulk stresses of lower and upper body
         and of the tilt; None without any
     """
-    node_states = np.stack([state.state for state in states])
+    node_states = np.stack([state.node_states for state in states])
     load_increments = np.diff([state.loads for state in states], axis=0)
     largest_slip, least_fast_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
-    travel_before = np.zeros(len(states[0].state))
+    travel_before = np.zeros(len(states[0].node_states))
     for block in _blocks_of_increments(len(load_increments)):
         states_in_block = node_states[block.start + 1 : block.stop + 1]  # a view: written below
         sense = slip_sign(states_in_block).astype(float)
@@ -143,14 +145,16 @@ def visible_states(
         travel_before = travels[-1]
         rise_of_p = load_increments[block, 0, None]
         rise_of_q = load_increments[block, 1, None]
-        if unit_offsets is not None:
+        if gap_and_slip_per_stress_and_tilt is not None:
             # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one
             # root, m the middle of the stick zone, A = 2 in scaled variables.
             stresses_and_tilt = [
                 state.stresses_and_tilt for state in states[block.start : block.stop + 1]
             ]
             gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
-                np.diff(stresses_and_tilt, axis=0), unit_offsets, states_in_block == STICK
+                np.diff(stresses_and_tilt, axis=0),
+                gap_and_slip_per_stress_and_tilt,
+                states_in_block == STICK,
             )
             rise_of_p = rise_of_p - np.pi / 2 * gap_from_middle
             rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle

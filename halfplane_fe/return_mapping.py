@@ -98,7 +98,7 @@ class ReturnMapping:
 
     Attributes
     ----------
-    interface, friction, layer, has_shear, work, actuators
+    interface, friction, layer, has_shear, work_counts, actuators
         see `contact.ContactProblem`
     penalty
         (n,) normal and tangential e of the augmented Lagrangian; None for the penalty method,
@@ -112,7 +112,7 @@ class ReturnMapping:
     layer: Layer
     has_shear: bool
     penalty: tuple[Array, Array] | None
-    work: Counter[str]
+    work_counts: Counter[str]
     shear_scale: float = 1.0
     actuators: Actuators = LOADS_ARE_GIVEN
     _systems: dict[int, Systems] = field(default_factory=dict, init=False)
@@ -137,12 +137,12 @@ class ReturnMapping:
             except SingularSet:
                 has_converged = False
             newton_steps += iteration.newton_steps
-            self.work["Newton steps"] += iteration.newton_steps
-            self.work["multiplier updates"] += iteration.multiplier_updates
+            self.work_counts["Newton steps"] += iteration.newton_steps
+            self.work_counts["multiplier updates"] += iteration.multiplier_updates
             if has_converged:
                 values, states = iteration.values_and_states()
                 return Equilibrium(values, states, newton_steps)
-            self.work["penalties softened"] += 1
+            self.work_counts["penalties softened"] += 1
         return None
 
     def _penalty_compliances(self) -> Iterator[Layer]:
@@ -155,7 +155,10 @@ class ReturnMapping:
         The others are 10, 100, ... times that of the own penalty, or of the layer.
         """
         if self.penalty is None:
-            yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))
+            yield Layer(
+                np.zeros_like(self.layer.normal_compliance),
+                np.zeros_like(self.layer.tangential_compliance),
+            )
             least_compliance = self.layer
         else:
             normal_penalty, tangential_penalty = self.penalty
@@ -163,7 +166,10 @@ class ReturnMapping:
             yield least_compliance
         for penalty_number in range(1, _MOST_PENALTIES):
             factor = _PENALTY_RATIO**-penalty_number
-            yield Layer(least_compliance.normal * factor, least_compliance.tangential * factor)
+            yield Layer(
+                least_compliance.normal_compliance * factor,
+                least_compliance.tangential_compliance * factor,
+            )
 
     def _systems_at_penalty(self, penalty_number: int, penalty_compliance: Layer) -> Systems:
         """The linear systems of the contact between faces with the compliance of the layer plus
@@ -172,14 +178,14 @@ class ReturnMapping:
         systems = self._systems.get(penalty_number)
         if systems is None:
             total_compliance = Layer(
-                self.layer.normal + penalty_compliance.normal,
-                self.layer.tangential + penalty_compliance.tangential,
+                self.layer.normal_compliance + penalty_compliance.normal_compliance,
+                self.layer.tangential_compliance + penalty_compliance.tangential_compliance,
             )
             systems = Systems(
                 self.interface,
                 total_compliance,
                 self.friction,
-                self.work,
+                self.work_counts,
                 self.has_shear,
                 self.actuators,
             )
@@ -241,7 +247,8 @@ class _Iteration:
         self._newton_step(tractions_at_start, self.start.change_of_loads)
         multipliers = np.stack([pressure, shear])
         has_multipliers = (
-            self.penalty_compliance.normal.any() or self.penalty_compliance.tangential.any()
+            self.penalty_compliance.normal_compliance.any()
+            or self.penalty_compliance.tangential_compliance.any()
         )
         while self.multiplier_updates < _MOST_UPDATES:
             mapped_tractions = self._inner_loop(most_steps)
@@ -290,7 +297,8 @@ class _Iteration:
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
         # Then no stick is needed to balance Q.
         may_slide_freely = (
-            self.contact.interface.has_odd_shear or self.contact.actuators.tangential is not None
+            self.contact.interface.has_odd_shear
+            or self.contact.actuators.tangential_compliance is not None
         )
         if self.contact.has_shear and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (
@@ -311,11 +319,11 @@ class _Iteration:
         increment; c_n, c_t compliances of the nodes, of layer and penalty together
         """
         compliance = self.systems.layer
-        trial_pressure = self._pressure - self._gap / compliance.normal
+        trial_pressure = self._pressure - self._gap / compliance.normal_compliance
         trial_shear = self._shear
         if self.contact.has_shear:
             slip_increment = self._slip - self._slip_at_start
-            trial_shear = self._shear + slip_increment / compliance.tangential
+            trial_shear = self._shear + slip_increment / compliance.tangential_compliance
         pressure, shear, states = project(trial_pressure, trial_shear, self.contact.friction)
         return Tractions(
             trial_pressure,
@@ -355,7 +363,7 @@ class _Iteration:
         states = mapped_tractions.states
         self._latest_states = states
         is_open = states == OPEN
-        gap_under_pressure = compliance.normal * (
+        gap_under_pressure = compliance.normal_compliance * (
             mapped_tractions.pressure - mapped_tractions.trial_pressure
         )
         # One equation of each node in either direction: right side minus present left side.
@@ -365,7 +373,7 @@ class _Iteration:
         tangential_residuals = np.zeros_like(normal_residuals)
         signed_friction = slip_sign(states) * self.contact.friction
         if self.contact.has_shear:
-            slip_in_stick = self._slip_at_start + compliance.tangential * (
+            slip_in_stick = self._slip_at_start + compliance.tangential_compliance * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
             shear_beyond_limit = (
@@ -426,8 +434,8 @@ class _Iteration:
         """
         pressure_change = mapped_tractions.pressure - multipliers[0]
         shear_change = mapped_tractions.shear - multipliers[1]
-        self._gap -= self.penalty_compliance.normal * pressure_change
-        self._slip += self.penalty_compliance.tangential * shear_change
+        self._gap -= self.penalty_compliance.normal_compliance * pressure_change
+        self._slip += self.penalty_compliance.tangential_compliance * shear_change
         multipliers[0] = mapped_tractions.pressure
         multipliers[1] = mapped_tractions.shear
         return self._over_tolerance(pressure_change, shear_change)
@@ -448,7 +456,7 @@ class _Iteration:
         mapped_tractions = self._mapped_tractions()
         # Neither a gap nor a pressure: the trial pressure is 0 but for round-off.
         is_touching = np.abs(self._pressure) <= tolerance
-        is_touching &= np.abs(self._gap) <= tolerance * compliance.normal
+        is_touching &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
         trial_pressure = np.where(
             is_touching,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),
@@ -467,7 +475,7 @@ class _Iteration:
             is_stuck = states == STICK
             self._slip[is_stuck] = self._slip_at_start[is_stuck]
         is_open = states == OPEN
-        has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal
+        has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal_compliance
         self._gap[~is_open & has_no_gap] = 0.0
         self._pressure[is_open] = 0.0
         self._shear[is_open] = 0.0

@@ -342,7 +342,7 @@ class PathRun:
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
         record = certificates(problem, states) | energies | work_of_increments
         slip = np.diff([state.slip for state in states], axis=0)
-        slides = slip * slip_sign(np.stack([state.state for state in states[1:]])) > 0
+        slides = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
         slips_since_stop = slip_since_stop(np.where(slides, slip, 0.0), self.slip_since_stop)
         x = problem.interface.x
         sticks_in_full = shear_grows_within_cone(
@@ -427,7 +427,9 @@ class PathRun:
         if self._thinning.keeps(index):
             return False
         state = self.states[index]
-        up_to_slip = state.values[: 3 + len(state.state)]  # approach, U, tilt, slip of the nodes
+        up_to_slip = state.values[
+            : 3 + len(state.node_states)
+        ]  # approach, U, tilt, slip of the nodes
         self.states[index] = replace(state, values=freeze(up_to_slip))
         return True
 
@@ -471,8 +473,8 @@ class Pace:
         moment = self.load * self.half_width
         tilt_or_moment = moment if problem.has_given_moment else tilt
         movement = self.load / self.modulus
-        normal_unit = self.load if problem.actuators.normal is None else movement
-        tangential_unit = self.load if problem.actuators.tangential is None else movement
+        normal_unit = self.load if problem.actuators.normal_compliance is None else movement
+        tangential_unit = self.load if problem.actuators.tangential_compliance is None else movement
         return (normal_unit, tangential_unit, bulk_stress, bulk_stress, tilt_or_moment)
 
 
@@ -614,7 +616,7 @@ class _Follower:
         stretches_of_legs = self._stretches(legs, n_increments_of_longest)
         n_stretches = len(stretches_of_legs)
         load_units = self.pace.units(self.problem)
-        self.run.nodal_work = np.zeros_like(self.problem.height)  # friction work of each node
+        self.run.nodal_work = np.zeros_like(self.problem.initial_gap)  # friction work of each node
         tolerance = self._step_tolerance(duration=legs[-1].end - legs[0].start)
         batch = _Batch(self.problem, self.run, load_units)
         try:
@@ -649,7 +651,7 @@ class _Follower:
         their duration.
         """
         # Where U is given, U turns round, and not Q - f P.
-        tangential_load_given = self.problem.actuators.tangential is None
+        tangential_load_given = self.problem.actuators.tangential_compliance is None
         friction = self.problem.friction if tangential_load_given else 0.0
         longest_duration = max(leg.end - leg.start for leg in legs)
         stretches_of_legs: list[Stretch] = []
@@ -662,7 +664,7 @@ class _Follower:
     def _report(self, n_done: int, n_stretches: int, title: str) -> None:
         """Tell `progress` how many stretches are done, and the work so far."""
         n_steps = len(self.run.iterations)
-        iterations = self.problem.work["contact iterations"]
+        iterations = self.problem.work_counts["contact iterations"]
         text = f"{title}, {n_steps} steps, {iterations} contact iterations"
         self.progress(n_done, n_stretches, text)
 

@@ -198,13 +198,13 @@ def on_half(scene: Scene, faces: Interface) -> bool:
     return not scene.unsymmetric and is_mirrored(faces, has_tangential_load(scene))
 
 
-def find_scales(scene: Scene, work: Counter[str]) -> Scales:
+def find_scales(scene: Scene, work_counts: Counter[str]) -> Scales:
     """Length and load scales of a contact, by following its load path on a coarse mesh: half-width,
     edges, largest load, friction work.
 
     How much of the face the coarse mesh covers follows from the contact itself, found in a few
     normal solutions. Where the approach is prescribed, the load is a result: a first run with the
-    load of half-planes finds it, a second one is scaled by it. `work` counts condensations.
+    load of half-planes finds it, a second one is scaled by it. `work_counts` counts condensations.
 
     Raises
     ------
@@ -212,20 +212,20 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
         If no width of the meshed part of the face holds the contact.
     """
     if not scene.load.states_approach:
-        return _scales_at(scene, largest_load(scene), work)
+        return _scales_at(scene, largest_load(scene), work_counts)
     # The load of half-planes is near enough to choose the width of the mesh.
-    load_of_half_planes = _load_of_approach(scene, work)
-    largest_load_of_run = _scales_at(scene, load_of_half_planes, work).load
-    return _scales_at(scene, largest_load_of_run, work)
+    load_of_half_planes = _load_of_approach(scene, work_counts)
+    largest_load_of_run = _scales_at(scene, load_of_half_planes, work_counts).load
+    return _scales_at(scene, largest_load_of_run, work_counts)
 
 
-def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
+def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
     """Estimate of the largest normal load [force per thickness] where an actuator prescribes the
     approach: the load that presses two half-planes together by the largest approach.
 
     The approach of a half-plane is relative to its surface at a datum length from the contact: that
     of the rig, or the geometric mean of both bodies' depths, each at most the datum length of the
-    profile. The load is found by bracketing its logarithm. `work` counts condensations.
+    profile. The load is found by bracketing its logarithm. `work_counts` counts condensations.
 
     Raises
     ------
@@ -240,14 +240,14 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
         np.sqrt(reference_lengths[0] * reference_lengths[1])
     )
     scene_on_half_planes = on_half_planes(scene, datum_length)
-    coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work)
+    coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work_counts)
 
     def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
         coarse_pair.load = float(np.exp(logarithm))
         face_half_width = _fitting_size(coarse_pair)
         pressed_state = _pressed(coarse_pair, face_half_width)[1]
-        actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal
+        actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal_compliance
         assert actuator_compliance is not None  # for the type checker: the approach is given
         approach_of_actuator = (
             (pressed_state.approach + actuator_compliance) * coarse_pair.load / modulus
@@ -276,7 +276,7 @@ def on_half_planes(scene: Scene, datum: float) -> Scene:
     return scene.vary(bodies=Bodies(), rig={"datum_length": datum})
 
 
-def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
+def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
     """Length and load scales of a contact, read off a run along its load path on a coarse mesh.
 
     Where the contact touches an end of the finely meshed part of the face, that part is enlarged by
@@ -288,7 +288,7 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
     ----------
     load
         largest normal load, which loads are divided by [force per thickness]
-    work
+    work_counts
         counts condensations
 
     Raises
@@ -298,7 +298,7 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
         action of the loads misses the meshed faces.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    pair = _CoarsePair(scene, load, modulus, work)
+    pair = _CoarsePair(scene, load, modulus, work_counts)
     face_half_width = _fitting_size(pair)
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
@@ -366,12 +366,14 @@ def _scales_of_run(
         modulus=modulus,
         element=1 / (_N_ELEMENTS * half_width),
         dissipation=float(run.nodal_work_by_cycle[-1].sum()) * load**2 / modulus,
-        largest_pressure=float(np.max(state_at_largest_load.pressure / problem.interface.weights))
+        largest_pressure=float(
+            np.max(state_at_largest_load.pressure / problem.interface.face_lengths)
+        )
         * load
         / face_half_width,
         values=run_values(
             from_datum(scene, run, scene.profile.datum_length / face_half_width),
-            problem.interface.weights,
+            problem.interface.face_lengths,
             displacement_unit=load / modulus,
             stress_unit=load / face_half_width,
         ),
@@ -408,13 +410,13 @@ class RoomForContact:
         )
 
 
-def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
+def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     """Quick estimate of the largest contact on bodies of finite size, and a check that their faces
     are wide enough for it.
 
     One cycle of a dozen increments is followed on a coarse mesh; of a record of measured loads the
     rows of extreme loads. The finely meshed part of the face is enlarged until the contact does not
-    touch its ends. `work` counts condensations.
+    touch its ends. `work_counts` counts condensations.
 
     Raises
     ------
@@ -424,9 +426,9 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
     short_scene = _with_extreme_rows(scene)
     load = largest_load(short_scene)
     if short_scene.load.states_approach:
-        load = _load_of_approach(short_scene, work)
+        load = _load_of_approach(short_scene, work_counts)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    pair = _CoarsePair(short_scene, load, modulus, work)
+    pair = _CoarsePair(short_scene, load, modulus, work_counts)
     face_half_width = _size_near_contact(pair)
     while True:
         try:
@@ -714,7 +716,7 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
     _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
     is_closed = np.stack([state.is_closed for state in states])
     return contact_edges(
-        problem.interface.x, pressure / problem.interface.weights, gap, is_closed, 1.0
+        problem.interface.x, pressure / problem.interface.face_lengths, gap, is_closed, 1.0
     )
 
 

@@ -90,14 +90,14 @@ class FiniteElementSolution(ContactSolution):
     ----------
     bodies
         lower and upper BodyMesh, each in its own frame (y out of the body)
-    condensed
+    condensed_bodies
         lower and upper CondensedBody
     states
         one InterfaceState per step, scaled
-    weights
-        (n_points,) share of the surface of each contact point, so that pressure times weight is
-        a nodal force [length]
-    normals
+    face_lengths
+        (n_points,) length of face that each contact point stands for, so that pressure times this
+        length is a nodal force [length]
+    face_normals
         (2, n_points) of the line half-way between the faces, out of the lower body: pressure
         acts along it
     scales
@@ -110,10 +110,10 @@ class FiniteElementSolution(ContactSolution):
     """
 
     bodies: tuple[BodyMesh, BodyMesh]
-    condensed: tuple[CondensedBody, CondensedBody]
+    condensed_bodies: tuple[CondensedBody, CondensedBody]
     states: tuple[InterfaceState, ...]
-    weights: Array
-    normals: Array
+    face_lengths: Array
+    face_normals: Array
     scales: Scales
     penalty: PenaltyAudit
     contact_edge_uncertainty: Array
@@ -268,7 +268,9 @@ def _solve(
     task = Task(scene, mesh, settings, scales)
     stopwatch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
-    work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
+    work_counts: Counter[str] = Counter(
+        {f"coarse {name}": count for name, count in coarse_work.items()}
+    )
     # Nearer than the datum a load presses a half-plane's surface in, beyond it the surface rises. A
     # datum inside the contact makes a compliance that is not positive definite.
     datum_length = max(scene.profile.datum_length, scales.reach)
@@ -276,22 +278,24 @@ def _solve(
     grading = partial(surface_grading, mesh, scales, scene.profile)
     bodies = meshed_pair(meshed_scene, mesh, grading)
     stopwatch.lap("mesh")
-    condensed = condensed_pair(meshed_scene, bodies, datum_length, work)
+    condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
     stopwatch.lap("condensation")
-    meshed_interface = couple(*condensed)
+    meshed_interface = couple(*condensed_bodies)
     interfaces = _Faces(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
     if by_kernels:
-        kernels = kernel_pair(scene, float(np.abs(meshed_interface.x).max()), datum_length, work)
+        kernels = kernel_pair(
+            scene, float(np.abs(meshed_interface.x).max()), datum_length, work_counts
+        )
         interfaces = interfaces.with_kernels(kernels)
         stopwatch.lap("kernels")
-    problem, run = _solve_path(task, interfaces, datum_length, work, report)
+    problem, run = _solve_path(task, interfaces, datum_length, work_counts, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum_length > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum_length)
     stopwatch.lap("load path")
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
-    answer = _solution(task, condensed, problem, run, stopwatch.seconds)
+    answer = _solution(task, condensed_bodies, problem, run, stopwatch.seconds)
     if by_kernels:
         answer = _with_error_of_kernels(answer, kernels)
     if scene.load.is_driven:
@@ -375,7 +379,7 @@ class _Faces(NamedTuple):
 
 
 def _solve_path(
-    task: Task, faces: _Faces, datum_length: float, work: Counter[str], report: Progress
+    task: Task, faces: _Faces, datum_length: float, work_counts: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path of a scene on its meshed bodies; returned are the contact problem on the
     whole faces and the run along the path, which may have failed.
@@ -392,7 +396,7 @@ def _solve_path(
         contact compliance of the bodies, as meshed and without the mesh's error
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
-    work
+    work_counts
         counts what was done
     report
         called with (done, total, text) as work proceeds
@@ -418,10 +422,10 @@ def _solve_path(
         (faces.as_meshed,) if faces.corrected is None else (faces.corrected, faces.as_meshed)
     )
     for interface in candidates:
-        problem = _contact_problem(task, interface, datum_length, work)
+        problem = _contact_problem(task, interface, datum_length, work_counts)
         is_half = on_half(scene, interface)
         solved_problem = (
-            _contact_problem(task, half_interface(interface), datum_length, work)
+            _contact_problem(task, half_interface(interface), datum_length, work_counts)
             if is_half
             else problem
         )
@@ -436,9 +440,9 @@ def _solve_path(
         if not isinstance(run.failure, ConvergenceError):
             break
     if interface is faces.corrected:
-        work[CORRECTED_FACES] += 1
+        work_counts[CORRECTED_FACES] += 1
     elif faces.corrected is not None:
-        work[REPEATED_RUNS] += 1
+        work_counts[REPEATED_RUNS] += 1
     return problem, run_at_all_nodes(run, interface) if is_half else run
 
 
@@ -457,7 +461,7 @@ class _Stopwatch:
 
 
 def _contact_problem(
-    task: Task, unscaled_faces: Interface, datum_length: float, work: Counter[str]
+    task: Task, unscaled_faces: Interface, datum_length: float, work_counts: Counter[str]
 ) -> ContactProblem:
     """Scaled contact problem of two meshed bodies: compliance, initial gap, friction, and the
     stiffnesses by which the solver decides about the states of nodes.
@@ -475,7 +479,7 @@ def _contact_problem(
         contact compliance of the bodies in the scene's units
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
-    work
+    work_counts
         counters of the solution
     """
     scene = task.scene
@@ -483,7 +487,7 @@ def _contact_problem(
     settings = task.settings
     scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
     # A stiffness of k E*/h per area (h length of an element) is k w/h of a node with the area w.
-    areas_of_nodes = scaled_faces.weights
+    areas_of_nodes = scaled_faces.face_lengths
     normal_factor, tangential_factor = settings.stiffnesses
     normal_stiffness = normal_factor * areas_of_nodes / task.mesh.edge_element_size
     tangential_stiffness = tangential_factor * areas_of_nodes / task.mesh.edge_element_size
@@ -504,7 +508,7 @@ def _contact_problem(
         max_iterations=settings.max_iterations,
         augmentation=augmentation,
         has_given_moment=path_of(scene).moment_given,
-        work=work,
+        work_counts=work_counts,
         method=settings.method,
         actuators=actuators_of(scene, datum_length),
     )
@@ -524,7 +528,7 @@ def _check_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
 
 def _solution(
     task: Task,
-    condensed: tuple[CondensedBody, CondensedBody],
+    condensed_bodies: tuple[CondensedBody, CondensedBody],
     problem: ContactProblem,
     run: PathRun,
     seconds: Mapping[str, float],
@@ -536,7 +540,7 @@ def _solution(
     ----------
     task
         the scene, its meshes, settings, and the scales of its variables
-    condensed
+    condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
         the contact problem and its states along the path, scaled
@@ -566,8 +570,8 @@ def _solution(
     )
     states = tuple(run.states[index] for index in run.stored_indices)
     audit = penalty_audit(scene, problem, states, arrays, scales)
-    notes = notes_of_answer(task, condensed, problem, run, arrays, work_uncertainty)
-    grading = condensed[0].body.grading
+    notes = notes_of_answer(task, condensed_bodies, problem, run, arrays, work_uncertainty)
+    grading = condensed_bodies[0].body.grading
     del arrays["permanent_stick_uncertainty"]  # part of `uncertainties_of_values`
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
@@ -577,7 +581,7 @@ def _solution(
         record=record_of(run, scales, audit, notes),
         dissipation_uncertainty=work_uncertainty,
         uncertainties=uncertainties_of_values,
-        work=work_done(scene, problem, run, condensed, seconds),
+        work=work_done(scene, problem, run, condensed_bodies, seconds),
         settings={
             "mesh": asdict(task.mesh),
             "solver": asdict(task.settings.with_stiffnesses()),
@@ -588,11 +592,11 @@ def _solution(
             "surface": {field.name: getattr(grading, field.name) for field in fields(grading)},
         },
         versions=versions(),
-        bodies=(condensed[0].body, condensed[1].body),
-        condensed=condensed,
+        bodies=(condensed_bodies[0].body, condensed_bodies[1].body),
+        condensed_bodies=condensed_bodies,
         states=states,
-        weights=freeze(problem.interface.weights * scales.half_width),
-        normals=problem.interface.normals,
+        face_lengths=freeze(problem.interface.face_lengths * scales.half_width),
+        face_normals=problem.interface.face_normals,
         scales=scales,
         penalty=audit,
         **arrays,

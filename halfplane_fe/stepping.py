@@ -171,7 +171,7 @@ def follow(
         )
         # Instants still to be reached, the next one last: `end`, and before it those by halving.
         targets = [end]
-        for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.height)):
+        for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.initial_gap)):
             target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])
             attempt = _attempted_increment(problem, state, loads_at, target, shortest_duration)
             if isinstance(attempt, NotConverged):
@@ -182,14 +182,14 @@ def follow(
                 end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
             is_long_enough = end_of_slip - state.time > error_control.shortest_duration
             if is_long_enough and end_of_slip < attempt.state.time:
-                problem.work["increments ended where slip ends"] += 1
+                problem.work_counts["increments ended where slip ends"] += 1
                 targets.append(end_of_slip)
                 continue
             if not error_control.accepts(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
             state = attempt.state
-            problem.work[f"{attempt.event} increments"] += 1
+            problem.work_counts[f"{attempt.event} increments"] += 1
             yield attempt
             while targets and state.time >= targets[-1]:
                 targets.pop()
@@ -214,11 +214,11 @@ def _end_by_turn_of_slip(
     """
     if not problem.actuators.are_there:
         return end
-    slip_directions = slip_sign(start.state)
+    slip_directions = slip_sign(start.node_states)
     if not slip_directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal(problem.rates(start.node_states, len(start.loads)))
     except SingularSet:
         return end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
@@ -281,11 +281,11 @@ def _end_of_lost_slip(
         its `rate` times the duration is the friction work that may be lost
     """
     end = increment.state.time
-    directions = slip_sign(start.state)
+    directions = slip_sign(start.node_states)
     if not directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal(problem.rates(start.node_states, len(start.loads)))
     except SingularSet:
         return end
     shortly_before_end = end - (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
@@ -363,7 +363,7 @@ class _ErrorControl:
             and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
         ):
             self._count_jump(start.time)
-        work = self.problem.work
+        work = self.problem.work_counts
         if duration > self.shortest_duration and not self.has_jumped:
             self.refused_start = start.time
             self.refused_error = work_error
@@ -378,7 +378,7 @@ class _ErrorControl:
         """
         self.has_jumped = True
         self.problem.n_jumps += 1
-        self.problem.work["increments that jump"] += 1
+        self.problem.work_counts["increments that jump"] += 1
         if self.problem.n_jumps > _MOST_JUMPS:
             raise ConvergenceError(_MESSAGE_ON_JUMPS.format(count=self.problem.n_jumps, time=time))
 
@@ -411,16 +411,18 @@ def _attempted_increment(
     except ConvergenceError:
         if trial.target - start.time < shortest_duration:
             raise
-        problem.work["increments halved, not converged"] += 1
+        problem.work_counts["increments halved, not converged"] += 1
         return NotConverged(trial.target)
     solved_states = states_up_to_event(start, end_state)
     step_error = 0.0
-    if not np.array_equal(solved_states, start.state):
+    if not np.array_equal(solved_states, start.node_states):
         slip_change, pressure_change, _, _ = nodal(end_state.values - start.values)
         step_error = float(
-            step_errors(problem.friction, pressure_change, slip_change, start.state, solved_states)
+            step_errors(
+                problem.friction, pressure_change, slip_change, start.node_states, solved_states
+            )
         )
-    state = state_after_event(replace(end_state, state=solved_states), event)
+    state = state_after_event(replace(end_state, node_states=solved_states), event)
     return Increment(state, solved_states, step_error, trial.iterations, event)
 
 
@@ -467,7 +469,7 @@ class _Trial:
         ConvergenceError
             If the active set does not converge.
         """
-        expected_node_states = self.start_state.state
+        expected_node_states = self.start_state.node_states
         if self.problem.interface.coupling is not None:
             expected_node_states = _with_touching_nodes_sliding(self.start_state)
         event, self.target = self._predicted_event(expected_node_states)
@@ -483,7 +485,7 @@ class _Trial:
             if self.target == solved_state.time:
                 break
             solved_state = self._equilibrium(self.target, expected_node_states)
-            self.problem.work["events predicted again"] += 1
+            self.problem.work_counts["events predicted again"] += 1
         if event != "regular":
             time = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
@@ -535,7 +537,7 @@ def next_event(
     loads_at_end = loads_at(end)
     try:
         # nodes that start to slide come to the limit of friction at once
-        if states is not start.state:
+        if states is not start.node_states:
             _, pressure, _, gap = nodal(problem.values_following(start, start.loads, states))
         values_at_end = problem.values_following(start, loads_at_end, states)
     except SingularSet:
@@ -583,16 +585,16 @@ def _with_touching_nodes_sliding(start: InterfaceState) -> States:
     """States (n,) of `start`, but for nodes that have just touched, and so stick without pressure:
     each slides as a sliding neighbour does. Where no node would stick then, all are as in `start`.
     """
-    has_just_touched = (start.state == STICK) & (start.pressure <= ROUNDING)
+    has_just_touched = (start.node_states == STICK) & (start.pressure <= ROUNDING)
     if not has_just_touched.any():
-        return start.state
-    states = start.state.copy()
+        return start.node_states
+    states = start.node_states.copy()
     for node in np.flatnonzero(has_just_touched).tolist():
-        states_beside = start.state[max(node - 1, 0) : node + 2]
+        states_beside = start.node_states[max(node - 1, 0) : node + 2]
         sliding_states = states_beside[states_beside > STICK]
         if len(sliding_states):
             states[node] = sliding_states[0]
-    return states if np.any(states == STICK) else start.state
+    return states if np.any(states == STICK) else start.node_states
 
 
 def _misses_event(
@@ -643,7 +645,7 @@ def _time_of_event(
     node = int(np.argmax(np.abs(distances_to_event)))
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved.time
-    _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.state, len(solved.loads)))
+    _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.node_states, len(solved.loads)))
     rates_of_node = (pressure_rates if solved.is_closed[node] else gap_rates)[:, node]
 
     def distance_at(time: float) -> float:
@@ -680,7 +682,11 @@ def states_up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
     increment: counted as open, its friction work would be lost.
     """
     has_changed = _is_at_event(solved) & (solved.is_closed != start.is_closed)
-    return _states_before_event(start, solved, has_changed) if has_changed.any() else solved.state
+    return (
+        _states_before_event(start, solved, has_changed)
+        if has_changed.any()
+        else solved.node_states
+    )
 
 
 def _states_before_event(
@@ -693,7 +699,7 @@ def _states_before_event(
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
     states_on_the_way = np.where(start.is_closed, states_of_closed, OPEN)
-    return freeze(np.where(has_opened_or_closed, states_on_the_way, solved.state), np.int8)
+    return freeze(np.where(has_opened_or_closed, states_on_the_way, solved.node_states), np.int8)
 
 
 def _is_at_event(state: InterfaceState) -> Mask:
@@ -710,5 +716,5 @@ def state_after_event(state: InterfaceState, event: Event) -> InterfaceState:
     if event == "regular":
         return state
     state_of_nodes = STICK if event == "touch" else OPEN
-    node_states = np.where(_is_at_event(state), state_of_nodes, state.state)
-    return replace(state, state=freeze(node_states, np.int8))
+    node_states = np.where(_is_at_event(state), state_of_nodes, state.node_states)
+    return replace(state, node_states=freeze(node_states, np.int8))

@@ -118,8 +118,8 @@ class Layer:
     With it gap and slip in the law are those of the layer's inner faces, g + k_n p and s - k_t q.
     """
 
-    normal: Array
-    tangential: Array
+    normal_compliance: Array
+    tangential_compliance: Array
 
 
 class _HeldEquations(NamedTuple):
@@ -368,13 +368,13 @@ class Systems:
         the two bodies as one compliance; the penalty layer between them
     friction
         coefficient f
-    work
+    work_counts
         counts of factorisations, updates and solves, added to here
     has_shear
         False where there can be no shear: nodes then carry none, whether they stick or not
     actuators
         compliances of actuators whose movements stand in the place of loads
-    normal, tangential
+    normal_compliance, tangential_compliance
         (n, n) compliances of interface and layer together, gap by p and -slip by q
     matrix
         of the equations, see `_assembled_matrix`
@@ -388,7 +388,7 @@ class Systems:
     interface: Interface
     layer: Layer
     friction: float
-    work: Counter[str] = field(default_factory=Counter)
+    work_counts: Counter[str] = field(default_factory=Counter)
     has_shear: bool = True
     actuators: Actuators = LOADS_ARE_GIVEN
 
@@ -402,9 +402,15 @@ class Systems:
         no node sticks.
         """
         faces = self.interface
-        self.normal = faces.normal + np.diag(self.layer.normal)
-        self.tangential = faces.tangential + np.diag(self.layer.tangential)
-        compliances = (self.normal, self.tangential) if self.has_shear else (self.normal,)
+        self.normal_compliance = faces.normal_compliance + np.diag(self.layer.normal_compliance)
+        self.tangential_compliance = faces.tangential_compliance + np.diag(
+            self.layer.tangential_compliance
+        )
+        compliances = (
+            (self.normal_compliance, self.tangential_compliance)
+            if self.has_shear
+            else (self.normal_compliance,)
+        )
         try:
             factors = [
                 cholesky(compliance, lower=True, check_finite=False) for compliance in compliances
@@ -415,7 +421,7 @@ class Systems:
             ) from reason
         self._displacement_is_zero = faces.has_odd_shear or not self.has_shear
         self._displacement_needs_no_stick = (
-            self._displacement_is_zero or self.actuators.tangential is not None
+            self._displacement_is_zero or self.actuators.tangential_compliance is not None
         )
         self.matrix = self._assembled_matrix()
         # Sets of node states with cached responses; the one used last comes last.
@@ -424,7 +430,11 @@ class Systems:
         self._factorised_sets: dict[bytes, _Base] = {}
         self._nested_compliances: list[_NestedCompliance] = []  # normal, then tangential
         # Only then does the pressure not depend on the shear.
-        if faces.coupling is None and faces.is_flat and faces.unit_offsets is None:
+        if (
+            faces.coupling is None
+            and faces.is_flat
+            and faces.gap_and_slip_per_stress_and_tilt is None
+        ):
             self._nested_compliances = [
                 _NestedCompliance(compliance, factor)
                 for compliance, factor in zip(compliances, factors, strict=True)
@@ -441,13 +451,13 @@ class Systems:
         """
         faces = self.interface
         n = len(faces.x)
-        n_x, n_y = faces.normals
+        n_x, n_y = faces.face_normals
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
         # One range numbers the rows of gap and the columns of pressure; likewise slip and shear.
         gap = pressure = slice(0, n)
         slip = shear = slice(n, 2 * n)
-        matrix[gap, pressure] = self.normal
-        matrix[slip, shear] = -self.tangential
+        matrix[gap, pressure] = self.normal_compliance
+        matrix[slip, shear] = -self.tangential_compliance
         if faces.coupling is not None:
             matrix[gap, shear] = -faces.coupling.T
             matrix[slip, pressure] = faces.coupling
@@ -455,8 +465,8 @@ class Systems:
         matrix[slip, 2 * n] = n_x
         matrix[gap, 2 * n + 1] = n_x
         matrix[slip, 2 * n + 1] = n_y
-        if faces.unit_offsets is not None:
-            matrix[: 2 * n, 2 * n + 2 :] = faces.unit_offsets.reshape(2 * n, 3)
+        if faces.gap_and_slip_per_stress_and_tilt is not None:
+            matrix[: 2 * n, 2 * n + 2 :] = faces.gap_and_slip_per_stress_and_tilt.reshape(2 * n, 3)
         matrix[2 * n, pressure] = n_y
         matrix[2 * n, shear] = n_x
         if self._displacement_is_zero:
@@ -521,7 +531,7 @@ class Systems:
         >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
-        self.work["linear solves"] += 1
+        self.work_counts["linear solves"] += 1
         if self._is_nested(states):
             return self._values_of_nested(states, n_loads, rows, changes)
         return self._values_from_base(states, n_loads, rows, changes)
@@ -572,7 +582,11 @@ class Systems:
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
         normal_compliance = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
-            n_touching, n_touching, normal_right_sides, normal_load, self.actuators.normal
+            n_touching,
+            n_touching,
+            normal_right_sides,
+            normal_load,
+            self.actuators.normal_compliance,
         )
         if self.has_shear:
             tangential_compliance = self._nested_compliances[1]
@@ -586,7 +600,7 @@ class Systems:
                 n_touching,
                 tangential_right_sides,
                 tangential_load,
-                self.actuators.tangential,
+                self.actuators.tangential_compliance,
             )
             slip[:] = -opposite_slip
         return values
@@ -683,7 +697,7 @@ class Systems:
         responses[:n_units] = base_responses[:n_units]
         if not len(rows):
             return _Update(responses, rows, np.zeros((len(responses), 0)))
-        self.work["factor updates"] += 1
+        self.work_counts["factor updates"] += 1
         left_sides = self._left_sides(base, row_states, rows, base_cases, base_responses)
         left_sides_by_amplitudes = left_sides[n_units:].T
         residuals = np.concatenate([-left_sides[:n_units], right_sides])
@@ -715,7 +729,7 @@ class Systems:
             (c, 2 n + 3) what the base does not prescribe: gap or p, slip or q of each node, then
             approach, U, tilt
         """
-        n = len(self.normal)
+        n = len(self.normal_compliance)
 
         def values_in_rows(rows_read: Indices, is_response: Mask) -> Array:
             """(c, len(rows_read)) displacements or forces: a response where `is_response`, else
@@ -779,7 +793,7 @@ class Systems:
             If so few nodes hold that the bodies are free to move.
         """
         n = len(states)
-        self.work["linear solves"] += 1
+        self.work_counts["linear solves"] += 1
         if self._is_nested(states):
             return self._values_of_nested(states, n_loads, np.arange(2 * n), changes)
         if not (self._displacement_needs_no_stick or STICK in states):
@@ -883,7 +897,7 @@ class Systems:
         base, its `origin`. `row_states` (2 n,) are the states of the n nodes for their normal
         equations, then for their tangential ones.
         """
-        n = len(self.normal)
+        n = len(self.normal_compliance)
         states = row_states[:n]
         has_given_slip = (states == STICK) & self.has_shear
         is_held = np.concatenate([states != OPEN, has_given_slip])
@@ -936,7 +950,7 @@ class Systems:
         free_rows
             (n_free,) equations that prescribe a force
         """
-        self.work["factorisations"] += 1
+        self.work_counts["factorisations"] += 1
         # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
         sliding_nodes = slip_sign(states).nonzero()[0]
         signed_friction = slip_sign(states[sliding_nodes]) * self.friction
@@ -1006,7 +1020,7 @@ class Systems:
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
-        n = len(self.normal)
+        n = len(self.normal_compliance)
         place_in_held = base.place_in_held[cases]
         is_held_case = place_in_held >= 0
         displacements_by_force = np.zeros((2 * n + 2, len(cases)))
@@ -1039,7 +1053,7 @@ class Systems:
         the displacement and the other the force, it is the response of the base. `cases` are
         numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
-        n = len(self.normal)
+        n = len(self.normal_compliance)
         rows_apart = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
         is_case_apart = np.isin(cases, rows_apart)
         right_sides = np.equal.outer(cases[is_case_apart], rows_apart).astype(np.float64)

@@ -40,7 +40,7 @@ def pressure_at_known_shear(
 
     With the gap g = height - n_y delta + N p:   g >= 0, p >= 0, g p = 0, sum n_y p = load.
 
-    # notation: N normal compliance `systems.normal`, n_y component of the faces' normal along y
+    # notation: N normal compliance of `systems`, n_y component of the faces' normal along y
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def pressure_at_known_shear(
     ([2.0, 1.0], 2.0, [True, True])
     """
 
-    n_y = systems.interface.normals[1]
+    n_y = systems.interface.face_normals[1]
 
     def normal_step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
         """For a set of closed nodes: their normal forces p under the load at zero gap g, by how
@@ -97,14 +97,14 @@ def pressure_at_known_shear(
             raise SingularSet("no node holds the normal load")
         # p that closes the initial gaps without approach, and p per approach.
         force_by_height, force_by_approach = solve(
-            systems.normal[np.ix_(is_closed, is_closed)],
+            systems.normal_compliance[np.ix_(is_closed, is_closed)],
             np.stack([-height[is_closed], n_y[is_closed]], axis=1),
             assume_a="pos",
         ).T
         approach = (load - n_y[is_closed] @ force_by_height) / (n_y[is_closed] @ force_by_approach)
         pressure = np.zeros_like(height)
         pressure[is_closed] = force_by_height + approach * force_by_approach
-        gap = height - n_y * approach + systems.normal @ pressure
+        gap = height - n_y * approach + systems.normal_compliance @ pressure
         violation = np.where(is_closed, -pressure, -gap)
         next_closed = np.where(violation > rounding, ~is_closed, is_closed)
         return _NormalForces(pressure, float(approach)), violation, next_closed
@@ -123,8 +123,8 @@ def shear_at_known_pressure(
     s along q, and sum n_y q = load. The sum grows with U from -f P to f P, so that U is found by
     bracketing.
 
-    # notation: T tangential compliance `systems.tangential`, n_y component of the faces' normal
-    # along y, f coefficient of friction
+    # notation: T tangential compliance of `systems`, n_y component of the faces' normal along y,
+    # f coefficient of friction
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def shear_at_known_pressure(
     ... )  # the first node slips at f p = 0.1, the second holds the rest
     ([0.1, 0.4], 0.4, [2, 1])
     """
-    n_y = systems.interface.normals[1]
+    n_y = systems.interface.face_normals[1]
     limit = systems.friction * pressure
     is_closed = pressure > 0
     shear_at = _ShearAtShift(
@@ -180,7 +180,7 @@ def shear_at_known_pressure(
     )
     if load is None:
         return shear_at(0.0), 0.0, shear_at.states
-    largest_slip_at_limit = np.abs(systems.tangential @ limit)[is_closed].max()
+    largest_slip_at_limit = np.abs(systems.tangential_compliance @ limit)[is_closed].max()
     largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
     def excess_load(shift: float) -> float:
@@ -222,7 +222,7 @@ class _ShearAtShift:
 
     def __call__(self, shift: float) -> Array:
         """The forces at U = `shift`; `states` become those of friction there."""
-        n_y = self.systems.interface.normals[1]
+        n_y = self.systems.interface.face_normals[1]
         known_slip = self.known_slip - n_y * shift
         shear, self.states = _shear_within_limits(
             self.systems, self.limit, known_slip, self.states, self.rounding
@@ -238,7 +238,7 @@ def _shear_within_limits(
 
     Active-set method, from given `states`. With the slip increment s = -T q - known_slip: s = 0
     where |q| < limit, s >= 0 at q = limit, s <= 0 at q = -limit. T is the tangential compliance
-    `systems.tangential`.
+    `systems.tangential_compliance`.
 
     Parameters
     ----------
@@ -263,11 +263,13 @@ def _shear_within_limits(
         slips_back = states == SLIP_REVERSE
         shear = limit * slips_forward - limit * slips_back
         if is_sticking.any():
-            slip_to_cancel = (-known_slip - systems.tangential @ shear)[is_sticking]
+            slip_to_cancel = (-known_slip - systems.tangential_compliance @ shear)[is_sticking]
             shear[is_sticking] = solve(
-                systems.tangential[np.ix_(is_sticking, is_sticking)], slip_to_cancel, assume_a="pos"
+                systems.tangential_compliance[np.ix_(is_sticking, is_sticking)],
+                slip_to_cancel,
+                assume_a="pos",
             )
-        slip = -systems.tangential @ shear - known_slip
+        slip = -systems.tangential_compliance @ shear - known_slip
         violation = np.full(len(slip), -np.inf)  # an open node has no inequality
         violation[is_sticking] = (np.abs(shear) - limit)[is_sticking]
         violation[slips_forward] = -slip[slips_forward]

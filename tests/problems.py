@@ -366,7 +366,7 @@ def law_violations(answer: FiniteElementSolution) -> dict[str, float]:
     p = answer.pressure
     q = answer.shear
     state = answer.state
-    across, along = answer.normals * answer.weights
+    across, along = answer.face_normals * answer.face_lengths
     largest = float(p.max())
     load = float(answer.normal_load.max())
     sense = np.select(

@@ -121,7 +121,7 @@ def hertz_errors(elements, order):
             continue
         a = float(hertz_half_width(state.normal_load, RADIUS, 1.0))
         exact = hertz_pressure(sides.x, state.normal_load, RADIUS, 1.0)
-        pressure = state.pressure / sides.weights
+        pressure = state.pressure / sides.face_lengths
         ((left, right),) = contact_edges(
             sides.x, pressure[None], state.gap[None], state.is_closed[None], 1.0
         )
@@ -130,7 +130,9 @@ def hertz_errors(elements, order):
         errors.append(
             (
                 rms((pressure - exact)[middle]) / exact.max(),
-                np.sqrt(sides.weights @ (pressure - exact) ** 2 / (sides.weights @ exact**2)),
+                np.sqrt(
+                    sides.face_lengths @ (pressure - exact) ** 2 / (sides.face_lengths @ exact**2)
+                ),
                 (right - left) / 2 / a - 1,
                 state.approach / approach - 1,
             )
@@ -163,11 +165,12 @@ def mindlin_errors(elements, order=2):
         edge_error = []
         for state, turns in ((half, (q, 0.0)), (back, (q, -q))):
             exact = mindlin_shear(sides.x, 1.0, turns, FRICTION, RADIUS, 1.0)
-            error = state.shear / sides.weights - exact
+            error = state.shear / sides.face_lengths - exact
             shear_error.append(
-                np.sqrt(sides.weights @ error**2 / (sides.weights @ pressure**2)) / FRICTION
+                np.sqrt(sides.face_lengths @ error**2 / (sides.face_lengths @ pressure**2))
+                / FRICTION
             )
-            stick = (state.state == SurfaceState.STICK)[None]
+            stick = (state.node_states == SurfaceState.STICK)[None]
             closed = state.is_closed[None]
             ((left, right),) = stick_edges(sides.x, stick, closed, np.array([[-1.0, 1.0]]))
             c = mindlin_stick_half_width(1.0, (turns[1] - turns[0]) / 2, FRICTION, RADIUS, 1.0)
@@ -235,7 +238,7 @@ def step_errors(steps, density, placed=False):
     """Sum of the nodes' errors: with signs, single nodes that change between stick and slip at
     other instants hide each other.
     """
-    weights = varying(8).condensed[0].weights
+    weights = varying(8).condensed_bodies[0].face_lengths
     fine = varying(512, placed).dissipation_density
     return [
         float(weights @ np.abs(density(varying(n, placed)) - fine) / (weights @ fine))
@@ -549,7 +552,7 @@ def test_beta_is_the_jump_of_the_coupling_across_a_point_force(
     scene = load_scene("hertz-normal").vary(material=material)
     answer = fe_run(scene)
     assert answer.settings["dundurs"] == pytest.approx(dundurs(material)._asdict())
-    interface = couple(*answer.condensed)
+    interface = couple(*answer.condensed_bodies)
     assert interface.coupling is not None
     middle = int(np.argmin(np.abs(interface.x)))
     column = interface.coupling[:, middle]

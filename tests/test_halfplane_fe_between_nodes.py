@@ -66,7 +66,9 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
     chords = []
     for state in states:
         node = int(np.flatnonzero(state.is_closed)[-1])
-        edge = Edge.of_contact(problem, 1, node, state, nodal(problem.rates(state.state, 2)[0]))
+        edge = Edge.of_contact(
+            problem, 1, node, state, nodal(problem.rates(state.node_states, 2)[0])
+        )
         chords.append(float(edge.dimensionless_excess(edge.fraction_passed())))
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
     # them.
@@ -91,7 +93,7 @@ def test_the_loads_place_the_edge_of_hertz_contact_between_its_nodes(
     edges = []
     for state in states:
         node = int(np.flatnonzero(state.is_closed)[-1])
-        rates = nodal(problem.rates(state.state, 2)[0])
+        rates = nodal(problem.rates(state.node_states, 2)[0])
         edges.append(Edge.of_contact(problem, 1, node, state, rates))
     places = np.array([edge.place for edge in edges])
     of_unit_load = float(np.mean(places / np.sqrt(loads)))
@@ -370,7 +372,7 @@ def test_a_load_that_grows_from_contact_to_contact_is_even(
     found = []
     for state in states:
         last_closed = int(np.flatnonzero(state.is_closed)[-1])
-        by_load = nodal(problem.rates(state.state, len(state.loads))[0])
+        by_load = nodal(problem.rates(state.node_states, len(state.loads))[0])
         edge = Edge.of_contact(problem, 1, last_closed, state, by_load)
         _, rates, _, _ = by_load
         unevenness = between_nodes._unevenness(edge, last_closed, state.pressure, rates)

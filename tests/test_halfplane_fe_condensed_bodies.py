@@ -42,7 +42,7 @@ def condensations(bodies: CondensedBodies, *inputs: Body) -> list[int]:
     counts = []
     for parts in inputs:
         work: Counter[str] = Counter()
-        bodies.condensed(*parts, work)
+        bodies.condensed_body(*parts, work)
         assert work["condensations"] + work[CACHED] == 1
         counts.append(work["condensations"])
     return counts
@@ -168,7 +168,7 @@ def test_the_least_recently_used_body_gives_way_and_the_bound_holds() -> None:
     first, second, third = ((body(), STEEL, datum) for datum in (7.0, 8.0, 9.0))
     condensations(bodies, first)
     one_body = bodies.nbytes
-    compliance = bodies.condensed(*first, Counter()).compliance
+    compliance = bodies.condensed_body(*first, Counter()).compliance
     assert compliance.nbytes <= one_body <= 1.2 * compliance.nbytes
     bodies.bound_bytes = 2 * one_body
     # the third takes the place of the second

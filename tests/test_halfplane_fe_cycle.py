@@ -395,7 +395,7 @@ def test_balance_is_closed_at_every_step_and_the_layer_has_its_share(method):
     assert ("layer" in energy) == (method == "penalty")
     if method == "penalty":
         audit = answer.penalty
-        weights = answer.condensed[0].weights
+        weights = answer.condensed_bodies[0].face_lengths
         stored = (
             (
                 answer.pressure**2 / audit.normal_stiffness
@@ -528,8 +528,10 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
     closed = SurfaceState.STICK
     opened = SurfaceState.OPEN
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(3 + 4 * 4), np.zeros(4, dtype=np.int8))
-    history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], state=[closed, closed, closed, opened])
-    solved = history.changed(slip=[1.0, 1.5, 0.5, 2.0], state=[opened, opened, opened, closed])
+    history = rest.changed(slip=[1.0, 1.0, 1.0, 1.0], node_states=[closed, closed, closed, opened])
+    solved = history.changed(
+        slip=[1.0, 1.5, 0.5, 2.0], node_states=[opened, opened, opened, closed]
+    )
     expected = [
         SurfaceState.STICK,
         SurfaceState.SLIP_FORWARD,
@@ -538,7 +540,7 @@ def test_a_node_at_its_event_is_what_it_was_in_the_increment_that_led_there() ->
     ]
     assert stepping.states_up_to_event(history, solved).tolist() == expected
     far = solved.changed(gap=np.ones(4))
-    assert stepping.states_up_to_event(history, far).tolist() == far.state.tolist()
+    assert stepping.states_up_to_event(history, far).tolist() == far.node_states.tolist()
 
 
 @pytest.mark.parametrize("stiffer", [0.0, 1e-5])
@@ -744,14 +746,14 @@ def test_audit_of_the_layer_is_what_the_bodies_do_and_is_in_the_record():
     """
     answer = layer_run("hertz-paper", "penalty", 1e2)
     audit = answer.penalty
-    weights = answer.condensed[0].weights
+    weights = answer.condensed_bodies[0].face_lengths
     unit = answer.scales.load / answer.scales.modulus
     layer = answer.pressure / audit.normal_stiffness
     assert audit.normal_stiffness == pytest.approx(
         1e2 * answer.scales.modulus / answer.settings["element_size"]
     )
     assert audit.penetration == pytest.approx(layer.max())
-    lower, upper = (body.compliance[1, :, 1, :] for body in answer.condensed)
+    lower, upper = (body.compliance[1, :, 1, :] for body in answer.condensed_bodies)
     last = len(answer.time) - 1
     closed = answer.states[last].is_closed
     gap = (

@@ -111,7 +111,7 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
     The bodies have the parts of T and K that only the mesh makes, which the interface has not.
     """
     answer = fe_run(FACES[name]())
-    coupled = couple(*answer.condensed)
+    coupled = couple(*answer.condensed_bodies)
     smooth = without_mesh_error(coupled, answer.scene) or coupled
     steps = [len(answer.time) // 3, len(answer.time) // 2, len(answer.time) - 9]
     unit = answer.scales.load / answer.scales.modulus
@@ -128,7 +128,7 @@ def test_slip_and_gap_of_the_bodies_are_those_of_the_interface(name):
             getattr(answer.states[step], name) * answer.scales.load
             for name in ("pressure", "shear")
         )
-        of_mesh = (coupled.tangential - smooth.tangential) @ q
+        of_mesh = (coupled.tangential_compliance - smooth.tangential_compliance) @ q
         gap_of_mesh = np.zeros_like(gap)
         if coupled.coupling is not None:
             local = coupled.coupling - smooth.coupling
@@ -807,13 +807,14 @@ def test_what_only_creeps_sticks(loads, slip, visible):
     rest = InterfaceState(0.0, (0.0, 0.0), np.zeros(11), np.full(2, STICK, dtype=np.int8))
     slip = np.array(slip)
     senses = np.where(slip > 0, FORWARD, np.where(slip < 0, REVERSE, STICK)).astype(np.int8)
-    before = replace(rest.changed(slip=[0.0, 1.0], state=[STICK, FORWARD]), loads=(0.0, 1.0))
+    before = replace(rest.changed(slip=[0.0, 1.0], node_states=[STICK, FORWARD]), loads=(0.0, 1.0))
     after = replace(
-        before.changed(slip=before.slip + slip, state=senses), loads=(loads[0], 1.0 + loads[1])
+        before.changed(slip=before.slip + slip, node_states=senses),
+        loads=(loads[0], 1.0 + loads[1]),
     )
     states = [rest, before, after]
     assert visible_states(states, [], 0.5)[2].tolist() == list(visible)
-    first = rest.changed(state=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
+    first = rest.changed(node_states=[SurfaceState.OPEN, FORWARD])  # of which nothing has moved
     assert visible_states([first, before, after], [], 0.5)[0].tolist() == [SurfaceState.OPEN, STICK]
 
 

@@ -114,7 +114,7 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     pressure = 1.5
     shear = share * 0.4 * 1.5
     state, _ = contact.equilibrium(contact.at_rest(), 1.0, (pressure * BLOCK, shear * BLOCK))
-    weights = contact.interface.weights
+    weights = contact.interface.face_lengths
     np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
     np.testing.assert_allclose(state.pressure / weights, pressure, rtol=1e-11)
     np.testing.assert_allclose(state.shear / weights, shear, atol=1e-11)
@@ -130,7 +130,7 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     assert state.shift == pytest.approx(tangential * shear, rel=1e-11, abs=1e-12)
     np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)
     np.testing.assert_allclose(state.slip, 0.0, atol=1e-11)
-    assert np.all(state.state == SurfaceState.STICK)
+    assert np.all(state.node_states == SurfaceState.STICK)
 
 
 # -------------------------------------------------------------------------------- flat mortar sides
@@ -332,7 +332,9 @@ def patch_errors(line, kind, ratio, stress, coarser=0.4):
     normal = np.array([-slope, 1.0]) / np.hypot(1, slope)
     pressure = -normal @ stress @ normal
     shear = np.array([normal[1], -normal[0]]) @ stress @ normal
-    forces = body_forces(lower, upper, pressure * interface.weights, shear * interface.weights)
+    forces = body_forces(
+        lower, upper, pressure * interface.face_lengths, shear * interface.face_lengths
+    )
     errors = {}
     young = MATERIAL.young_modulus
     nu = MATERIAL.poisson_ratio
@@ -430,7 +432,7 @@ def test_a_uniform_distance_is_found_along_the_normal(line, order):
     lower, upper = (Side(places, LINES[line](places), order) for places in x)
     plain = mortar(lower, upper)
     lifted = mortar(lower, dataclasses.replace(upper, y=upper.y + 0.01))
-    np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.normals[1], rtol=1e-11)
+    np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.face_normals[1], rtol=1e-11)
     assert lifted.nearest[1] <= 0.01
     assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest[1] < -0.008
 
@@ -459,11 +461,11 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     ]
     gap, slip = along[1] - along[0]
     zero = np.zeros_like(interface.x)
-    n_x, n_y = interface.normals
+    n_x, n_y = interface.face_normals
     problem = ContactProblem(interface, gap + coupled.gap - n_x * SHIFT, 0.5, Layer(zero, zero))
     # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were
     # made, once the upper body has come back by the shift that is planted here.
-    expected = PRESSURE * interface.weights
+    expected = PRESSURE * interface.face_lengths
     rest = problem.at_rest()
     sticks = np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
@@ -473,8 +475,8 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
         sticks, 2, np.arange(2 * len(zero)), lacking
     )
     state = InterfaceState(1.0, loads, values, sticks)
-    np.testing.assert_allclose(state.pressure / interface.weights, PRESSURE, rtol=1e-9)
-    np.testing.assert_allclose(state.shear / interface.weights, 0.0, atol=1e-9 * PRESSURE)
+    np.testing.assert_allclose(state.pressure / interface.face_lengths, PRESSURE, rtol=1e-9)
+    np.testing.assert_allclose(state.shear / interface.face_lengths, 0.0, atol=1e-9 * PRESSURE)
     np.testing.assert_allclose(state.gap, 0.0, atol=1e-11)
     strain = (
         (1 + MATERIAL.poisson_ratio)
@@ -509,7 +511,7 @@ def compliance_over_theory(faces: Interface, matrix: np.ndarray, half_width: flo
     t = sqrt(1 - x^2/c^2) moves each point by u(0) - x^2/(c E*), whether it presses or shears.
     """
     share = faces.x / half_width
-    forces = np.sqrt(np.maximum(1 - share**2, 0)) * faces.weights
+    forces = np.sqrt(np.maximum(1 - share**2, 0)) * faces.face_lengths
     fitted = np.abs(share) <= FITTED_SHARE
     parabola = np.polynomial.polynomial.polyfit(share[fitted], (matrix @ forces)[fitted], 2)
     contact_modulus = STEEL.young_modulus / (1 - STEEL.poisson_ratio**2) / 2
@@ -518,8 +520,8 @@ def compliance_over_theory(faces: Interface, matrix: np.ndarray, half_width: flo
 
 def check_local_parts(faces: Interface) -> None:
     """N and T bend as half-planes do, to half a per cent, and like each other to a tenth of one."""
-    by_pressure = compliance_over_theory(faces, faces.normal)
-    by_shear = compliance_over_theory(faces, faces.tangential)
+    by_pressure = compliance_over_theory(faces, faces.normal_compliance)
+    by_shear = compliance_over_theory(faces, faces.tangential_compliance)
     assert by_pressure == pytest.approx(1, abs=5e-3)
     assert by_shear == pytest.approx(1, abs=5e-3)
     assert by_shear == pytest.approx(by_pressure, abs=1e-3)
@@ -545,7 +547,9 @@ def test_a_wrong_shear_modulus_of_the_elements_is_seen(monkeypatch: pytest.Monke
 def test_a_wrong_tangential_compliance_is_seen_before_it_is_made_like_the_normal_one() -> None:
     """Afterwards it is hidden: the nodes nearby take T from N."""
     faces = half_planes()
-    stiff_in_shear = dataclasses.replace(faces, tangential=0.98 * faces.tangential)
+    stiff_in_shear = dataclasses.replace(
+        faces, tangential_compliance=0.98 * faces.tangential_compliance
+    )
     with pytest.raises(AssertionError):
         check_local_parts(stiff_in_shear)
     scene = load_scene("hertz-paper")
@@ -553,8 +557,10 @@ def test_a_wrong_tangential_compliance_is_seen_before_it_is_made_like_the_normal
     made_alike_with_fault = without_mesh_error(stiff_in_shear, scene)
     assert made_alike is not None
     assert made_alike_with_fault is not None
-    assert compliance_over_theory(faces, made_alike_with_fault.tangential, NARROW) == pytest.approx(
-        compliance_over_theory(faces, made_alike.tangential, NARROW), abs=1e-3
+    assert compliance_over_theory(
+        faces, made_alike_with_fault.tangential_compliance, NARROW
+    ) == pytest.approx(
+        compliance_over_theory(faces, made_alike.tangential_compliance, NARROW), abs=1e-3
     )
 
 

@@ -302,7 +302,7 @@ def test_a_planted_fault_of_arcs_is_seen(fault: str, monkeypatch: pytest.MonkeyP
 
     def with_gap_along_y(pair: Interface, *faces: Face) -> Interface:
         turned = right(pair, *faces)
-        return dataclasses.replace(turned, gap=turned.gap / turned.normals[1])
+        return dataclasses.replace(turned, gap=turned.gap / turned.face_normals[1])
 
     if fault == "slope of the chord":
         monkeypatch.setattr(remainder, "_with_chord_slopes", lambda kernels, *_: kernels)
@@ -332,11 +332,11 @@ def test_bodies_of_unlike_materials(material: Elastic, bodies: str, history: str
 
 # ---------------------------------------------------------------------------------- planted faults
 def without_tangential_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, tangential=0 * kernels.tangential)
+    return dataclasses.replace(kernels, along_by_shear=0 * kernels.along_by_shear)
 
 
 def without_normal_kernel(kernels: FaceKernels) -> FaceKernels:
-    return dataclasses.replace(kernels, normal=0 * kernels.normal)
+    return dataclasses.replace(kernels, inward_by_pressure=0 * kernels.inward_by_pressure)
 
 
 def with_coupling_turned(kernels: FaceKernels) -> FaceKernels:
@@ -430,7 +430,7 @@ def test_the_fit_is_the_kernels_of_the_mesh() -> None:
     kernels = face_kernels("lower", Block(width=4.0, height=2.0), profile, STEEL, 1000.0)
     fitted = fitted_kernels(kernels)
     of_fit = np.polynomial.chebyshev.chebgrid2d(
-        kernels.x / fitted.reach, kernels.forces_at / fitted.reach, fitted.along_by_pressure
+        kernels.x / fitted.reach, kernels.x_of_forces / fitted.reach, fitted.along_by_pressure
     )
     largest = np.abs(kernels.along_by_pressure).max()
     np.testing.assert_allclose(of_fit, kernels.along_by_pressure, atol=2e-3 * largest)

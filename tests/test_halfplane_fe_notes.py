@@ -332,8 +332,8 @@ def test_a_coarse_side_is_told_and_its_tractions_are_off_by_no_more(ratio, is_no
     exact = semi_analytic.solve(
         answer.scene, x=answer.x, time=answer.time[steps], fields=("pressure", "shear")
     )
-    size = np.sqrt(exact.pressure**2 @ answer.weights)
-    off = np.sqrt((answer.shear[steps] - exact.shear) ** 2 @ answer.weights) / (0.5 * size)
+    size = np.sqrt(exact.pressure**2 @ answer.face_lengths)
+    off = np.sqrt((answer.shear[steps] - exact.shear) ** 2 @ answer.face_lengths) / (0.5 * size)
     stated_error = (
         float(re.search(r"shear may be off by (\d+)%", notes[0])[1]) / 100
         if "shear may be" in "".join(notes)

@@ -110,7 +110,7 @@ def graded(start, end, count, ratio):
     return start + (end - start) * np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
 
 
-def quadrilateral_kernels(shape, material, forces_at, reach):
+def quadrilateral_kernels(shape, material, x_of_forces, reach):
     """The kernels by scikit-fem's own elasticity, boundary integrals and quadratic quadrilaterals,
     graded to the corners of the base.
     """
@@ -151,8 +151,8 @@ def quadrilateral_kernels(shape, material, forces_at, reach):
     face = [np.flatnonzero(at_face & (along_y == component)) for component in (False, True)]
     face = [dofs[np.argsort(basis.doflocs[0, dofs])] for dofs in face]
     factors = splu(stiffness[~held][:, ~held].tocsc(), permc_spec="MMD_AT_PLUS_A")
-    answers = np.empty((2, 2, len(face[0]), len(forces_at)))  # along x and outward, by Q and by P
-    for number, place in enumerate(forces_at):
+    answers = np.empty((2, 2, len(face[0]), len(x_of_forces)))  # along x and outward, by Q and by P
+    for number, place in enumerate(x_of_forces):
         at = np.array([place])
         for load, (component, sign) in enumerate(((0, 1.0), (1, -1.0))):
 
@@ -172,9 +172,9 @@ def quadrilateral_kernels(shape, material, forces_at, reach):
             answers[:, load, :, number] = solution[face[0]], solution[face[1]]
     return RemainderKernels(
         x=basis.doflocs[0, face[0]],
-        forces_at=np.asarray(forces_at),
-        normal=-answers[1, 1],
-        tangential=answers[0, 0],
+        x_of_forces=np.asarray(x_of_forces),
+        inward_by_pressure=-answers[1, 1],
+        along_by_shear=answers[0, 0],
         along_by_pressure=answers[0, 1],
         outward_by_shear=answers[1, 0],
         unknowns=int(np.count_nonzero(~held)),
@@ -244,10 +244,10 @@ def added_by_interface(scene) -> dict[str, float]:
     half_planes = interface_of(
         scene.vary(bodies={"lower": {"kind": "half_plane"}, "upper": {"kind": "half_plane"}})
     )
-    loads = np.where(np.abs(bodies.x) < _LOADED, bodies.weights, 0.0)
+    loads = np.where(np.abs(bodies.x) < _LOADED, bodies.face_lengths, 0.0)
     loads /= loads.sum()
-    normal = (bodies.normal - half_planes.normal) @ loads
-    tangential = (bodies.tangential - half_planes.tangential) @ loads
+    normal = (bodies.normal_compliance - half_planes.normal_compliance) @ loads
+    tangential = (bodies.tangential_compliance - half_planes.tangential_compliance) @ loads
     coupling = bodies.coupling
     if half_planes.coupling is not None:
         coupling = coupling - half_planes.coupling

@@ -183,7 +183,7 @@ def test_bodies_slide_as_a_whole_by_every_method(
     exact = scene.expected[0].value
     assert abs(solution.dissipation - exact) < solution.dissipation_uncertainty < tolerance * exact
     assert solution.cycle_dissipation[-1] == solution.dissipation
-    assert solution.dissipation_density @ solution.weights == pytest.approx(
+    assert solution.dissipation_density @ solution.face_lengths == pytest.approx(
         solution.dissipation, rel=1e-9
     )
     assert solution.loop_work == pytest.approx(solution.dissipation, rel=1e-8)

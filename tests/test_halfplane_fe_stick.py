@@ -88,7 +88,7 @@ def test_stick_edge_of_unlike_bodies_that_are_only_pressed(
         <= uncertainty
     )
     # A node in the slip zone is reported to stick only where it has not moved in its increment.
-    by_law = np.stack([state.state for state in answer.states])
+    by_law = np.stack([state.node_states for state in answer.states])
     overruled = (answer.state == STICK) & (by_law != STICK)
     slip = np.abs(np.diff(answer.slip, axis=0, prepend=answer.slip[:1]))
     assert slip[overruled].max(initial=0.0) <= 1e-8 * slip.max()

@@ -342,7 +342,7 @@ def check_model(drawing):
         scene, x=answer.x, time=answer.time[chosen], fields=("pressure", "shear")
     )
     is_finite = np.isfinite(exact.pressure).all(axis=0)  # it is infinite at the tip of a wedge
-    size = np.sqrt(exact.pressure[:, is_finite] ** 2 @ answer.weights[is_finite])
+    size = np.sqrt(exact.pressure[:, is_finite] ** 2 @ answer.face_lengths[is_finite])
     friction = scene.friction.coefficient
     differences = {
         name: (getattr(answer, name)[chosen] - getattr(exact, name))[:, is_finite]
@@ -350,7 +350,7 @@ def check_model(drawing):
     }
     off = {
         name: float(
-            np.max(np.sqrt(differences[name] ** 2 @ answer.weights[is_finite]) / (unit * size))
+            np.max(np.sqrt(differences[name] ** 2 @ answer.face_lengths[is_finite]) / (unit * size))
         )
         for name, unit in (("pressure", 1.0), ("shear", friction))
     }

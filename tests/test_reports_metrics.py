@@ -603,7 +603,7 @@ def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
     return Weighted(
         **fields,
         weights=np.full(len(X), TRUTH.normal_load[0] / TRUTH.pressure[0].sum()),
-        normals=np.tile([[-np.sin(angle)], [np.cos(angle)]], len(X)),
+        face_normals=np.tile([[-np.sin(angle)], [np.cos(angle)]], len(X)),
     )
 
 
