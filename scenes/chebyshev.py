@@ -28,12 +28,12 @@ _TERMS_AT_CORNER = 16
 # Places at once, in arrays that fit into the cache.
 _PLACES_PER_BLOCK = 4096
 
-DEGREE = 24
+CHEBYSHEV_DEGREE = 24
 """Degree of every series."""
 
-_N_TERMS = DEGREE + 1
-_ODD_NUMBERS = 2 * np.arange(DEGREE, -1, -1) + 1
-NODES = np.cos(_ODD_NUMBERS * (np.pi / (2 * _N_TERMS)))
+_N_TERMS = CHEBYSHEV_DEGREE + 1
+_ODD_NUMBERS = 2 * np.arange(CHEBYSHEV_DEGREE, -1, -1) + 1
+CHEBYSHEV_NODES = np.cos(_ODD_NUMBERS * (np.pi / (2 * _N_TERMS)))
 """Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
 # Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last
 # coefficients.
@@ -44,7 +44,9 @@ _TO_SERIES[:, 0] /= 2
 
 
 def series(values: ArrayLike) -> Array:
-    """Coefficients (..., DEGREE + 1) from values at `NODES` on the last axis."""
+    """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) from values (..., CHEBYSHEV_DEGREE + 1) at
+    `CHEBYSHEV_NODES`.
+    """
     return np.asarray(values, dtype=float) @ _TO_SERIES
 
 
@@ -59,8 +61,8 @@ def _to_parts() -> Array:
     """(_PARTS_OF_PIECE, _N_TERMS, _N_TERMS) from the coefficients of a series on [-1, 1] to those
     of the series on each part of it.
     """
-    places_of_nodes = _MIDDLES_OF_PARTS[:, None] + NODES / _PARTS_OF_PIECE
-    return np.asarray(_TO_SERIES.T @ chebyshev.chebvander(places_of_nodes, DEGREE))
+    places_of_nodes = _MIDDLES_OF_PARTS[:, None] + CHEBYSHEV_NODES / _PARTS_OF_PIECE
+    return np.asarray(_TO_SERIES.T @ chebyshev.chebvander(places_of_nodes, CHEBYSHEV_DEGREE))
 
 
 @cache
@@ -69,7 +71,7 @@ def _to_powers() -> Array:
     [-1/2, 1/2].
     """
     powers_of_polynomials = [
-        np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, DEGREE - k))
+        np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, CHEBYSHEV_DEGREE - k))
         for k, row in enumerate(np.eye(_N_TERMS))
     ]
     return np.asarray(2.0 ** np.arange(_N_TERMS)[:, None] * np.transpose(powers_of_polynomials))
@@ -77,7 +79,8 @@ def _to_powers() -> Array:
 
 class Powers:
     """Several Chebyshev series, each on its own interval mapped to [-1, 1], converted to sums of
-    powers, which take a fifth of the time: `coefficients` (k, n) of n series, k up to DEGREE + 1.
+    powers, which take a fifth of the time: `coefficients` (k, n) of n series, k up to
+    CHEBYSHEV_DEGREE + 1.
 
     >>> float(
     ...     Powers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
@@ -140,7 +143,7 @@ class Pieces:
     edges
         (n + 1,) ascending ends of the pieces
     coefficients
-        (DEGREE + 1, n), a column for each piece
+        (CHEBYSHEV_DEGREE + 1, n), a column for each piece
     """
 
     edges: Array
@@ -165,7 +168,7 @@ class Pieces:
 
     @cached_property
     def derivative(self) -> Pieces:
-        """dF/dx piece by piece; loses about DEGREE^2 roundings."""
+        """dF/dx piece by piece; loses about CHEBYSHEV_DEGREE^2 roundings."""
         slope = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
         return Pieces(self.edges, np.concatenate([slope, np.zeros((1, slope.shape[1]))]))
 
@@ -313,8 +316,8 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
     """
 
     def values_on(begins: Array, ends: Array) -> Array:
-        """(m, DEGREE + 1) values of the function at the Chebyshev points of m intervals."""
-        places = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
+        """Values of the function at the Chebyshev points of m intervals, one row each."""
+        places = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         return np.asarray(function(places), dtype=float)
 
     # The intervals that are not accurate yet, (m,): their ends, and which first interval each is a
@@ -337,7 +340,7 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
     n_tried = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
 
     accurate_begins = [begins[:0]]
-    accurate_series = [np.empty((0, DEGREE + 1))]
+    accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
     while len(begins):
         coefficients = series(values)
         n_tried = n_tried + np.bincount(first_interval, minlength=len(n_tried))
@@ -420,7 +423,7 @@ def _place_of_corner(function: Function, pieces: Pieces, run: tuple[int, int]) -
 
     def fit_from(place: float) -> chebyshev.Chebyshev:
         """Series of the function from a place on, over the width of a fit."""
-        values = function(place + fit_width * (1 + NODES) / 2)
+        values = function(place + fit_width * (1 + CHEBYSHEV_NODES) / 2)
         return chebyshev.Chebyshev(
             series(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
         )

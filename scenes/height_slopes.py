@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from scenes.array_types import Array, Mask
-from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, truncation_error
+from scenes.chebyshev import CHEBYSHEV_DEGREE, Pieces, Unresolved, fit, truncation_error
 
 Function = Callable[[Array], Array]
 
@@ -168,9 +168,10 @@ class _Samples:
         (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to no
         round-off
     polynomials
-        (n, DEGREE + 1) Chebyshev polynomials T_k(place)
+        (n, CHEBYSHEV_DEGREE + 1) Chebyshev polynomials T_k(place)
     to_series
-        (n, DEGREE + 1) maps values at the places to least-squares coefficients: values @ to_series
+        (n, CHEBYSHEV_DEGREE + 1) maps values at the places to least-squares coefficients: values @
+        to_series
     """
 
     places: Array
@@ -178,14 +179,15 @@ class _Samples:
     to_series: Array
 
     def series_and_roundoff(self, heights: Array) -> tuple[Array, Array]:
-        """Chebyshev coefficients (..., DEGREE + 1) by least squares from heights (..., n) at the
-        places, and the standard deviation (...,) of the heights' round-off, from the residuals.
+        """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) by least squares from heights (..., n)
+        at the places, and the standard deviation (...,) of the heights' round-off, from the
+        residuals.
         """
         coefficients = heights @ self.to_series
         # Once more for the residuals: sums of many values lose more digits than one value has lost.
         coefficients = coefficients + (heights - coefficients @ self.polynomials.T) @ self.to_series
         residuals = heights - coefficients @ self.polynomials.T
-        n_free = len(self.places) - DEGREE - 1
+        n_free = len(self.places) - CHEBYSHEV_DEGREE - 1
         return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)
 
     @property
@@ -197,8 +199,8 @@ class _Samples:
         """Degree (...,) of the last coefficient of each series that exceeds its round-off; 1 at
         least.
 
-        `coefficients` is (..., DEGREE + 1); `roundoff` (...,) is the standard deviation of the
-        values' round-off.
+        `coefficients` is (..., CHEBYSHEV_DEGREE + 1); `roundoff` (...,) is the standard deviation
+        of the values' round-off.
         """
         is_significant = (
             np.abs(coefficients)
@@ -212,7 +214,7 @@ def _samples(count: int) -> _Samples:
     """Chebyshev points, `count` of them, with the matrices of the least-squares series."""
     odd_numbers = 2 * np.arange(count - 1, -1, -1) + 1
     places = np.round(np.cos(odd_numbers * (np.pi / (2 * count))) * 2.0**26) / 2.0**26
-    polynomials = chebyshev.chebvander(places, DEGREE)
+    polynomials = chebyshev.chebvander(places, CHEBYSHEV_DEGREE)
     return _Samples(places, polynomials, np.linalg.pinv(polynomials).T)
 
 
@@ -253,7 +255,7 @@ def _series_of_height(height_above_middle: Function, edges: Array) -> tuple[Piec
     x = edges[:-1, None] + half_lengths[:, None] * (1 + samples.places)
     coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
-    is_significant = np.arange(DEGREE + 1) <= last_degree[:, None]
+    is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
     height_series = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
     coefficient_error = _STATED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
     return height_series, _errors_of_loads(height_series, is_significant, coefficient_error)
@@ -277,7 +279,7 @@ def _errors_of_loads(
     height_series
         Chebyshev series of the height on n intervals of x
     is_significant
-        (n, DEGREE + 1) which coefficients are kept
+        (n, CHEBYSHEV_DEGREE + 1) which coefficients are kept
     coefficient_error
         (n,) error of each coefficient on an interval [length]
 
@@ -288,7 +290,7 @@ def _errors_of_loads(
     """
     edges = height_series.edges
     half_lengths = np.diff(edges) / 2
-    degree = np.arange(DEGREE + 1)
+    degree = np.arange(CHEBYSHEV_DEGREE + 1)
     # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.
     half_width_factor = np.sqrt(edges[1:] / (2 * half_lengths))
     error_per_degree = coefficient_error * half_width_factor

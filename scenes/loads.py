@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, Unresolved, fit, function_of_arrays, series
+from scenes.chebyshev import CHEBYSHEV_NODES, Unresolved, fit, function_of_arrays, series
 from scenes.column_names import aliases_of, normalised_name
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
@@ -1412,7 +1412,7 @@ def _chebyshev_segment(
     Last terms of a series that are below the round-off of `load_scale`, the size of the loads, are
     left out.
     """
-    times = begin + (end - begin) * (1 + NODES) / 2  # at Chebyshev points
+    times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2  # at Chebyshev points
 
     def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:
         coefficients = series(function(times))

@@ -51,8 +51,8 @@ from semi_analytic.bulk_and_tilt import OneCurve
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.friction_work import (
-    LoopOfSeries,
     LoopWork,
+    LoopWorkOfSeries,
     closed_integral,
     density_of_records,
     global_dissipation,
@@ -83,14 +83,14 @@ from semi_analytic.memory import (
 )
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of
-from semi_analytic.quadrature import NODES
+from semi_analytic.quadrature import GRADED_NODE_COUNT
 from semi_analytic.stated_errors import (
     LoopIntegral,
     SumsOfKernels,
-    error_by_slip_zone_load,
     error_of_displacement,
     error_of_work,
     errors_of_sums,
+    roundoff_error_of_little_slip,
 )
 from semi_analytic.steady_ellipse import (
     Ellipses,
@@ -103,15 +103,15 @@ from semi_analytic.tilted_profile import TiltedProfile
 Indices = NDArray[np.int64]
 
 # Instants of a sample at which the errors of fields are estimated.
-_INSTANTS = 7
-_TINY = float(np.finfo(float).tiny)
+_SAMPLED_INSTANTS = 7
+_SMALLEST_FLOAT = float(np.finfo(float).tiny)
 # Round-off of the closed integral of Q dU over the friction work, above which the two are not
 # compared: less than two digits are left.
-_TOO_ROUGH = 1e-2
+_LARGEST_ERROR_SHARE_OF_LOOP = 1e-2
 # Relative errors above which the notes of an answer state them.
-_DOUBTFUL = 1e-9
+_DOUBTFUL_RELATIVE_ERROR = 1e-9
 
-_OF_FRICTION = frozenset(
+_FIELDS_OF_FRICTION = frozenset(
     ("shear", "slip", "tangential_displacement", "dissipation", "dissipation_density")
 )
 """Fields that bulk strain and tilt change in the first order."""
@@ -303,7 +303,7 @@ def _request_of(
             else np.zeros(1)
         )
     if bulk_tilt_path is None:
-        distance, distance_index = distances_of(x)
+        distance, distance_index = distances_and_indices(x)
     else:
         distance, distance_index = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
@@ -312,11 +312,11 @@ def _request_of(
     )
 
 
-def distances_of(x: Array) -> tuple[Array, Indices]:
+def distances_and_indices(x: Array) -> tuple[Array, Indices]:
     """Different |x| (k,), ascending, and for each point (m,) the index of its own among them.
     Distances that differ by at most two last digits of the largest count as one.
 
-    >>> distances_of(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
+    >>> distances_and_indices(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
     """
     distances, place_of_distance = np.unique(np.abs(x), return_inverse=True)
@@ -350,7 +350,7 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     if isinstance(path, History):
         return contact, path.snapshot(time)
     # Memory curves are stored where a field needs them: shear does, at whichever point.
-    middle_point, middle_index = distances_of(np.zeros(1))
+    middle_point, middle_index = distances_and_indices(np.zeros(1))
     modulus = composite_modulus(scene.material)
     request = Request(
         contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
@@ -437,7 +437,7 @@ class _InstantsOnPath(NamedTuple):
         number of the load step
     share_of_step
         share of that step that is over
-    share_error
+    share_tolerance
         share within which two instants count as one
     place_in_path
         of each instant of the request, its place in the order of the path
@@ -445,18 +445,18 @@ class _InstantsOnPath(NamedTuple):
 
     step: Indices
     share_of_step: Array
-    share_error: Array
+    share_tolerance: Array
     place_in_path: Indices
 
     @classmethod
     def along(cls, series: LoadSeries, time: Array) -> _InstantsOnPath:
         """The instants `time` (n,) on the path of a load series."""
-        step, share_of_step, share_error = series.locate(time)
+        step, share_of_step, share_tolerance = series.locate(time)
         order_in_path = np.lexsort((share_of_step, step))
         return cls(
             step[order_in_path],
             share_of_step[order_in_path],
-            share_error[order_in_path],
+            share_tolerance[order_in_path],
             np.argsort(order_in_path),
         )
 
@@ -468,14 +468,14 @@ class _InstantsOnPath(NamedTuple):
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
         """Of the instants in `n_steps` steps from number `first_step` on: step counted from that
-        one, share of the step that is over, error of that share; (k,) each.
+        one, share of the step that is over, tolerance of that share; (k,) each.
         """
         bounds = np.searchsorted(self.step, [first_step, first_step + n_steps])
         instants = slice(*bounds.tolist())
         return (
             self.step[instants] - first_step,
             self.share_of_step[instants],
-            self.share_error[instants],
+            self.share_tolerance[instants],
         )
 
 
@@ -496,7 +496,7 @@ class _IntegralsOfPart(NamedTuple):
 
 @dataclass(eq=False)
 class _SeriesSums:
-    """Sums over the blocks_of_part of a load series. P_c is the load at the stick edge.
+    """Sums over the blocks of load steps of a load series. P_c is the load at the stick edge.
 
     Attributes
     ----------
@@ -536,7 +536,7 @@ class _SeriesSums:
         )
     )
 
-    def count(self, block: StepBlock, integrals_per_record: int, pieces_before: int) -> None:
+    def count_block(self, block: StepBlock, integrals_per_record: int, pieces_before: int) -> None:
         """Count what a block of load steps took: records, integrals over slip, straight pieces of
         the memory curve.
 
@@ -551,7 +551,7 @@ class _SeriesSums:
         pieces_before
             pieces of the memory curve before the block
         """
-        n_records = len(block.records.row)
+        n_records = len(block.records.step_number)
         n_slips = int(np.count_nonzero(block.records.direction))
         n_steps = len(block.rows) - 1
         pieces_after = line_count_of(block.curve)
@@ -592,7 +592,7 @@ class _SeriesSums:
                 n_steps = len(block.rows) - 1
                 step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
                 self.step_works[step_numbers] = work_per_integral * np.bincount(
-                    slipping_records.row, integrals, n_steps
+                    slipping_records.step_number, integrals, n_steps
                 )
         if wanted_integrals.density:
             self.density += work_per_integral * density_of_records(
@@ -619,16 +619,16 @@ class _SeriesSums:
         self.counts["quadrature_nodes"] += n_nodes
         return integrals
 
-    def rounding_of_parts(self) -> Array:
+    def roundoff_errors_of_parts(self) -> Array:
         """Relative error by rounding of the friction work of each part, (parts,)."""
         return np.array(
             [
-                error_by_slip_zone_load("dissipation", share)
+                roundoff_error_of_little_slip("dissipation", share)
                 for share in self.slip_zone_shares.tolist()
             ]
         )
 
-    def quadrature_errors(self) -> Array:
+    def quadrature_errors_of_parts(self) -> Array:
         """Relative error by quadrature of the friction work of each part, (parts,); 0 of none."""
         no_work = np.zeros(len(self.works))
         return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
@@ -645,8 +645,8 @@ class _SeriesSums:
         steps, where it is lower.
         """
         records = block.records
-        stick_loads = records.load - records.slip_zone_load
-        stick_loads_after = records.load_after - records.slip_zone_load_after
+        stick_loads = records.load_at_begin - records.slip_zone_load_at_begin
+        stick_loads_after = records.load_at_end - records.slip_zone_load_at_end
         least_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
         self.least_stick_load = min(self.least_stick_load, least_of_block)
 
@@ -692,16 +692,16 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             first_step = series.first_steps[part_number] + first_row
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
             path_sums.update_slip_zone_share(block, part_number, part)
-            path_sums.count(block, wanted_integrals.count_per_record, pieces_before)
+            path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
             pieces_before = line_count_of(block.curve)
             path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
             if is_last:
                 path_sums.update_least_stick_load(block)
                 if loop_integral is not None:
-                    loop_integral.add(block)
+                    loop_integral.add_block(block)
 
-    rounding_of_parts = path_sums.rounding_of_parts()
-    relative_errors = path_sums.quadrature_errors() + rounding_of_parts
+    roundoff_errors_of_parts = path_sums.roundoff_errors_of_parts()
+    relative_errors = path_sums.quadrature_errors_of_parts() + roundoff_errors_of_parts
     works = np.full(len(covered_parts), math.nan)
     work_errors = np.zeros(len(covered_parts))
     if wants_work:
@@ -720,7 +720,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         works=works,
         work_errors=work_errors,
         density=path_sums.density if wants_density else np.full(len(path_sums.density), math.nan),
-        density_error=rounding_of_parts[last_part] if wants_density else 0.0,
+        density_error=roundoff_errors_of_parts[last_part] if wants_density else 0.0,
         loop_integral=loop_integral.work if loop_integral is not None else None,
         spans=(),
         work_increments=work_increments,
@@ -733,9 +733,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     )
 
 
-def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopOfSeries | None:
-    """The closed integral of Q dU of the last cycle, to which its blocks_of_part of load steps are
-    to be added; None where it is not asked for, the cycle is not steady or has no load.
+def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
+    """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
+    added; None where it is not asked for, the cycle is not steady or has no load.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
@@ -743,7 +743,9 @@ def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopOfSeries |
     last_cycle = series.parts[series.covered_parts[-1]]
     if not last_cycle.largest_load > 0:
         return None
-    return LoopOfSeries(request.contact, request.modulus, series.friction, last_cycle.largest_load)
+    return LoopWorkOfSeries(
+        request.contact, request.modulus, series.friction, last_cycle.largest_load
+    )
 
 
 def _increments_of_work(
@@ -806,7 +808,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         density, density_error = _density_of_spans(last_spans, request)
     loop_integral = None
     # Where W is no closed form, its error contains the difference of the closed integral from it.
-    needs_loop = request.wants("loop_work") or not contact.closed_form
+    needs_loop = request.wants("loop_work") or not contact.has_closed_form
     is_steady = history.steady_from is not None and last_cycle >= history.steady_from
     if works_of_cycles and is_steady and needs_loop:
         loop_integral = LoopWork(0.0, 0.0)
@@ -834,7 +836,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             "spans": len(history.spans),
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping_spans,
-            "quadrature_nodes": n_slipping_spans * NODES,
+            "quadrature_nodes": n_slipping_spans * GRADED_NODE_COUNT,
         },
         n_skipped_in_stick=len(integrated_spans) - n_slipping_spans,
     )
@@ -852,7 +854,7 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
     largest_error_of_points = float(np.max(density_parts.error))
     if largest_error_of_points:
         relative_error = largest_error_of_points / float(np.max(density))
-    relative_error += error_by_slip_zone_load("dissipation_density", slip_zone_share(spans))
+    relative_error += roundoff_error_of_little_slip("dissipation_density", slip_zone_share(spans))
     return density, relative_error
 
 
@@ -879,7 +881,7 @@ def _force_error(snapshot: Snapshot) -> Array:
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
-    for piece, instants in snapshot.groups:
+    for piece, instants in snapshot.pieces_with_instants:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
         force_error[instants] += force_on_piece(piece, stick_edge_load[instants])
     return force_error
@@ -924,7 +926,7 @@ def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
     """
     work_parts = global_dissipation(request.contact, request.modulus, spans)
     error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
-    error += error_by_slip_zone_load("dissipation", slip_zone_share(spans))
+    error += roundoff_error_of_little_slip("dissipation", slip_zone_share(spans))
     return _WorkOfCycle(float(work_parts.total), error)
 
 
@@ -958,7 +960,7 @@ def _loop_work_of(answer: PathResult) -> float:
     work_of_last_cycle = float(answer.works[-1])
     if not work_of_last_cycle:
         return 0.0
-    is_precise = answer.loop_integral.rounding < _TOO_ROUGH * work_of_last_cycle
+    is_precise = answer.loop_integral.roundoff < _LARGEST_ERROR_SHARE_OF_LOOP * work_of_last_cycle
     return answer.loop_integral.value if is_precise else math.nan
 
 
@@ -990,7 +992,7 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if request.wants("tangential_displacement"):
         scaled_displacement = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
     if request.wants("normal_approach"):
-        approach = request.unit_compliance * contact.log_distance(snapshot.load)
+        approach = request.unit_compliance * contact.approach_integral(snapshot.load)
     left_and_right = np.array([-1.0, 1.0])
     values = {
         "normal_load": snapshot.load,
@@ -1190,13 +1192,13 @@ def _relative_errors(
             request, path_answer.snapshot, loads_and_edges, fields, arc_errors
         )
         errors |= errors_of_sums(contact, kernel_sums)
-    errors["slip"] = errors.get("slip", 0.0) + error_by_slip_zone_load(
+    errors["slip"] = errors.get("slip", 0.0) + roundoff_error_of_little_slip(
         "slip", path_answer.largest_slip_zone_share
     )
     if request.wants("tangential_displacement"):
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
-            contact.log_distance(loads_and_edges["normal_load"]),
+            contact.approach_integral(loads_and_edges["normal_load"]),
             loads_and_edges["tangential_displacement"] / request.unit_compliance,
         )
     if request.wants("dissipation"):
@@ -1229,7 +1231,7 @@ def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: floa
     none.
     """
     loop_integral = path_answer.loop_integral
-    roundoff = loop_integral.rounding if loop_integral is not None else 0.0
+    roundoff = loop_integral.roundoff if loop_integral is not None else 0.0
     return LoopIntegral(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
 
 
@@ -1257,7 +1259,9 @@ def _kernel_sums(
     arc_errors
         errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
     """
-    sampled_instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+    sampled_instants = np.unique(
+        np.linspace(0, len(snapshot.load) - 1, _SAMPLED_INSTANTS).astype(int)
+    )
     sampled_loads = snapshot.load[sampled_instants]
     slip = np.abs(fields["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
@@ -1291,7 +1295,7 @@ def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> d
     neglected_share = sum(bulk_tilt_path.neglected_loads.values())
     if neglected_share <= PROMISED_ERROR:
         return {}
-    return dict.fromkeys(sorted(question.fields & _OF_FRICTION), neglected_share)
+    return dict.fromkeys(sorted(question.fields & _FIELDS_OF_FRICTION), neglected_share)
 
 
 def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
@@ -1329,7 +1333,7 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
     of fields next to an edge.
     """
     for name, error in errors.items():
-        if error > _DOUBTFUL and "edge" not in name:
+        if error > _DOUBTFUL_RELATIVE_ERROR and "edge" not in name:
             reference = "the largest value"
             if name in ("dissipation", "loop_work"):
                 reference = "it"
@@ -1403,7 +1407,7 @@ def _admissibility_checks(
     """
     friction = answer.snapshot.friction
     largest_friction_force = friction * float(np.max(answer.snapshot.load))
-    relative_force_error = np.abs(answer.force_error) / max(largest_friction_force, _TINY)
+    relative_force_error = np.abs(answer.force_error) / max(largest_friction_force, _SMALLEST_FLOAT)
     checks = {"tangential_balance": freeze(relative_force_error)}
     if request.wants("pressure") and request.wants("shear"):
         pressure = fields["pressure"]
@@ -1413,5 +1417,5 @@ def _admissibility_checks(
             excess_shear = np.abs(fields["shear"]) - friction * pressure
         largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-        checks["cone"] = freeze(largest_excess / max(friction * largest_pressure, _TINY))
+        checks["cone"] = freeze(largest_excess / max(friction * largest_pressure, _SMALLEST_FLOAT))
     return checks

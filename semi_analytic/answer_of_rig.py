@@ -23,7 +23,7 @@ from scenes import BodyEffects, Hertz, InputError, PolygonLoad, Rig, Scene
 from scenes.array_types import Array
 from scenes.errors import first_line
 from semi_analytic.answer import Findings, Question, mirrored_points, neglected_coupling
-from semi_analytic.answer_by_memory import distances_of
+from semi_analytic.answer_by_memory import distances_and_indices
 from semi_analytic.corrected import (
     WORDS_UNDER_RIG,
     OddPart,
@@ -263,7 +263,7 @@ def findings_of_rig(question: Question) -> Findings:
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
-    distance, distance_index = distances_of(x)
+    distance, distance_index = distances_and_indices(x)
     time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
     fields = fields_at(question, point_fields, distance, row_numbers)

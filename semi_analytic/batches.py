@@ -371,7 +371,7 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     )
     event_loads = [ellipses.load(cosine) for cosine in event_cosines]
     corner_loads = np.clip(
-        contact.break_loads[:, None], ellipses.permanent_stick_load, largest_load
+        contact.corner_loads[:, None], ellipses.permanent_stick_load, largest_load
     )
     loads = np.stack(
         [ellipses.permanent_stick_load, least_load, *event_loads, *corner_loads, largest_load]

@@ -67,7 +67,11 @@ from semi_analytic.answer import (
     mirrored_points,
     neglected_coupling,
 )
-from semi_analytic.answer_by_memory import distances_of, findings_by_memory, path_of_question
+from semi_analytic.answer_by_memory import (
+    distances_and_indices,
+    findings_by_memory,
+    path_of_question,
+)
 from semi_analytic.corrected_memory import (
     Curvatures,
     FollowedPath,
@@ -1116,7 +1120,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
     # Fields are even or odd in x: they are evaluated once at each |x|.
-    distance, index_of_distance = distances_of(x)
+    distance, index_of_distance = distances_and_indices(x)
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     fields_at_distances = fields_at(question, points, distance, row_numbers)

@@ -37,7 +37,7 @@ _MOST_SECANTS = 40
 _RESIDUAL_OF_ROOT = 1e-13
 # Fraction of a value at the other end of a bracket below which one is round-off.
 _ROUND_OFF_SHARE = 1e-9
-_TINY = float(np.finfo(float).tiny)
+_SMALLEST_FLOAT = float(np.finfo(float).tiny)
 # Ellipses that are taken at once: bounds the memory of arrays (m, punches).
 _ELLIPSES_AT_ONCE = 2048
 
@@ -282,7 +282,7 @@ def _works_and_stick(
         half_width = inner_edge + length * fractions
         work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
         works += np.sum(
-            work_of_punches * (weights * length / np.maximum(half_width, _TINY)), axis=2
+            work_of_punches * (weights * length / np.maximum(half_width, _SMALLEST_FLOAT)), axis=2
         )
 
     stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, contact_edge)
@@ -382,7 +382,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     full_turn = 2 * math.pi
     # A punch is in contact all the time, or within this angle of the largest load, or never (0).
     cosine_of_opening = np.clip(
-        -load_outside.mean / np.maximum(load_outside.amplitude, _TINY), -1.0, 1.0
+        -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
     )
     opening_angle = np.arccos(cosine_of_opening)
     never_opens = load_outside.mean >= load_outside.amplitude
@@ -428,7 +428,7 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
     to pi; D = t_B - t_L.
     """
     # A bound that does not vary is divided by as well; its integral is 0 by the last factor.
-    positive_amplitude = np.maximum(bound.amplitude, _TINY)
+    positive_amplitude = np.maximum(bound.amplitude, _SMALLEST_FLOAT)
     cosine = np.clip((bound_value - bound.mean) / positive_amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)

@@ -176,7 +176,7 @@ class PunchTable:
         modulus
             E* [stress]
         """
-        kinks = [contact.least_half_width, *contact.breaks]
+        kinks = [contact.least_half_width, *contact.corner_half_widths]
         inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
         # Half-widths c of the kinks; s of each is its index.
         self._interval_ends = np.array([0.0, *inner_kinks, largest_half_width])
@@ -376,10 +376,10 @@ class PunchTable:
         load = tabulated(self._load_coefficients)
         parabola_load = self.parabola_stiffness * squared_width
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
-        log_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
+        log_datum_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
-            logarithm=load * log_ratio + tabulated(self._load_integral_coefficients),
-            parabola_logarithm=parabola_load * (log_ratio + 0.5),
+            logarithm=load * log_datum_ratio + tabulated(self._load_integral_coefficients),
+            parabola_logarithm=parabola_load * (log_datum_ratio + 0.5),
             second_moment=squared_width * load / 2
             - tabulated(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
             parabola_second_moment=squared_width * parabola_load / 4,
@@ -449,11 +449,11 @@ class PunchTable:
         half_width = np.maximum(
             self.half_width(s), _LEAST_HALF_WIDTH_SHARE * self._interval_ends[-1]
         )
-        log_ratio = math.log(2 * datum_length) - np.log(half_width)
+        log_datum_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
-            profile_integral=self.load(s) * log_ratio + self.load_integral(s),
-            parabola_integral=self.parabola_load(s) * (log_ratio + 0.5),
-            fourth_integral=self.fourth_load(s) * (log_ratio + 0.25),
+            profile_integral=self.load(s) * log_datum_ratio + self.load_integral(s),
+            parabola_integral=self.parabola_load(s) * (log_datum_ratio + 0.5),
+            fourth_integral=self.fourth_load(s) * (log_datum_ratio + 0.25),
         )
 
     def edges_of_contact(

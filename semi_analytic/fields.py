@@ -47,11 +47,11 @@ from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, LoadSegment
 from scenes.array_types import Array
-from scenes.chebyshev import DEGREE, NODES, series, truncation_error
+from scenes.chebyshev import CHEBYSHEV_DEGREE, CHEBYSHEV_NODES, series, truncation_error
 from semi_analytic.memory import CurvePart, Piece, Snapshot, pieces, time_of_load_on_arc
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
-from semi_analytic.quadrature import gauss, graded
+from semi_analytic.quadrature import gauss, graded_nodes
 
 Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
@@ -72,7 +72,7 @@ _NODES_BY_LENGTH = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math
 _NODES_AT_ONCE = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
 # length 1.
-_PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
+_PRIMITIVE = chebyshev.chebint(np.eye(CHEBYSHEV_DEGREE + 1), lbnd=-1, axis=1) / 2
 # Ranges of time near P_x whose error is looked at, and how many times the change by their halves
 # it is: of a range that ends next to P_x, on a table, halves lose half as much themselves.
 _SAMPLED_RANGES = 40
@@ -158,9 +158,9 @@ class Arc:
         # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
         last_time = piece.anchor.time
-        corner_loads = contact.break_loads
+        corner_loads = contact.corner_loads
         corner_loads = corner_loads[
-            (corner_loads > piece.bottom) & (corner_loads < piece.anchor.normal)
+            (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal)
         ]
         corner_times = (
             time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
@@ -185,7 +185,7 @@ class Arc:
         panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
         # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
         time_of_middle_load = float(
-            time_of_load_on_arc(piece, (piece.bottom + piece.anchor.normal) / 2)
+            time_of_load_on_arc(piece, (piece.bottom_load + piece.anchor.normal) / 2)
         )
         self._middle_time = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
         self._integrate_panels(panel_ends)
@@ -229,7 +229,7 @@ class Arc:
             0.0,
             1.0,
         )
-        polynomials = chebyshev.chebvander(2 * share_of_panel - 1, DEGREE + 1)
+        polynomials = chebyshev.chebvander(2 * share_of_panel - 1, CHEBYSHEV_DEGREE + 1)
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
         for first_number, end_number in pairwise(
             [*first_time_in_panel.tolist(), len(different_times)]
@@ -333,7 +333,7 @@ class Arc:
             series_errors[far_series.panel, far_series.point] = truncation_error(
                 far_series.coefficients
             )
-            coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
+            coefficient_table = np.zeros((len(begins), n_points, CHEBYSHEV_DEGREE + 1))
             coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
             is_resolved = (
@@ -389,7 +389,7 @@ class Arc:
         contact = self._contact
         x = self._x
         edge_loads = self._edge_loads
-        time = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
+        time = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         load = np.maximum(self._segment.loads(time)[0], 0.0)
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
@@ -407,9 +407,9 @@ class Arc:
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         far_panel, far_point = np.nonzero(is_far)
         force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
-        advance = contact.advance(load)
-        coefficients = np.empty((len(far_panel), DEGREE + 1))
-        pairs_at_once = _NODES_AT_ONCE // (DEGREE + 1)
+        advance = contact.edge_advance(load)
+        coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
+        pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
         for k in range(0, len(far_panel), pairs_at_once):
             chunk = slice(k, k + pairs_at_once)
             panel_chunk = far_panel[chunk]
@@ -496,7 +496,7 @@ def _punch_kernel(
         return contact.inverse_root(x, load_above_edge, advance)
     if kernel == "slip":
         return contact.arccosh_ratio(x, -load_above_edge, advance)
-    return contact.log_ratio(load)
+    return contact.log_datum_ratio(load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -609,7 +609,7 @@ class _NearIntegral:
         """
         z, root = _z_and_root(s, squared_e, self.acts_beyond_e)
         load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
-        advance = self.contact.advance(load)
+        advance = self.contact.edge_advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
         kernel = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
         return np.asarray(root * _force_rate_over_z(self.segment, self.turning_point, z) * kernel)
@@ -637,7 +637,7 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     rule_of_range = np.searchsorted([longest for longest, _ in _NODES_BY_LENGTH], s_length)
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
     ranges_by_rule = [rough_ranges]
-    nodes_by_rule = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
+    nodes_by_rule = [graded_nodes(begin_s[rough_ranges], end_s[rough_ranges])]
     for rule_number, (_, n_nodes) in enumerate(_NODES_BY_LENGTH):
         ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
         if not len(ranges_of_rule):
@@ -768,9 +768,9 @@ class Integrals:
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
         # The piece of the curve that holds the stick edge, and the instants at which it does.
-        for piece, instants in snapshot.groups:
+        for piece, instants in snapshot.pieces_with_instants:
             slope_of_piece[instants] = piece.straight_slope
-            load_at_piece_bottom[instants] = piece.bottom
+            load_at_piece_bottom[instants] = piece.bottom_load
         slope_in_slip_zones = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
         # Slope +-f in the slip zones above the stick edge, the straight part of the piece below it.
         # In one call, since both need the kernel's integral up to the stick edge.
@@ -782,14 +782,17 @@ class Integrals:
         integral_over_slip_zones, integral_over_piece = np.split(straight_integrals, 2)
         integrals = integral_over_slip_zones + integral_over_piece
         # The rest of the curve, below that piece, does not change while the piece stays.
-        self._store_integrals([piece.below for piece, _ in snapshot.groups])
+        self._store_integrals([piece.curve_below for piece, _ in snapshot.pieces_with_instants])
         curved_integrals = self._curved_integrals(
-            [(piece, stick_edge_load[instants]) for piece, instants in snapshot.groups]
+            [
+                (piece, stick_edge_load[instants])
+                for piece, instants in snapshot.pieces_with_instants
+            ]
         )
         for (piece, instants), curved_integral in zip(
-            snapshot.groups, curved_integrals, strict=True
+            snapshot.pieces_with_instants, curved_integrals, strict=True
         ):
-            integrals[instants] += self._stored_integral(piece.below) + curved_integral
+            integrals[instants] += self._stored_integral(piece.curve_below) + curved_integral
         return integrals
 
     def _stored_integral(self, curve: CurvePart | None) -> Array | float:
@@ -818,20 +821,22 @@ class Integrals:
         if not new_pieces:
             return
         slope_of_pieces = np.array([piece.straight_slope for piece in new_pieces.values()])
-        loads_at_bottom = np.array([piece.bottom for piece in new_pieces.values()])
-        loads_at_top = np.array([piece.top for piece in new_pieces.values()])
+        loads_at_bottom = np.array([piece.bottom_load for piece in new_pieces.values()])
+        loads_at_top = np.array([piece.top_load for piece in new_pieces.values()])
         straight_integrals = self._straight_integrals(
             slope_of_pieces, loads_at_bottom, loads_at_top
         )
         curved_integrals = self._curved_integrals(
-            [(piece, np.array([piece.top])) for piece in new_pieces.values()]
+            [(piece, np.array([piece.top_load])) for piece in new_pieces.values()]
         )
         for piece, straight_integral, curved_integral in zip(
             new_pieces.values(), straight_integrals, curved_integrals, strict=True
         ):
             self._stored[id(piece)] = (
                 piece,
-                self._stored_integral(piece.below) + straight_integral + np.ravel(curved_integral),
+                self._stored_integral(piece.curve_below)
+                + straight_integral
+                + np.ravel(curved_integral),
             )
 
     def _straight_integrals(self, slope: Array, lower_load: Array, upper_load: Array) -> Array:
@@ -849,7 +854,7 @@ class Integrals:
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
             load_length = upper_load[part_numbers] - lower_load[part_numbers]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
-            corners = self.contact.break_loads
+            corners = self.contact.corner_loads
             corners_below = np.searchsorted(corners, lower_load[part_numbers] - load_length)
             corners_above = np.searchsorted(corners, upper_load[part_numbers])
             is_short = (load_length < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
@@ -906,7 +911,7 @@ class Integrals:
             v = e[:, None] * np.sinh(s_length * nodes)
             dv_ds = e[:, None] * np.cosh(s_length * nodes)
             load_below_edge = np.square(v) + np.square(e_of_points[range_number, point])[:, None]
-            advance = contact.advance(end_load[range_number, point, None] - np.square(v))
+            advance = contact.edge_advance(end_load[range_number, point, None] - np.square(v))
             arccosh_ratio = contact.arccosh_ratio(self.x[point, None], load_below_edge, advance)
             integrals[range_number, point] = np.sum(
                 weights * s_length * 2 * v * dv_ds * arccosh_ratio, axis=1
@@ -937,7 +942,7 @@ class Integrals:
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
                 moment_change = self.moment(1, stick_edge_load) - self.moment(
-                    1, np.array([piece.bottom])
+                    1, np.array([piece.bottom_load])
                 )
                 integrals[pair_number] = 2 * piece.bend * moment_change
         for arc_key, numbered_pieces in pieces_of_arc.items():
@@ -972,7 +977,7 @@ class Integrals:
         contact = self.contact
         column = load[:, None]
         if self.kernel == "shift":
-            function = (contact.log_distance, contact.log_moment)[order]
+            function = (contact.approach_integral, contact.approach_moment)[order]
             return np.broadcast_to(function(column), (len(load), len(self.x)))
         if self.kernel == "shear":
             # All moments are taken as differences between two loads.

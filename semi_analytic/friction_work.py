@@ -36,34 +36,34 @@ from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import combination_change, slip_combination, slip_combination_on_piece
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import NODES, crowded_nodes, gauss, graded
+from semi_analytic.quadrature import GRADED_NODE_COUNT, crowded_nodes, gauss, graded_nodes
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.intp]
 
-CONVERGED = 1e-12
+CONVERGED_CHANGE_SHARE = 1e-12
 # How often a range is halved at most: parts of 1/131,072 of it are left as they are. So are all
 # parts where they are more than so many an integral and so many more: what is left to halve then is
 # the last digits of loads along which next to nothing slips.
-_HALVINGS = 17
-_PARTS_PER_INTEGRAL = 64
-_PARTS_ALLOWED = 256
+_MOST_HALVINGS = 17
+_MOST_PARTS_PER_INTEGRAL = 64
+_MOST_PARTS_BESIDES = 256
 # Share of U, as a sum of logarithms times loads, that its last digits may be off.
-_ROUNDOFF_OF_DISPLACEMENT = 5e-16
+_ROUNDOFF_SHARE_OF_DISPLACEMENT = 5e-16
 # Nodes of Gauss' rule while P and P_c change by less than a share: 3e-13 by the distance of the
 # singularity. Above, graded, which takes 193: a million rows would take ten times as long. Close
 # behind a corner, 24 that crowd to both ends.
-_ERROR_OF_RULE = 3e-13
+_RELATIVE_ERROR_OF_GAUSS_RULES = 3e-13
 _CLOSENESS_LIMITS = (0.05, 0.3, 0.6, 0.9)
 _NODE_COUNTS = (4, 6, 12, 24)
 # Records of a block that are looked at for the error of W.
 _SAMPLED_RECORDS = 200
 # Half-widths over the largest: 7 % apart a root of dP/da at 0.73 +- 0.24 i leaves 4e-14 of W, 16 %
 # apart 2e-11.
-_HALF_WIDTH_RATIOS = 2.0 ** -np.arange(0.1, 5.0, 0.1)
+_CUT_HALF_WIDTH_RATIOS = 2.0 ** -np.arange(0.1, 5.0, 0.1)
 # Quadrature nodes that are held at a time.
 _NODES_AT_ONCE = 200_000
-_TINY = float(np.finfo(float).tiny)
+_SMALLEST_FLOAT = float(np.finfo(float).tiny)
 
 
 class WorkByDirection(NamedTuple):
@@ -207,7 +207,10 @@ def _work_over_spans(
     integrals = np.zeros((len(spans_with_ranges), n_integrals))
     errors = np.zeros((len(spans_with_ranges), n_integrals))
     # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
-    for rule, span_numbers in ((graded, spans_by_rule_alone), (crowded_nodes, spans_to_halve)):
+    for rule, span_numbers in (
+        (graded_nodes, spans_by_rule_alone),
+        (crowded_nodes, spans_to_halve),
+    ):
         if span_numbers:
             integrals_of_spans = integrals_along([spans_with_ranges[k] for k in span_numbers], rule)
             for k, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
@@ -219,7 +222,11 @@ def _work_over_spans(
         size_of_integrals = np.maximum(largest_total, np.max(np.abs(integrals), axis=1))
         # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
         # many small kinks may hide from one halving.
-        relative_error = np.where(passes_corner, min(CONVERGED, 25 * contact.noise), CONVERGED)
+        relative_error = np.where(
+            passes_corner,
+            min(CONVERGED_CHANGE_SHARE, 25 * contact.relative_roundoff),
+            CONVERGED_CHANGE_SHARE,
+        )
         allowed_error_of_span = relative_error * size_of_integrals
         ranges_to_halve = [spans_with_ranges[k] for k in spans_to_halve]
         span_number = np.repeat(
@@ -229,19 +236,21 @@ def _work_over_spans(
         integral_number = np.concatenate(
             [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
         )
-        integrals[span_number, integral_number], errors[span_number, integral_number] = by_halving(
-            partial(
-                _integrals_of_parts,
-                spans_with_ranges,
-                integrals_along,
-                span_number,
-                integral_number,
-            ),
-            np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
-            np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
-            allowed_error_of_span[span_number],
-            np.unique(np.concatenate([corner_times_of_spans[k] for k in spans_to_halve])),
-            first_estimate=integrals[span_number, integral_number],
+        integrals[span_number, integral_number], errors[span_number, integral_number] = (
+            integrals_by_halving(
+                partial(
+                    _integrals_of_parts,
+                    spans_with_ranges,
+                    integrals_along,
+                    span_number,
+                    integral_number,
+                ),
+                np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
+                np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
+                allowed_error_of_span[span_number],
+                np.unique(np.concatenate([corner_times_of_spans[k] for k in spans_to_halve])),
+                first_estimate=integrals[span_number, integral_number],
+            )
         )
     is_forward = np.array(
         [ranges_of_span.span.direction > 0 for ranges_of_span in spans_with_ranges], dtype=bool
@@ -315,7 +324,7 @@ def has_uneven_edges(contact: Contact, span: Span) -> bool:
     An arc is a curved piece of the memory curve, tangential force of the flat punches up to each
     load.
     """
-    if contact.bends_anywhere:
+    if contact.half_width_may_be_steep:
         return True
     if span.segment.ellipse is not None:
         return False
@@ -371,7 +380,7 @@ def pointwise_dissipation(
         edge_load_of_points = edge_loads[span_range.integral_number, None]
         load_outside_stick = np.maximum(edge_load_of_points - stick_edge_load, 0.0)
         arccosh_ratio = contact.arccosh_ratio(
-            x_of_points, load_outside_stick, contact.advance(stick_edge_load)
+            x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
         )
         pressure = contact.pressure(x_of_points, load)
         density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
@@ -397,8 +406,8 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     begin_instant = span.begin
     end_instant = span.end
     # The piece of the memory curve that holds the stick edge in this span.
-    load_at_piece_top = span.sticking_piece.top
-    load_at_piece_bottom = span.sticking_piece.bottom
+    load_at_piece_top = span.sticking_piece.top_load
+    load_at_piece_bottom = span.sticking_piece.bottom_load
     clipped_edge_load = np.clip(edge_load, load_at_piece_bottom, load_at_piece_top)
     excess_on_curve = slip_combination_on_piece(
         span.sticking_piece, span.direction, span.friction, clipped_edge_load
@@ -468,12 +477,14 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = Integrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
     # error counts along the whole way that Q goes.
-    displacement_size = 2 * abs(float(contact.log_distance(largest_load)))
+    displacement_size = 2 * abs(float(contact.approach_integral(largest_load)))
     total_change_of_force = 0.0
     for span in spans:
         _, force = span.segment.loads(np.linspace(span.begin.time, span.end.time, 5))
         total_change_of_force += float(np.sum(np.abs(np.diff(force))))
-    roundoff_of_displacement = _ROUNDOFF_OF_DISPLACEMENT * spans[0].friction * displacement_size
+    roundoff_of_displacement = (
+        _ROUNDOFF_SHARE_OF_DISPLACEMENT * spans[0].friction * displacement_size
+    )
     roundoff = roundoff_of_displacement * total_change_of_force
 
     ranges = [_range_of_span(span) for span in spans]
@@ -544,26 +555,29 @@ def _means_along_records(
     smooth_parts = _cut_where_unsmooth(contact, records)
     rule_number_of_part = _rule_numbers(
         _closeness_of_loads(smooth_parts, np.empty(0)),
-        _closeness_of_loads(smooth_parts, contact.break_loads),
+        _closeness_of_loads(smooth_parts, contact.corner_loads),
     )
-    means = np.zeros(len(records.row))
+    means = np.zeros(len(records.step_number))
     node_count = 0
-    for rule_number, (rule, _) in enumerate(_RULES):
+    for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
-        load_growth = parts_of_rule.load_after - parts_of_rule.load
-        slip_zone_growth = parts_of_rule.slip_zone_load_after - parts_of_rule.slip_zone_load
+        load_growth = parts_of_rule.load_at_end - parts_of_rule.load_at_begin
+        slip_zone_growth = (
+            parts_of_rule.slip_zone_load_at_end - parts_of_rule.slip_zone_load_at_begin
+        )
         # At places of the nodes from 0 to 1 along the part: P, and P - P_c.
-        load = parts_of_rule.load[:, None] + load_growth[:, None] * place_of_nodes
+        load = parts_of_rule.load_at_begin[:, None] + load_growth[:, None] * place_of_nodes
         slip_zone_load = (
-            parts_of_rule.slip_zone_load[:, None] + slip_zone_growth[:, None] * place_of_nodes
+            parts_of_rule.slip_zone_load_at_begin[:, None]
+            + slip_zone_growth[:, None] * place_of_nodes
         )
         values_at_nodes = function_of_loads(
-            parts_of_rule.row, load, np.clip(slip_zone_load, 0.0, load)
+            parts_of_rule.step_number, load, np.clip(slip_zone_load, 0.0, load)
         )
-        share_of_record = parts_of_rule.until
+        share_of_record = parts_of_rule.step_share_at_end
         means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
-        means += np.bincount(parts_of_rule.row, means_of_parts, len(means))
+        means += np.bincount(parts_of_rule.step_number, means_of_parts, len(means))
         node_count += load.size
     return means, node_count
 
@@ -580,17 +594,17 @@ def _gauss_rule(count: int) -> QuadratureRule:
     return rule
 
 
-_RULES: tuple[tuple[QuadratureRule, int], ...] = (
+_RULES_AND_NODE_COUNTS: tuple[tuple[QuadratureRule, int], ...] = (
     *((_gauss_rule(count), count) for count in _NODE_COUNTS),
-    (graded, NODES),
+    (graded_nodes, GRADED_NODE_COUNT),
     (crowded_nodes, len(crowded_nodes(0.0, 1.0)[0])),
 )
 """Rules for records of slip and their numbers of nodes."""
 
 
 def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -> Indices:
-    """Number in `_RULES` of the quadrature rule for each of some integrands, (m,): more nodes the
-    nearer a singularity, crowded nodes next to a corner of the profile.
+    """Number in `_RULES_AND_NODE_COUNTS` of the quadrature rule for each of some integrands, (m,):
+    more nodes the nearer a singularity, crowded nodes next to a corner of the profile.
 
     Closeness is 1 - d_min/d_max with the distances d of a load from the singularity, or from the
     load of the corner below, along the range of integration: 0 far away, 1 where it is reached.
@@ -611,12 +625,12 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     It is 1 - d_min/d_max with the distances d along the part. P_c is the load at the stick edge.
     `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
     """
-    largest_closeness = np.zeros(len(parts.row))
-    stick_edge_load = parts.load - parts.slip_zone_load
-    stick_edge_load_after = parts.load_after - parts.slip_zone_load_after
+    largest_closeness = np.zeros(len(parts.step_number))
+    stick_edge_load = parts.load_at_begin - parts.slip_zone_load_at_begin
+    stick_edge_load_at_end = parts.load_at_end - parts.slip_zone_load_at_end
     for load_at_begin, load_at_end in (
-        (parts.load, parts.load_after),
-        (stick_edge_load, stick_edge_load_after),
+        (parts.load_at_begin, parts.load_at_end),
+        (stick_edge_load, stick_edge_load_at_end),
     ):
         least_load = np.minimum(load_at_begin, load_at_end)
         largest_load = np.maximum(load_at_begin, load_at_end)
@@ -633,7 +647,7 @@ def _closeness(distance_at_begin: Array, distance_at_end: Array) -> Array:
     where it keeps, 1 where it is 0 at an end.
     """
     least_distance = np.maximum(np.minimum(distance_at_begin, distance_at_end), 0.0)
-    largest_distance = np.maximum(np.maximum(distance_at_begin, distance_at_end), _TINY)
+    largest_distance = np.maximum(np.maximum(distance_at_begin, distance_at_end), _SMALLEST_FLOAT)
     return np.asarray(1 - least_distance / largest_distance)
 
 
@@ -641,22 +655,23 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     """Records of slip, cut so that a(P), the half-width of the contact, is smooth along each part
     at P and at P_c, the load at the stick edge.
 
-    A record is a part of a load step in which P and P_c change linearly; `slip_zone_load` is
-    P - P_c, `rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where P
-    may hardly grow with a they are also at half-widths 7 % apart. In the parts returned `row` is
-    the number of the record, and `until` the share of it that the part takes.
+    A record is a part of a load step in which P and P_c change linearly; `slip_zone_load` is P -
+    P_c, `level_rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where
+    P may hardly grow with a they are also at half-widths 7 % apart. In the parts returned
+    `step_number` is the number of the record, and `step_share_at_end` the share of it that the part
+    takes.
     """
-    cut_loads = contact.break_loads
-    if contact.bends_anywhere and len(records.row):
-        largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
+    cut_loads = contact.corner_loads
+    if contact.half_width_may_be_steep and len(records.step_number):
+        largest_load = max(float(np.max(records.load_at_begin)), float(np.max(records.load_at_end)))
         largest_half_width = contact.half_width(largest_load)
-        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _HALF_WIDTH_RATIOS))
-    stick_edge_load = records.load - records.slip_zone_load
-    stick_edge_load_after = records.load_after - records.slip_zone_load_after
-    shares_at_cuts = [np.zeros((len(records.row), 1))]
+        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _CUT_HALF_WIDTH_RATIOS))
+    stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
+    stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
+    shares_at_cuts = [np.zeros((len(records.step_number), 1))]
     for load_at_begin, load_at_end in (
-        (records.load, records.load_after),
-        (stick_edge_load, stick_edge_load_after),
+        (records.load_at_begin, records.load_at_end),
+        (stick_edge_load, stick_edge_load_at_end),
     ):
         load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
             :, None
@@ -668,19 +683,21 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
     begin_share = share_at_begin[record_number, cut_number]
     end_share = share_at_end[record_number, cut_number]
-    load = records.load[record_number]
-    load_growth = (records.load_after - records.load)[record_number]
-    slip_zone_load = records.slip_zone_load[record_number]
-    slip_zone_growth = (records.slip_zone_load_after - records.slip_zone_load)[record_number]
+    load = records.load_at_begin[record_number]
+    load_growth = (records.load_at_end - records.load_at_begin)[record_number]
+    slip_zone_load = records.slip_zone_load_at_begin[record_number]
+    slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
+        record_number
+    ]
     return Records(
         direction=records.direction[record_number],
-        load=load + begin_share * load_growth,
-        load_after=load + end_share * load_growth,
-        slip_zone_load=slip_zone_load + begin_share * slip_zone_growth,
-        slip_zone_load_after=slip_zone_load + end_share * slip_zone_growth,
-        rise=records.rise[record_number] * (end_share - begin_share),
-        until=end_share - begin_share,
-        row=record_number,
+        load_at_begin=load + begin_share * load_growth,
+        load_at_end=load + end_share * load_growth,
+        slip_zone_load_at_begin=slip_zone_load + begin_share * slip_zone_growth,
+        slip_zone_load_at_end=slip_zone_load + end_share * slip_zone_growth,
+        level_rise=records.level_rise[record_number] * (end_share - begin_share),
+        step_share_at_end=end_share - begin_share,
+        step_number=record_number,
     )
 
 
@@ -696,7 +713,7 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
         records,
         lambda _, load, slip_zone_load: contact.dissipation_kernel(load, slip_zone_load),
     )
-    return records.rise * mean_kernels, node_count
+    return records.level_rise * mean_kernels, node_count
 
 
 def work_error(contact: Contact, records: Records) -> float:
@@ -704,28 +721,33 @@ def work_error(contact: Contact, records: Records) -> float:
     thickness^2]; 0 for contacts with closed forms.
 
     It is the largest error of the kernel int ln(a/c) d eta, with that of the quadrature rule, in a
-    sample of records, times the sum of their `rise`. That is the growth of +-Q - f P along a
-    record.
+    sample of records, times the sum of their `level_rise`, the growth of +-Q - f P along a record.
 
     Raises
     ------
     NotFoundError
         Where the error is not a number.
     """
-    if contact.closed_form or not len(records.row):
+    if contact.has_closed_form or not len(records.step_number):
         return 0.0
-    sampled_numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLED_RECORDS).astype(int))
+    sampled_numbers = np.unique(
+        np.linspace(0, len(records.step_number) - 1, _SAMPLED_RECORDS).astype(int)
+    )
     sampled_records = records.take(sampled_numbers)
-    load = np.append(sampled_records.load, sampled_records.load_after)
-    slip_zone_load = np.append(sampled_records.slip_zone_load, sampled_records.slip_zone_load_after)
+    load = np.append(sampled_records.load_at_begin, sampled_records.load_at_end)
+    slip_zone_load = np.append(
+        sampled_records.slip_zone_load_at_begin, sampled_records.slip_zone_load_at_end
+    )
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
-    error_of_rule = _ERROR_OF_RULE * contact.dissipation_kernel(load, slip_zone_load)
+    error_of_rule = _RELATIVE_ERROR_OF_GAUSS_RULES * contact.dissipation_kernel(
+        load, slip_zone_load
+    )
     kernel_error = error_of_kernel + error_of_rule
     if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
         )
-    return float(np.max(kernel_error, initial=0.0) * np.sum(records.rise))
+    return float(np.max(kernel_error, initial=0.0) * np.sum(records.level_rise))
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
@@ -738,7 +760,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     density = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
     parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
-    for first_part in range(0, len(smooth_parts.load), parts_at_once):
+    for first_part in range(0, len(smooth_parts.load_at_begin), parts_at_once):
         parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
         density += _density_of_parts(contact, parts_of_chunk, x)
     return density
@@ -755,10 +777,12 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     the nearest of these needs.
     """
     edge_loads = contact.load(x)
-    load_of_parts = parts.load[:, None]
-    load_growth = (parts.load_after - parts.load)[:, None]
-    stick_edge_load = load_of_parts - parts.slip_zone_load[:, None]
-    stick_edge_drop = (parts.slip_zone_load_after - parts.slip_zone_load)[:, None] - load_growth
+    load_of_parts = parts.load_at_begin[:, None]
+    load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
+    stick_edge_load = load_of_parts - parts.slip_zone_load_at_begin[:, None]
+    stick_edge_drop = (parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin)[
+        :, None
+    ] - load_growth
     begin_shares, end_shares = _shares_in_slip(
         load_of_parts, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
@@ -791,10 +815,10 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
         ],
         axis=0,
     )[:, 0]
-    closeness_to_corner = _closeness_of_loads(parts, contact.break_loads)[part_number]
+    closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)[part_number]
     rule_of_pair = _rule_numbers(closeness_to_singularity, closeness_to_corner)
     density = np.zeros(len(x))
-    for rule_number, (rule, n_nodes) in enumerate(_RULES):
+    for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         for j in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
             pairs = pairs_of_rule[j : j + _NODES_AT_ONCE // n_nodes]
@@ -804,12 +828,16 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
                 edge_load_of_pairs[pairs] - stick_edge_load_of_pairs, 0.0
             )
             arccosh_ratio = contact.arccosh_ratio(
-                x_of_pairs[pairs], load_outside_stick, contact.advance(stick_edge_load_of_pairs)
+                x_of_pairs[pairs],
+                load_outside_stick,
+                contact.edge_advance(stick_edge_load_of_pairs),
             )
             integrand_at_nodes = (
                 weights * contact.pressure(x_of_pairs[pairs], load_at_nodes) * arccosh_ratio
             )
-            work_of_pairs = parts.rise[part_number[pairs]] * np.sum(integrand_at_nodes, axis=1)
+            work_of_pairs = parts.level_rise[part_number[pairs]] * np.sum(
+                integrand_at_nodes, axis=1
+            )
             density += np.bincount(point[pairs], work_of_pairs, len(x))
     return density
 
@@ -853,7 +881,7 @@ def _shares_in_slip(
     return np.where(load_growth > 0, begin_in_growth, begin_share), end_share
 
 
-class LoopOfSeries:
+class LoopWorkOfSeries:
     """Closed integral of Q dU over the records of a steady cycle, block by block, and its round-off
     error.
 
@@ -869,12 +897,12 @@ class LoopOfSeries:
         self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
         self._compliance = 2 / (math.pi * modulus)  # A/pi
-        self._displacement_size = 2 * abs(float(self._contact.log_distance(largest_load)))
+        self._displacement_size = 2 * abs(float(self._contact.approach_integral(largest_load)))
         self._scaled_displacement = 0.0  # U pi/A at the end of the last block
         self._scaled_integral = 0.0  # -int U dQ pi/A so far
         self._total_change_of_force = 0.0
 
-    def add(self, block: StepBlock) -> None:
+    def add_block(self, block: StepBlock) -> None:
         """Add the next block of load steps to the closed integral of Q dU of a cycle, as -int U dQ.
 
         U pi/A is summed record by record, a record being a part of a load step with one direction
@@ -885,12 +913,14 @@ class LoopOfSeries:
         records = block.records
         slope_at_stick_edge = block.line_table.slope
         slope_in_slip_zones = records.direction * self._friction
-        load_growth = records.load_after - records.load
+        load_growth = records.load_at_end - records.load_at_begin
 
         def displacement_rise(record_numbers: Indices, load: Array, slip_zone_load: Array) -> Array:
             """U pi/A, but for a constant of each record, at P and P - P_c, (n, k) each."""
-            integral_to_load = contact.log_distance(load)
-            integral_to_stick_edge = contact.log_distance(np.maximum(load - slip_zone_load, 0.0))
+            integral_to_load = contact.approach_integral(load)
+            integral_to_stick_edge = contact.approach_integral(
+                np.maximum(load - slip_zone_load, 0.0)
+            )
             integral_to_stick_edge = np.where(
                 slip_zone_load > 0, integral_to_stick_edge, integral_to_load
             )
@@ -902,12 +932,16 @@ class LoopOfSeries:
                 + part_of_slip_zones
             )
 
-        loads_at_ends = np.stack([records.load, records.load_after], axis=1)
-        slip_zone_load = np.stack([records.slip_zone_load, records.slip_zone_load_after], axis=1)
+        loads_at_ends = np.stack([records.load_at_begin, records.load_at_end], axis=1)
+        slip_zone_load = np.stack(
+            [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
+        )
         rise_at_begin, rise_at_end = displacement_rise(
             np.arange(len(slope_at_stick_edge)), loads_at_ends, slip_zone_load
         ).T
-        force_change_in_slip = records.direction * (records.rise + self._friction * load_growth)
+        force_change_in_slip = records.direction * (
+            records.level_rise + self._friction * load_growth
+        )
         force_change = np.where(
             records.direction == 0, slope_at_stick_edge * load_growth, force_change_in_slip
         )
@@ -923,7 +957,7 @@ class LoopOfSeries:
     def work(self) -> LoopWork:
         """The integral so far, and its round-off error."""
         rounding = (
-            _ROUNDOFF_OF_DISPLACEMENT
+            _ROUNDOFF_SHARE_OF_DISPLACEMENT
             * self._friction
             * self._displacement_size
             * self._total_change_of_force
@@ -935,58 +969,61 @@ class LoopWork(NamedTuple):
     """Closed integral of Q dU [energy per unit thickness], and its error by rounding at most."""
 
     value: float
-    rounding: float
+    roundoff: float
 
 
-class Converged(NamedTuple):
+class IntegralsAndErrors(NamedTuple):
     """Integrals (m,), and an estimate of the error of each: what the last halving changed.
 
-    Covered down to the floor of a rule: `graded` leaves 4e-12 of a part that has a pole beside its
-    end, at whatever distance.
+    Covered down to the floor of a rule: `graded_nodes` leaves 4e-12 of a part that has a pole
+    beside its end, at whatever distance.
     """
 
     value: Array
     error: Array
 
 
-def by_halving(
-    work: Callable[[Indices, Array, Array], Array],
+def integrals_by_halving(
+    integrals_over: Callable[[Indices, Array, Array], Array],
     begin: ArrayLike,
     end: ArrayLike,
     allowed_error: ArrayLike,
-    marks: ArrayLike = (),
+    cut_places: ArrayLike = (),
     first_estimate: Array | None = None,
-) -> Converged:
+) -> IntegralsAndErrors:
     """Integrals of m integrands, number k from begin[k] to end[k], by halving their ranges until
     the sum no longer changes, and their errors (adaptive quadrature).
 
     Parameters
     ----------
-    work
-        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from
-        low[k] to high[k], (n,), by one rule
+    integrals_over
+        integrals_over(which (n,), low (n,), high (n,)) gives the integral of integrand which[k]
+        from low[k] to high[k], (n,), by one rule
     begin, end
         (m,)
     allowed_error
-        (m,) or one: the change at which a part has converged, `CONVERGED` of their size where
-        round-off leaves as much. A part of 2^-17 of its range, or one that is not finite, is
-        left as it is, and so are too many at once; the error shows that.
-    marks
+        (m,) or one: the change at which a part has converged, `CONVERGED_CHANGE_SHARE` of their
+        size where round-off leaves as much. A part of 2^-17 of its range, or one that is not
+        finite, is left as it is, and so are too many at once; the error shows that.
+    cut_places
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
     first_estimate
-        (m,) the integrals from `begin` to `end` by the rule of `work`, where they are known
+        (m,) the integrals from `begin` to `end` by the rule of `integrals_over`, where they are
+        known
 
     Examples
     --------
     >>> def midpoint(which, low, high):
     ...     return (high - low) * (low + high) / 2
-    >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()
+    >>> integrals_by_halving(
+    ...     midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED_CHANGE_SHARE
+    ... ).value.tolist()
     [2.0, 4.0]
     """
     begins = np.array(begin, dtype=float)
     ends = np.array(end, dtype=float)
-    all_marks = np.append(marks, np.inf)
+    all_cut_places = np.append(cut_places, np.inf)
     integrand_numbers = np.arange(len(begins))
     n_halvings = np.zeros(len(begins), dtype=int)
     integrals = np.zeros(len(begins))
@@ -994,27 +1031,32 @@ def by_halving(
     allowed_errors = np.broadcast_to(allowed_error, begins.shape)
     estimates = first_estimate
     if estimates is None:
-        estimates = work(integrand_numbers, begins, ends)
+        estimates = integrals_over(integrand_numbers, begins, ends)
     while len(integrand_numbers):
         cuts = (begins + ends) / 2
-        # The mark next above the middle, else the one below it, else the middle itself. Not close
-        # to an end: a part of next to no length would change nothing.
-        number_of_mark_above = np.searchsorted(all_marks, cuts)
+        # The cut place next above the middle, else the one below it, else the middle itself. Not
+        # close to an end: a part of next to no length would change nothing.
+        number_of_place_above = np.searchsorted(all_cut_places, cuts)
         least_length = (ends - begins) / 16
-        for nearest_mark in (all_marks[number_of_mark_above - 1], all_marks[number_of_mark_above]):
-            is_inside = (nearest_mark > begins + least_length) & (
-                nearest_mark < ends - least_length
+        for nearest_place in (
+            all_cut_places[number_of_place_above - 1],
+            all_cut_places[number_of_place_above],
+        ):
+            is_inside = (nearest_place > begins + least_length) & (
+                nearest_place < ends - least_length
             )
-            cuts = np.where(is_inside, nearest_mark, cuts)
-            # After a cut at a mark the halvings count from 0 again.
+            cuts = np.where(is_inside, nearest_place, cuts)
+            # After a cut at a place the halvings count from 0 again.
             n_halvings = np.where(is_inside, -1, n_halvings)
         # In one call: the lower halves of all parts, then the upper ones.
-        halves = work(np.tile(integrand_numbers, 2), np.r_[begins, cuts], np.r_[cuts, ends])
+        halves = integrals_over(
+            np.tile(integrand_numbers, 2), np.r_[begins, cuts], np.r_[cuts, ends]
+        )
         left_halves, right_halves = np.split(halves, 2)
         sums = left_halves + right_halves
         changes_by_halving = np.abs(sums - estimates)
-        is_last = (n_halvings == _HALVINGS) | (
-            len(integrand_numbers) > _PARTS_PER_INTEGRAL * len(integrals) + _PARTS_ALLOWED
+        is_last = (n_halvings == _MOST_HALVINGS) | (
+            len(integrand_numbers) > _MOST_PARTS_PER_INTEGRAL * len(integrals) + _MOST_PARTS_BESIDES
         )
         is_final = (
             (changes_by_halving <= allowed_errors[integrand_numbers])
@@ -1030,4 +1072,4 @@ def by_halving(
         integrand_numbers = np.tile(integrand_numbers[is_halved_again], 2)
         estimates = np.r_[left_halves[is_halved_again], right_halves[is_halved_again]]
         n_halvings = np.tile(n_halvings[is_halved_again] + 1, 2)
-    return Converged(integrals, errors)
+    return IntegralsAndErrors(integrals, errors)

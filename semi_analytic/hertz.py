@@ -64,13 +64,13 @@ class HertzContact:
     modulus: float
     radius: float
     datum_length: float
-    closed_form: ClassVar[bool] = True
-    bends_anywhere: ClassVar[bool] = False
-    breaks: ClassVar[tuple[float, ...]] = ()
-    break_loads: ClassVar[Array] = np.empty(0)
+    has_closed_form: ClassVar[bool] = True
+    half_width_may_be_steep: ClassVar[bool] = False
+    corner_half_widths: ClassVar[tuple[float, ...]] = ()
+    corner_loads: ClassVar[Array] = np.empty(0)
     least_half_width: ClassVar[float] = 0.0
     extent: ClassVar[float] = np.inf
-    noise: ClassVar[float] = 2 * float(np.finfo(float).eps)
+    relative_roundoff: ClassVar[float] = 2 * float(np.finfo(float).eps)
 
     @property
     def square_width_per_load(self) -> float:
@@ -144,7 +144,9 @@ class HertzContact:
         load_left_to_x = load_at_x - punch_load
         # P_x - sqrt(P_x (P_x - P)), without its cancellation; 0 at x = 0
         algebraic_term = (
-            load_at_x * punch_load / (load_at_x + np.sqrt(load_at_x * load_left_to_x) + _TINY)
+            load_at_x
+            * punch_load
+            / (load_at_x + np.sqrt(load_at_x * load_left_to_x) + _SMALLEST_FLOAT)
         )
         return punch_load * _arccosh_root(load_left_to_x, punch_load) + algebraic_term
 
@@ -166,7 +168,7 @@ class HertzContact:
         algebraic_term = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
         return punch_load**2 / 2 * _arccosh_root(load_left_to_x, punch_load) + algebraic_term / 4
 
-    def advance(self, load: ArrayLike) -> Array:
+    def edge_advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
         return self.half_width(load)
 
@@ -194,7 +196,7 @@ class HertzContact:
         del name
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
-    def log_distance(self, load: ArrayLike) -> Array:
+    def approach_integral(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P [ln(2 L/a(P)) + 1/2] [force per thickness].
 
         Times A/pi it is the normal approach of the half-planes, relative to a datum at the distance
@@ -203,20 +205,20 @@ class HertzContact:
         >>> contact = HertzContact(
         ...     modulus=100.0, radius=1.0, datum_length=0.5
         ... )  # a = 1 = 2 L at P = 25 pi
-        >>> round(float(contact.log_distance(25 * np.pi)) / (25 * np.pi), 12)
+        >>> round(float(contact.approach_integral(25 * np.pi)) / (25 * np.pi), 12)
         0.5
         """
         p = np.asarray(load, dtype=float)
-        return p * (self.log_ratio(p) + 0.5) * (p > 0)
+        return p * (self.log_datum_ratio(p) + 0.5) * (p > 0)
 
-    def log_moment(self, load: ArrayLike) -> Array:
+    def approach_moment(self, load: ArrayLike) -> Array:
         """int_0^P eta ln(2 L/a(eta)) d eta [force^2 per thickness^2] = (P^2/2) [ln(2 L/a) +
         1/4].
         """
         p = np.asarray(load, dtype=float)
-        return p * p / 2 * (self.log_ratio(p) + 0.25) * (p > 0)
+        return p * p / 2 * (self.log_datum_ratio(p) + 0.25) * (p > 0)
 
-    def log_ratio(self, load: ArrayLike) -> Array:
+    def log_datum_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); 0 is returned for P = 0, where it is multiplied by P."""
         p = np.asarray(load, dtype=float)
         return -0.5 * np.log(
@@ -235,7 +237,7 @@ class HertzContact:
         return p / 2 * log_excess(np.asarray(slip_zone_load, dtype=float) / np.where(p > 0, p, 1.0))
 
 
-_TINY = np.finfo(float).tiny
+_SMALLEST_FLOAT = np.finfo(float).tiny
 
 
 def _arccosh_root(load_left_to_x: Array, load: Array) -> Array:

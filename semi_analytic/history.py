@@ -55,16 +55,16 @@ from semi_analytic.memory import (
 from semi_analytic.profiles import Contact
 
 # Share of the largest load, or of the rates of P and Q, below which a difference is rounding.
-_ROUNDING = 1e-14
+_ROUND_OFF_SHARE = 1e-14
 # Share of a range of time, or of a load combination, within which two instants are one.
-_NEAR = 1e-14
+_SAME_INSTANT_SHARE = 1e-14
 # Share of f P by which a stick edge may miss the end of the piece that it meets, and of a time to
 # which a crossing is found.
-_LAST_DIGITS = 2e-15
+_STICK_EDGE_ROUNDOFF_SHARE = 2e-15
 # Instants at which Q - M(P) is looked at along a curved piece, whose crossings have no formula.
-_SAMPLES = 33
+_SAMPLES_OF_CURVED_PIECE = 33
 # Instants of a cycle and of the initial loading where none are asked for.
-_INSTANTS = 400
+_INSTANTS_OF_CYCLE = 400
 _INSTANTS_OF_LOADING = 100
 # Histories that are kept while `histories_kept` holds, by path and friction, then by the most
 # cycles that were followed.
@@ -72,7 +72,7 @@ _HistoriesByPath = dict[tuple[LoadPath, float], dict[int, "History"]]
 _kept_histories: ContextVar[_HistoriesByPath | None] = ContextVar("histories", default=None)
 # Share of a cycle, or of the whole path, within which somebody else's instant is one of the path's
 # own.
-SLACK = 1e-9
+INSTANT_SLACK_SHARE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +125,8 @@ class Span:
         slip_zone_load = load_of_slip_zone(
             self.sticking_piece, self.direction, self.friction, self.segment, t
         )
-        least_slip_zone_load = np.maximum(load - self.sticking_piece.top, 0.0)
-        largest_slip_zone_load = load - self.sticking_piece.bottom
+        least_slip_zone_load = np.maximum(load - self.sticking_piece.top_load, 0.0)
+        largest_slip_zone_load = load - self.sticking_piece.bottom_load
         # of a single number two calls take a quarter of the time of `clip`
         return np.minimum(np.maximum(slip_zone_load, least_slip_zone_load), largest_slip_zone_load)
 
@@ -179,7 +179,7 @@ def check(segments: Sequence[LoadSegment], friction: float) -> None:
     )
     for segment in segments:
         for begin_time, end_time in monotonic_parts(segment, friction):
-            _check_part(segment, begin_time, end_time, friction, _ROUNDING * largest_load)
+            _check_part(segment, begin_time, end_time, friction, _ROUND_OFF_SHARE * largest_load)
 
 
 def _check_part(
@@ -213,7 +213,9 @@ def _check_part(
     if not faults:
         return
     # Where P runs out both limits of friction are met at the same instant: that is separation.
-    latest_of_first = min(fault_time for fault_time, _ in faults) + _NEAR * (end - begin)
+    latest_of_first = min(fault_time for fault_time, _ in faults) + _SAME_INSTANT_SHARE * (
+        end - begin
+    )
     first_time, reason = next(fault for fault in faults if fault[0] <= latest_of_first)
     fault_instant = instant(segment, first_time)
     raise InadmissibleLoadError(
@@ -241,7 +243,7 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     turning_times = sorted(
         time for combination in load_combinations for time in segment.turning_points(combination)
     )
-    shortest_part = _ROUNDING * max(
+    shortest_part = _ROUND_OFF_SHARE * max(
         abs(segment.start), abs(segment.end), segment.end - segment.start
     )
     begin_times = [segment.start]
@@ -303,7 +305,7 @@ def _spans_of_part(
     """
     middle_time = (begin + end) / 2
     normal_rate, tangential_rate = (float(rate) for rate in segment.rates(middle_time))
-    rate_roundoff = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
+    rate_roundoff = _ROUND_OFF_SHARE * (abs(tangential_rate) + friction * abs(normal_rate))
     slips_forward = (
         float(segment.rate_of(slip_combination(1, friction), middle_time)) > rate_roundoff
     )
@@ -360,30 +362,34 @@ def _slip_spans(
     segment = begin_instant.segment
     slip_level = slip_combination(direction, friction)  # the combination s Q - f P of the loads
     level_growth = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
-    force_roundoff = _LAST_DIGITS * friction * end_instant.normal
+    force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if curve is not None and is_at_coulomb_limit(curve, direction, friction):
-        curve = curve.below
+        curve = curve.curve_below
     while curve is not None:
         if is_at_coulomb_limit(curve, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
             if level_growth <= force_roundoff:
-                curve = Piece(curve, curve.top, begin_instant, -direction * friction)
+                curve = Piece(curve, curve.top_load, begin_instant, -direction * friction)
                 break
-            curve = curve.below
+            curve = curve.curve_below
             continue
         # Both relative to the level at the instant from which the piece is measured.
         level_at_begin = float(
             combination_change(curve.anchor, segment, slip_level, begin_instant.time)
         )
-        level_at_bottom = float(slip_combination_on_piece(curve, direction, friction, curve.bottom))
+        level_at_bottom = float(
+            slip_combination_on_piece(curve, direction, friction, curve.bottom_load)
+        )
         growth_to_bottom = level_at_bottom - level_at_begin
         # A stick edge that meets the lower end of the piece at the very end of the step, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
         # would jump through it.
-        level_roundoff = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
+        level_roundoff = (
+            _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
+        )
         if level_growth <= growth_to_bottom + level_roundoff:
             break
         passing_time = segment.time_of(
@@ -393,7 +399,7 @@ def _slip_spans(
         if passing_instant.time > span_begin.time:
             yield Span(span_begin, passing_instant, delay, direction, curve, friction)
             span_begin = passing_instant
-        curve = curve.below
+        curve = curve.curve_below
     if end_instant.time > span_begin.time:
         yield Span(span_begin, end_instant, delay, direction, curve, friction)
 
@@ -435,8 +441,8 @@ def _retracing_spans(
     the cycle.
     """
     span_begin = begin_instant
-    while curve is not None and curve.bottom > end_instant.normal:
-        load_change = curve.bottom - begin_instant.normal
+    while curve is not None and curve.bottom_load > end_instant.normal:
+        load_change = curve.bottom_load - begin_instant.normal
         time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
@@ -444,7 +450,7 @@ def _retracing_spans(
         if span_end.time > span_begin.time:
             yield Span(span_begin, span_end, delay, 0, curve, friction)
             span_begin = span_end
-        curve = curve.below
+        curve = curve.curve_below
     if end_instant.time > span_begin.time:
         yield Span(span_begin, end_instant, delay, 0, curve, friction)
 
@@ -466,7 +472,7 @@ def slip_directions(
     parts: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
     for piece in pieces(curve):
-        change_to_bottom = piece.bottom - begin_instant.normal
+        change_to_bottom = piece.bottom_load - begin_instant.normal
         leaves_piece = load_change < change_to_bottom
         part_end = end_time
         if leaves_piece:
@@ -509,14 +515,16 @@ def _directions_on(
             return combination_change(piece.anchor, segment, along_line, time)
         normal_load, tangential_load = segment.loads(time)
         return tangential_load - force_on_piece(
-            piece, np.clip(normal_load, piece.bottom, piece.anchor.normal)
+            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal)
         )
 
     turning_times = [] if is_arc else segment.turning_points(along_line)
     turning_times_inside = [time for time in turning_times if begin < time < end]
-    sample_count = 3 if is_line else _SAMPLES
+    sample_count = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
     sample_times = np.unique([*np.linspace(begin, end, sample_count), *turning_times_inside])
-    force_roundoff = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
+    force_roundoff = _ROUND_OFF_SHARE * (
+        friction * piece.anchor.normal + abs(piece.anchor.tangential)
+    )
     forces_above = force_above_curve(sample_times)
     signs = np.where(np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)).astype(int)
     if not np.any(signs):
@@ -524,7 +532,7 @@ def _directions_on(
     samples_off_curve = np.flatnonzero(signs)
     begin_times = [begin]
     directions = [int(signs[samples_off_curve[0]])]
-    time_tolerance = _LAST_DIGITS * (end - begin)
+    time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
     for sample, next_sample in pairwise(samples_off_curve):
         if signs[sample] != signs[next_sample]:
             crossing_time = scipy.optimize.brentq(
@@ -532,7 +540,7 @@ def _directions_on(
                 sample_times[sample],
                 sample_times[next_sample],
                 xtol=time_tolerance,
-                rtol=_LAST_DIGITS,
+                rtol=_STICK_EDGE_ROUNDOFF_SHARE,
             )
             begin_times.append(float(crossing_time))
             directions.append(int(signs[next_sample]))
@@ -781,8 +789,8 @@ def cycles_to_follow(
     if time is None:
         return cycles, 0
     cycles_to_last_instant = (float(np.max(time)) - start) / period
-    whole_cycles = max(math.floor(cycles_to_last_instant + SLACK), 0)
-    cycles_begun = math.ceil(cycles_to_last_instant - SLACK)
+    whole_cycles = max(math.floor(cycles_to_last_instant + INSTANT_SLACK_SHARE), 0)
+    cycles_begun = math.ceil(cycles_to_last_instant - INSTANT_SLACK_SHARE)
     if whole_cycles:
         return max(cycles_begun, 0), whole_cycles
     return max(cycles, cycles_begun), 0
@@ -802,7 +810,7 @@ def time_in_followed_path(
     InputError
         For a time outside the path.
     """
-    slack = SLACK * (end - start)
+    slack = INSTANT_SLACK_SHARE * (end - start)
     path_time = time
     if period is not None:
         path_time = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
@@ -818,7 +826,7 @@ def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
     A span has its middle and both its ends at least. The end of a span and the begin of the next
     are both there.
     """
-    count = _INSTANTS_OF_LOADING if initial else _INSTANTS
+    count = _INSTANTS_OF_LOADING if initial else _INSTANTS_OF_CYCLE
     durations = np.diff(span_ends)
     intervals = np.maximum(np.ceil(count * durations / (span_ends[-1] - span_ends[0])), 2)
     times = [
@@ -882,9 +890,9 @@ def corner_times(contact: Contact, span: Span) -> Array:
     profile, (n,) ascending, no two the same but for round-off.
 
     Integrands over time have a kink there. A span is a time in full stick or with slip in one
-    direction. At a corner P, or the load P_c at the stick edge, is one of `contact.break_loads`.
+    direction. At a corner P, or the load P_c at the stick edge, is one of `contact.corner_loads`.
     """
-    corner_loads = contact.break_loads
+    corner_loads = contact.corner_loads
     if not len(corner_loads):
         return corner_loads
     segment = span.segment
@@ -897,7 +905,9 @@ def corner_times(contact: Contact, span: Span) -> Array:
     piece = span.sticking_piece
     if span.direction and piece is not None:
         # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.
-        loads_on_piece = corner_loads[(corner_loads > piece.bottom) & (corner_loads < piece.top)]
+        loads_on_piece = corner_loads[
+            (corner_loads > piece.bottom_load) & (corner_loads < piece.top_load)
+        ]
         slip_level = slip_combination(span.direction, span.friction)
         level_at_begin = float(combination_change(piece.anchor, segment, slip_level, begin.time))
         levels_at_corners = slip_combination_on_piece(

@@ -232,7 +232,9 @@ class _Search:
         the largest load: edges of contact (n, 2) at the turning points of the loads, corners of the
         profile, the middle of the profile and of the contact.
         """
-        corners = [side * corner for corner in self.contact.breaks for side in (-1.0, 1.0)]
+        corners = [
+            side * corner for corner in self.contact.corner_half_widths for side in (-1.0, 1.0)
+        ]
         middle_of_profile = [] if self.scene.unsymmetric else [0.0]
         middle_of_contact = float(np.mean(self.widest_edges))
         places = np.array(

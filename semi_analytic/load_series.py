@@ -40,7 +40,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from semi_analytic.history import (
-    SLACK,
+    INSTANT_SLACK_SHARE,
     check,
     cycles_to_follow,
     evenly_spaced_times,
@@ -51,57 +51,57 @@ from semi_analytic.memory import Snapshot, repeat_tolerance
 Indices = NDArray[np.int64]
 
 # Share of the rates of P and Q below which growth of a level is rounding.
-_RATE_ROUNDOFF = 1e-14
+_RATE_ROUNDOFF_SHARE = 1e-14
 # Share of f P by which a stick edge may miss the end of a line that it meets.
-_LAST_DIGITS = 4e-15
+_STICK_EDGE_ROUNDOFF_SHARE = 4e-15
 # Share of f P within which a path runs along the curve that it unloads, and share within which a
 # line goes straight on.
-_ALONG_CURVE = 8e-15
-_SAME_SLOPE = 1e-15
+_ON_CURVE_FORCE_SHARE = 8e-15
+_SLOPE_ROUNDOFF_SHARE = 1e-15
 # Steps that are followed at a time.
 _STEPS_AT_ONCE = 10_000
 # Rows of a measured record beyond which it is answered at its own rows, with pointwise fields at
 # about so many of them.
 _ROWS_OF_SHORT_RECORD = 1000
-_ROWS_ANSWERED = 400
+_ROWS_OF_THINNED_ANSWER = 400
 # Share of a step within which an instant of the user is a row, and has the row's loads. These must
 # be those of the instant to the 1e-9 of the admissibility check. Or, where that is more, so
 # many times the distance between neighbouring floating-point numbers there.
-_SHARE_AT_ROW = 1e-10
-_SPACINGS_AT_ROW = 8
+_STEP_SHARE_AT_ROW = 1e-10
+_FLOAT_SPACINGS_AT_ROW = 8
 
 
 # --------------------------------------------------------------------------- the curve and one step
 class Line(NamedTuple):
-    """The uppermost straight line of a memory curve M(eta), and by `below` the whole curve, a chain
-    of lines from eta = 0 up to P; None in its place stands for bodies out of contact.
+    """The uppermost straight line of a memory curve M(eta), and by `curve_below` the whole curve, a
+    chain of lines from eta = 0 up to P; None in its place stands for bodies out of contact.
 
     M(eta) is the tangential force of the flat punches up to the load eta. A straight
     `memory.CurvePart`.
 
     Attributes
     ----------
-    below
+    curve_below
         the line under this one, None if this one begins at eta = 0
-    top, force
+    top_load, top_force
         eta and M at its upper end [force per thickness]
-    length, rise
+    load_length, force_rise
         growth of eta and of M along the line
     line_count
         number of lines of the curve up to this one
     """
 
-    below: Line | None
-    top: float
-    force: float
-    length: float
-    rise: float
+    curve_below: Line | None
+    top_load: float
+    top_force: float
+    load_length: float
+    force_rise: float
     line_count: int
 
     @property
-    def bottom(self) -> float:
+    def bottom_load(self) -> float:
         """eta at the lower end."""
-        return self.below.top if self.below is not None else 0.0
+        return self.curve_below.top_load if self.curve_below is not None else 0.0
 
     @property
     def bend(self) -> float:
@@ -116,7 +116,7 @@ class Line(NamedTuple):
     @property
     def straight_slope(self) -> float:
         """dM/d eta."""
-        return self.rise / self.length
+        return self.force_rise / self.load_length
 
     def slope_at(self, eta: Array) -> Array:
         """dM/d eta at loads (n,): (n,)."""
@@ -124,7 +124,7 @@ class Line(NamedTuple):
 
 
 _new_tuple = tuple.__new__  # half the time of the class, a million times
-_NO_LINE = Line(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
+_LINE_OUT_OF_CONTACT = Line(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
 Station = tuple[float, float, float]
 """A point of a load step: P, Q and the share of the step that is over."""
 
@@ -143,26 +143,26 @@ class Records(NamedTuple):
     ----------
     direction
         of slip: 1 forward, -1 in reverse, 0 none
-    load, load_after
+    load_at_begin, load_at_end
         P at the begin and at the end of the part [force per thickness]
-    slip_zone_load, slip_zone_load_after
-        P - P_c, P_c the load at the stick edge, at the begin and at the end
-    rise
+    slip_zone_load_at_begin, slip_zone_load_at_end
+        P - P_c there, P_c the load at the stick edge
+    level_rise
         growth in the part of s Q - f P, s the direction
-    until
+    step_share_at_end
         share of the step that is over at the end of the part
-    row
+    step_number
         number of the step, which is that of the row at its begin
     """
 
     direction: Array
-    load: Array
-    load_after: Array
-    slip_zone_load: Array
-    slip_zone_load_after: Array
-    rise: Array
-    until: Array
-    row: Indices
+    load_at_begin: Array
+    load_at_end: Array
+    slip_zone_load_at_begin: Array
+    slip_zone_load_at_end: Array
+    level_rise: Array
+    step_share_at_end: Array
+    step_number: Indices
 
     def take(self, numbers: NDArray[np.bool_] | Indices | slice) -> Records:
         """The records of these numbers, of a mask or of a slice."""
@@ -172,10 +172,9 @@ class Records(NamedTuple):
         """These records with P_c >= 0. In a contact that slips throughout the sum of lengths of
         lines may be a last digit more than P.
         """
-        slip_zone_load = np.minimum(self.slip_zone_load, self.load)
-        slip_zone_load_after = np.minimum(self.slip_zone_load_after, self.load_after)
         return self._replace(
-            slip_zone_load=slip_zone_load, slip_zone_load_after=slip_zone_load_after
+            slip_zone_load_at_begin=np.minimum(self.slip_zone_load_at_begin, self.load_at_begin),
+            slip_zone_load_at_end=np.minimum(self.slip_zone_load_at_end, self.load_at_end),
         )
 
     def slipping(self) -> Records:
@@ -188,19 +187,19 @@ class LineTable(NamedTuple):
     and M at its upper end, and their growth along it.
     """
 
-    top: Array
-    force: Array
-    length: Array
-    rise: Array
+    top_load: Array
+    top_force: Array
+    load_length: Array
+    force_rise: Array
 
     @property
     def slope(self) -> Array:
         """dM/d eta."""
-        return self.rise / self.length
+        return self.force_rise / self.load_length
 
 
-_RECORD_NUMBERS = len(Records._fields) - 1  # the row is added later
-_NUMBERS = _RECORD_NUMBERS + len(LineTable._fields)
+_COUNT_OF_RECORD_NUMBERS = len(Records._fields) - 1  # the row is added later
+_COUNT_OF_RECORD_AND_LINE_NUMBERS = _COUNT_OF_RECORD_NUMBERS + len(LineTable._fields)
 
 
 class Recorder:
@@ -245,7 +244,7 @@ class Recorder:
         """
         if self._add_line is not None:
             self._add_line(line)
-        _, top, force_at_top, length, line_rise, _ = line or _NO_LINE
+        _, top_load, top_force, load_length, force_rise, _ = line or _LINE_OUT_OF_CONTACT
         load_at_begin, _, _ = begin
         load_at_end, _, fraction_at_end = end
         self._add_numbers(
@@ -256,10 +255,10 @@ class Recorder:
                 *slip_zone_load,
                 level_rise,
                 fraction_at_end,
-                top,
-                force_at_top,
-                length,
-                line_rise,
+                top_load,
+                top_force,
+                load_length,
+                force_rise,
             )
         )
 
@@ -274,7 +273,7 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     """
     load_growth, force_rise = np.diff(rows, axis=0).T
     limit = friction * load_growth
-    round_off = _RATE_ROUNDOFF * (np.abs(force_rise) + np.abs(limit))
+    round_off = _RATE_ROUNDOFF_SHARE * (np.abs(force_rise) + np.abs(limit))
     slips_forward = force_rise - limit > round_off
     slips_in_reverse = -force_rise - limit > round_off
     kinds = np.full(len(load_growth), _STICKS, dtype=np.int8)
@@ -323,7 +322,7 @@ def _curve_after_step(
 
     The memory curve M(eta) is the tangential force that the flat punches up to the normal load eta
     carry, for 0 <= eta <= P: a chain of straight lines. A `Line` is its uppermost line, and by
-    `below` the whole curve.
+    `curve_below` the whole curve.
 
     The friction state along the step goes to `recorder`: one record for each line that the step
     goes through.
@@ -370,13 +369,13 @@ def _curve_after_loading_in_stick(
     curve_below = curve
     if curve is not None:
         # The slopes of the line below and of the step, both times both lengths.
-        line_slope_scaled = curve.rise * length
-        step_slope_scaled = rise * curve.length
-        tolerance = _SAME_SLOPE * (abs(line_slope_scaled) + abs(step_slope_scaled))
+        line_slope_scaled = curve.force_rise * length
+        step_slope_scaled = rise * curve.load_length
+        tolerance = _SLOPE_ROUNDOFF_SHARE * (abs(line_slope_scaled) + abs(step_slope_scaled))
         if abs(line_slope_scaled - step_slope_scaled) <= tolerance:
-            curve_below = curve.below
-            length += curve.length
-            rise += curve.rise
+            curve_below = curve.curve_below
+            length += curve.load_length
+            rise += curve.force_rise
     # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
     if curve_below is None:
         return _new_tuple(Line, (None, load_at_end, force_at_end, load_at_end, rise, 1))
@@ -424,19 +423,21 @@ def _curve_after_slip(
     load_growth = load_at_end - load
     level_growth = direction * (force_at_end - force) - friction * load_growth
     level_left = level_growth
-    level_roundoff = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
+    level_roundoff = (
+        _STICK_EDGE_ROUNDOFF_SHARE * friction * (load if load > load_at_end else load_at_end)
+    )
     length_passed = 0.0  # of lines
     slip_zone_load = 0.0  # P - P_c at `station`, where the next record begins
     station = begin_station
     # A line at the limit slips already: the stick edge begins below it.
     if (
         curve is not None
-        and curve.below is not None
-        and friction * curve.length <= direction * curve.rise
+        and curve.curve_below is not None
+        and friction * curve.load_length <= direction * curve.force_rise
     ):
-        length_passed = curve.length
-        slip_zone_load = curve.length
-        curve = curve.below
+        length_passed = curve.load_length
+        slip_zone_load = curve.load_length
+        curve = curve.curve_below
 
     line_level = 0.0  # growth of the level by which a line is passed
     while curve is not None:
@@ -476,9 +477,9 @@ def _curve_after_slip(
     if curve is not None and line_level > 0 and level_left > 0:
         # |Q| <= f P was checked: what the lowest line has not room for is round-off.
         share_of_line = level_left / line_level if level_left < line_level else 1.0
-        length_passed += share_of_line * curve.length
+        length_passed += share_of_line * curve.load_length
         sticking_curve = (
-            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.below
+            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
         )
     slip_zone_load_at_end = length_passed + load_growth
     recorder.add(
@@ -537,7 +538,7 @@ def _curve_after_unloading(
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
     *earlier_parts, last_part = _parts_of_unloading(
-        curve, load_drop, path_slope, _ALONG_CURVE * friction * load
+        curve, load_drop, path_slope, _ON_CURVE_FORCE_SHARE * friction * load
     )
     station = begin_station
     for part in earlier_parts:
@@ -585,8 +586,10 @@ def _parts_of_unloading(
     side_of_open_part = 0
     while line is not None and drop_above_line < load_drop:
         drop_left = load_drop - drop_above_line
-        drop_on_line = line.length if line.length < drop_left else drop_left
-        excess_after = excess + line.rise * (drop_on_line / line.length) - path_slope * drop_on_line
+        drop_on_line = line.load_length if line.load_length < drop_left else drop_left
+        excess_after = (
+            excess + line.force_rise * (drop_on_line / line.load_length) - path_slope * drop_on_line
+        )
         side = 1 if excess_after > 0 else -1
         if abs(excess_after) <= tolerance:
             side = 0
@@ -599,7 +602,7 @@ def _parts_of_unloading(
         drop_above_line += drop_on_line
         excess = excess_after
         side_before = side
-        line = line.below
+        line = line.curve_below
     return [*parts, _UnloadingPart(load_drop, side_of_open_part)]
 
 
@@ -639,9 +642,9 @@ def _curve_after_retracing(
     fall_left = load_drop  # of P, below the upper end of the line `curve`
     station = begin_station
     while curve is not None and fall_left > 0 and station is not end_station:
-        share_of_line = fall_left / curve.length
-        fall_left -= curve.length
-        if curve.below is None or fall_left <= 0:
+        share_of_line = fall_left / curve.load_length
+        fall_left -= curve.load_length
+        if curve.curve_below is None or fall_left <= 0:
             next_station = end_station
         else:
             share_of_drop = 1 - fall_left / load_drop
@@ -653,7 +656,9 @@ def _curve_after_retracing(
             )
         recorder.add(curve, 0, station, next_station)
         station = next_station
-        curve = _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.below
+        curve = (
+            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
+        )
     if station is not end_station:
         recorder.add(curve, 0, station, end_station)
     return curve
@@ -679,7 +684,9 @@ class StepBlock(NamedTuple):
         """The largest P - P_c [force per thickness], P_c the load at the stick edge; 0 where
         nothing slips.
         """
-        at_ends = np.maximum(self.records.slip_zone_load, self.records.slip_zone_load_after)
+        at_ends = np.maximum(
+            self.records.slip_zone_load_at_begin, self.records.slip_zone_load_at_end
+        )
         return float(np.max(at_ends, initial=0.0))
 
 
@@ -701,7 +708,7 @@ def follow(
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
-    ...     block.records.slip_zone_load_after.tolist(),
+    ...     block.records.slip_zone_load_at_end.tolist(),
     ...     block.largest_line_count,
     ... )  # P - P_c = Q/f, then dQ/(2 f)
     ([0.0, 1.0, 1.0], 2)
@@ -732,12 +739,14 @@ def follow(
     finally:
         if was_collecting:
             gc.enable()
-    number_columns = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
-    records_of_steps = np.diff(counts_of_numbers) // _NUMBERS
+    number_columns = (
+        np.frombuffer(recorder.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
+    )
+    records_of_steps = np.diff(counts_of_numbers) // _COUNT_OF_RECORD_AND_LINE_NUMBERS
     step_of_record = np.repeat(np.arange(len(rows) - 1), records_of_steps)
-    columns = [*number_columns[:_RECORD_NUMBERS], step_of_record]
+    columns = [*number_columns[:_COUNT_OF_RECORD_NUMBERS], step_of_record]
     records = Records._make(columns).with_stick_edge_in_contact()
-    line_table = LineTable(*number_columns[_RECORD_NUMBERS:])
+    line_table = LineTable(*number_columns[_COUNT_OF_RECORD_NUMBERS:])
     return StepBlock(rows, records, line_table, recorder.lines, curve, largest_line_count)
 
 
@@ -747,8 +756,8 @@ def _knots_of(curve: Line | None) -> Array:
     """
     knots = []
     while curve is not None:
-        knots.append((curve.top, curve.force))
-        curve = curve.below
+        knots.append((curve.top_load, curve.top_force))
+        curve = curve.curve_below
     knots.append((0.0, 0.0))
     return np.array(knots[::-1]).T
 
@@ -870,18 +879,18 @@ class LoadSeries:
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:
             row_times = self.times[self.first_steps[first_part] :]
-            stride = max(len(row_times) // _ROWS_ANSWERED, 1) if thinned else 1
+            stride = max(len(row_times) // _ROWS_OF_THINNED_ANSWER, 1) if thinned else 1
             times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
             return times_of_answer, len(row_times) - len(times_of_answer)
         times_of_parts = []
         for number, part in enumerate(self.parts[first_part:], first_part):
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
             row_times = self.times[self.first_steps[number] :]
-            step_begin = row_times[records.row]
-            step_end = row_times[records.row + 1]
-            # A record is a part of a step, up to the share `until` of the step.
-            time_inside_step = step_begin + records.until * (step_end - step_begin)
-            record_ends = np.where(records.until == 1, step_end, time_inside_step)
+            step_begin = row_times[records.step_number]
+            step_end = row_times[records.step_number + 1]
+            # A record is a part of a step, up to the share `step_share_at_end` of the step.
+            time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
+            record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
             ends_of_records = np.unique(np.append(row_times[0], record_ends))
             is_initial = number < self.first_cycle_part
             times_of_parts.append(evenly_spaced_times(ends_of_records, initial=is_initial))
@@ -899,9 +908,11 @@ class LoadSeries:
         path_time, time_slack = time_in_followed_path(
             time, float(times[0]), float(times[-1]), self.period
         )
-        rounding_share = _SPACINGS_AT_ROW * np.spacing(np.max(np.abs(times))) / durations
+        rounding_share = _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(times))) / durations
         # Never more than the time by which an instant may miss the whole path.
-        slack_shares = np.minimum(time_slack / durations, np.maximum(_SHARE_AT_ROW, rounding_share))
+        slack_shares = np.minimum(
+            time_slack / durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
+        )
         next_row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         # An instant that misses a row by round-off is still at the row.
         last_row = next_row - 1
@@ -1007,7 +1018,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     normal_load, tangential_load = path.at(times_with_start)
     rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
     check_rows(rows_of_times, friction)
-    slack = SLACK * (path.period or 0.0)
+    slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
     if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
         return _one_way_series(friction, rows_of_times)
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
@@ -1042,7 +1053,7 @@ def check_rows(rows: Array, friction: float) -> None:
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
-    slack = _RATE_ROUNDOFF * float(np.max(np.abs(normal_load)))
+    slack = _RATE_ROUNDOFF_SHARE * float(np.max(np.abs(normal_load)))
     separates = normal_load < -slack
     slides = np.abs(tangential_load) > friction * (normal_load + slack)
     bad_rows = np.flatnonzero(separates | slides)
@@ -1186,23 +1197,27 @@ class States:
         records = block.records
         record_number = _record_at(records, step, share_of_step - slack)
         # An instant that counts as the end of a record has the loads of that end.
-        share_of_step = np.minimum(share_of_step, records.until[record_number])
+        share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
         load, force = _loads_at(block.rows, step, share_of_step)
         line = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
-        slip_zone_load_at_begin = records.slip_zone_load[record_number]
-        slip_zone_growth = (records.slip_zone_load_after - records.slip_zone_load)[record_number]
+        slip_zone_load_at_begin = records.slip_zone_load_at_begin[record_number]
+        slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
+            record_number
+        ]
         share_of_record = _share_of_record(records, record_number, share_of_step)
         slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
         # The stick edge P_c is on the record's line.
-        least_slip_zone_load = np.maximum(load - line.top, 0.0)
-        largest_slip_zone_load = np.maximum(load - (line.top - line.length), 0.0)
+        least_slip_zone_load = np.maximum(load - line.top_load, 0.0)
+        largest_slip_zone_load = np.maximum(load - (line.top_load - line.load_length), 0.0)
         slip_zone_load = np.where(
             direction != 0,
             np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
             0.0,
         )
-        force_at_stick_edge = line.force - line.slope * (line.top - (load - slip_zone_load))
+        force_at_stick_edge = line.top_force - line.slope * (
+            line.top_load - (load - slip_zone_load)
+        )
         force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
         line_number = np.zeros(len(step), dtype=np.intp)
         lines_before = len(self._lines)
@@ -1241,16 +1256,18 @@ def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices
     """Number of the record that holds each instant, (n,), given by the number of its step and the
     share of the step that is over.
     """
-    record_number = np.searchsorted(records.row + records.until, step + share_of_step, side="left")
-    record_number = np.minimum(record_number, len(records.row) - 1)
-    return record_number + (records.row[record_number] < step)
+    record_number = np.searchsorted(
+        records.step_number + records.step_share_at_end, step + share_of_step, side="left"
+    )
+    record_number = np.minimum(record_number, len(records.step_number) - 1)
+    return record_number + (records.step_number[record_number] < step)
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
     """The share of each record (n,) that is over when `share_of_step` of its step is: (n,)."""
-    is_first = np.diff(records.row, prepend=-1) > 0
-    begin = np.where(is_first, 0.0, np.append(0.0, records.until[:-1]))[record_number]
-    length = np.maximum(records.until[record_number] - begin, np.finfo(float).tiny)
+    is_first = np.diff(records.step_number, prepend=-1) > 0
+    begin = np.where(is_first, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[record_number]
+    length = np.maximum(records.step_share_at_end[record_number] - begin, np.finfo(float).tiny)
     return np.clip((share_of_step - begin) / length, 0.0, 1.0)
 
 

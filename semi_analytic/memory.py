@@ -99,15 +99,15 @@ class CurvePart(Protocol):
     """
 
     @property
-    def below(self) -> Self | None:
+    def curve_below(self) -> Self | None:
         """The curve under this piece, None if the piece starts at eta = 0."""
 
     @property
-    def top(self) -> float:
+    def top_load(self) -> float:
         """Load eta at the upper end."""
 
     @property
-    def bottom(self) -> float:
+    def bottom_load(self) -> float:
         """Load eta at the lower end."""
 
     @property
@@ -127,13 +127,13 @@ class CurvePart(Protocol):
 
 
 class Piece(NamedTuple):
-    """The uppermost piece of a memory curve, and by `below` the whole curve.
+    """The uppermost piece of a memory curve, and by `curve_below` the whole curve.
 
     Attributes
     ----------
-    below
+    curve_below
         the curve under this piece, None if this piece starts at eta = 0
-    top
+    top_load
         eta at the upper end
     anchor
         the instant of the load path at which the piece was made; M and eta are measured from there
@@ -144,17 +144,17 @@ class Piece(NamedTuple):
         else None
     """
 
-    below: Piece | None
-    top: float
+    curve_below: Piece | None
+    top_load: float
     anchor: Instant
     slope: float
     bend: float = 0.0
     arc: tuple[float, float] | None = None
 
     @property
-    def bottom(self) -> float:
+    def bottom_load(self) -> float:
         """Load eta at the lower end."""
-        return self.below.top if self.below is not None else 0.0
+        return self.curve_below.top_load if self.curve_below is not None else 0.0
 
     @property
     def straight_slope(self) -> float:
@@ -184,7 +184,7 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
     """The pieces of a memory curve, from the largest load eta downwards."""
     while curve is not None:
         yield curve
-        curve = curve.below
+        curve = curve.curve_below
 
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
@@ -209,7 +209,7 @@ def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
     """Time on an arc's load segment at which P was `load`, in the shape of `load`."""
     begin, end = _times_of_arc(piece)
     return piece.anchor.segment.time_of(
-        NORMAL_LOAD, np.asarray(load, dtype=float) - piece.bottom, begin, end
+        NORMAL_LOAD, np.asarray(load, dtype=float) - piece.bottom_load, begin, end
     )
 
 
@@ -227,7 +227,7 @@ def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
     loads = np.asarray(eta, dtype=float)
     forces = np.zeros(loads.shape)
     for piece in pieces(curve):
-        is_on_piece = (loads <= piece.top) & (loads > piece.bottom)
+        is_on_piece = (loads <= piece.top_load) & (loads > piece.bottom_load)
         if np.any(is_on_piece):
             forces[is_on_piece] = force_on_piece(piece, loads[is_on_piece])
     return forces
@@ -238,23 +238,23 @@ def unload_to(curve: Curve, load: float) -> Curve:
     None where nothing is left, the curve itself where it ends below the load.
 
     M(eta) is the tangential force of the flat punches up to the load eta. A curve is given by its
-    uppermost piece, which goes from the load `bottom` to `top`; `below` is the rest. An arc also
-    stores the times of its ends on the load path.
+    uppermost piece, which goes from the load `bottom_load` to `top_load`; `curve_below` is the
+    rest. An arc also stores the times of its ends on the load path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
     >>> remaining = unload_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), 0.5)
-    >>> remaining.top, float(force_up_to(remaining, 0.5))
+    >>> remaining.top_load, float(force_up_to(remaining, 0.5))
     (0.5, 0.25)
     """
-    while curve is not None and curve.bottom >= load:
-        curve = curve.below
-    if curve is None or curve.top <= load:
+    while curve is not None and curve.bottom_load >= load:
+        curve = curve.curve_below
+    if curve is None or curve.top_load <= load:
         return curve
     if curve.arc is None:
-        return curve._replace(top=load)
+        return curve._replace(top_load=load)
     arc_begin, _ = curve.arc
-    return curve._replace(top=load, arc=(arc_begin, float(time_of_load_on_arc(curve, load))))
+    return curve._replace(top_load=load, arc=(arc_begin, float(time_of_load_on_arc(curve, load))))
 
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
@@ -266,7 +266,7 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
     >>> piece = load_in_stick(None, segment, 0.0, Instant(segment, 1.0, 2.0, 1.0))
-    >>> piece.top, piece.slope, force_up_to(piece, [1.0]).tolist()
+    >>> piece.top_load, piece.slope, force_up_to(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
     slope_and_bend = segment.slope_and_bend(end.time)
@@ -302,8 +302,8 @@ def slip_to(
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
-        curve = unload_to(curve, min(end.normal - slip_zone_load, curve.top))
-    if end.normal <= (curve.top if curve is not None else 0.0):
+        curve = unload_to(curve, min(end.normal - slip_zone_load, curve.top_load))
+    if end.normal <= (curve.top_load if curve is not None else 0.0):
         return curve
     return Piece(curve, end.normal, end, direction * friction)
 
@@ -421,13 +421,13 @@ def is_same_memory(
     """
     if curve is None or other_curve is None:
         return curve is other_curve
-    largest_load = max(curve.top, other_curve.top)
-    if abs(curve.top - other_curve.top) > tolerance * largest_load:
+    largest_load = max(curve.top_load, other_curve.top_load)
+    if abs(curve.top_load - other_curve.top_load) > tolerance * largest_load:
         return False
-    least_top = min(curve.top, other_curve.top)
+    least_top = min(curve.top_load, other_curve.top_load)
     end_loads = {0.0, least_top}
     for piece in (*pieces(curve), *pieces(other_curve)):
-        end_loads.add(min(piece.top, least_top))
+        end_loads.add(min(piece.top_load, least_top))
     sorted_ends = np.array(sorted(end_loads))
     compared_loads = [
         sorted_ends[:-1] + np.diff(sorted_ends) * fraction for fraction in (0.25, 0.5, 0.75, 1.0)
@@ -472,7 +472,7 @@ class Snapshot:
     friction: float
 
     @cached_property
-    def groups(self) -> tuple[tuple[CurvePart, NDArray[np.intp]], ...]:
+    def pieces_with_instants(self) -> tuple[tuple[CurvePart, NDArray[np.intp]], ...]:
         """Each piece of the memory curve M(eta) that holds a stick edge at some instants, with the
         indices of these instants, ascending.
 
@@ -481,11 +481,11 @@ class Snapshot:
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")
         numbers, starts = np.unique(self.piece_number[order_by_piece], return_index=True)
-        pieces_with_instants = []
+        pairs = []
         for piece_number, (start, end) in zip(
             numbers.tolist(), pairwise([*starts.tolist(), len(order_by_piece)]), strict=True
         ):
             piece = self.sticking_pieces[piece_number]
             if piece is not None:
-                pieces_with_instants.append((piece, order_by_piece[start:end]))
-        return tuple(pieces_with_instants)
+                pairs.append((piece, order_by_piece[start:end]))
+        return tuple(pairs)

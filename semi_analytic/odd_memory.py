@@ -596,15 +596,15 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return zero_matrix
-    tolerance = _EQUALITY_TOLERANCE * outer_piece.top
-    if inner_piece.top > outer_piece.bottom + tolerance:
+    tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
+    if inner_piece.top_load > outer_piece.bottom_load + tolerance:
         return zero_matrix  # both spans are on one piece
-    if inner_piece.top - inner_piece.bottom <= tolerance:
+    if inner_piece.top_load - inner_piece.bottom_load <= tolerance:
         return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
     # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
     time = np.array([span.begin.time])
-    slip_zone_load = span.begin.normal - np.array([outer_piece.bottom])
-    eta = np.array([outer_piece.bottom])
+    slip_zone_load = span.begin.normal - np.array([outer_piece.bottom_load])
+    eta = np.array([outer_piece.bottom_load])
     stick_centres = []
     steepness_of_sides = []
     for piece in (outer_piece, inner_piece):
@@ -637,12 +637,12 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     """
     friction = span.friction
     begin = span.begin
-    top_of_sticking_piece = span.sticking_piece.top if span.sticking_piece is not None else 0.0
+    top_of_sticking_piece = span.sticking_piece.top_load if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
         load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal, begin.normal)
-        if piece.bottom < top_of_sticking_piece - load_tolerance:
+        if piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
-        is_point = piece.top - piece.bottom <= load_tolerance
+        is_point = piece.top_load - piece.bottom_load <= load_tolerance
         if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
         normal_change = begin.normal - piece.anchor.normal
@@ -727,7 +727,7 @@ def _smooth_end_at_anchor(
     anchor = piece.anchor
     start = instant(anchor.segment, anchor.segment.start)
     stroke = Span(start, anchor, 0.0, direction, None, friction)
-    return _smooth_end(stroke, anchor.time, piece.bottom, radius)
+    return _smooth_end(stroke, anchor.time, piece.bottom_load, radius)
 
 
 def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
 from scenes.chebyshev import Pieces, fitted_by_halving
-from semi_analytic.quadrature import crowded_nodes, gauss, graded
+from semi_analytic.quadrature import crowded_nodes, gauss, graded_nodes
 from semi_analytic.tilted_profile import TiltedProfile
 
 # Steps of the continuation in which the loads grow from nothing, and steps of Newton's method in
@@ -58,7 +58,7 @@ def loads_of(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
     stick_middle = (left_depth - right_depth) / 2
     stick_half_width = 1 - (left_depth + right_depth) / 2
     # notation: xi = b1 - d1 v^2 places in the left slip zone, b1 the left stick edge, v the nodes
-    nodes, weights = graded(np.zeros(left_depth.shape), np.ones(left_depth.shape))
+    nodes, weights = graded_nodes(np.zeros(left_depth.shape), np.ones(left_depth.shape))
     depth = left_depth[..., None] * (1 - nodes * nodes)
     xi = depth - 1
     root_ratio = np.sqrt(
@@ -199,7 +199,7 @@ class OppositeSlip(TiltedProfile):
     tangential_fraction: float = 1.0  # type: ignore[misc]
 
     @property
-    def closed_form(self) -> bool:
+    def has_closed_form(self) -> bool:
         return True
 
     @cached_property
@@ -308,7 +308,7 @@ class OppositeSlip(TiltedProfile):
         "inverse_root" is integrated where x is inside the zone, eta > P_x; "arccosh_ratio" where it
         is outside, eta < P_x. P_x is the load at which a stick edge is at x, where the kernel is
         singular. The ranges between neighbouring loads are integrated one by one and summed from P
-        down: those close to P_x by `graded`, for singular ends, the others by Gauss' rule.
+        down: those close to P_x by `graded_nodes`, for singular ends, the others by Gauss' rule.
         """
         largest_load = self.intervals.largest_load
         least_load = largest_load - self._largest_unloading
@@ -332,7 +332,7 @@ class OppositeSlip(TiltedProfile):
         range_integrals = np.zeros(is_integrated.shape)
         is_near = distance_to_edge_load < 3 * (load_above - load_below)
         for is_of_rule, rule in (
-            (is_integrated & is_near, graded),
+            (is_integrated & is_near, graded_nodes),
             (is_integrated & ~is_near, _by_gauss),
         ):
             range_indices, place_indices = np.nonzero(is_of_rule)
@@ -359,12 +359,12 @@ class OppositeSlip(TiltedProfile):
         """Integral of the slip kernel `arccosh_ratio` at x over eta, from P to `load`."""
         return -self._integral_up_to_largest_load(x, load, "arccosh_ratio")
 
-    def log_distance(self, load: ArrayLike) -> Array:
-        """Integral of `log_ratio` over eta from P to `load`."""
+    def approach_integral(self, load: ArrayLike) -> Array:
+        """Integral of `log_datum_ratio` over eta from P to `load`."""
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
-        eta, weight = graded(least_load, np.full(np.shape(least_load), largest_load))
-        return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
+        eta, weight = graded_nodes(least_load, np.full(np.shape(least_load), largest_load))
+        return np.asarray(-np.sum(weight * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load, g the
@@ -373,7 +373,7 @@ class OppositeSlip(TiltedProfile):
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
-        rate = self._conjugate_contact.log_ratio
+        rate = self._conjugate_contact.log_datum_ratio
         edge_load = load - slip_zone_load
         eta, weight = crowded_nodes(edge_load, load)
         return np.asarray(np.sum(weight * (rate(edge_load)[..., None] - rate(eta)), axis=-1))

@@ -43,12 +43,12 @@ from scenes import (
     Wedge,
 )
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, Pieces, Powers, Unresolved, fitted_by_halving, series
+from scenes.chebyshev import CHEBYSHEV_NODES, Pieces, Powers, Unresolved, fitted_by_halving, series
 from scenes.profiles import place_of_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
-from semi_analytic.quadrature import ROOTS, LogisticRule, logistic, panel_nodes
+from semi_analytic.quadrature import GRADED_RULE, LogisticRule, logistic, panel_nodes
 from semi_analytic.tilted_profile import (
     ConvexProfile,
     CurvedProfile,
@@ -209,7 +209,7 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
     # with these 1e-13.
-    quadrature_rule = ROOTS if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
+    quadrature_rule = GRADED_RULE if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
     return CurvedProfile(
         knots=np.zeros(1),
         size=length,
@@ -282,7 +282,7 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         second_derivative=second_derivative,
         exponent=max(profile.exponent, _SHARPEST),
         extent=(-profile.extent, profile.extent),
-        noise=1e-11,
+        relative_roundoff=1e-11,
     )
 
 
@@ -353,7 +353,7 @@ def inverse_of(
     def table() -> _LogTable:
         return _log_table(load, stiffness, unit, corner, extent)
 
-    def advance(loads: Array) -> Array:
+    def edge_advance(loads: Array) -> Array:
         """Advance d of the contact edge under each of the `loads` [length], 0 where a load is not
         positive.
 
@@ -377,7 +377,7 @@ def inverse_of(
                 break
         return np.where(loads > 0, d, 0.0)
 
-    return advance
+    return edge_advance
 
 
 class _LogTable(NamedTuple):
@@ -386,7 +386,7 @@ class _LogTable(NamedTuple):
     """
 
     log_load: Array
-    advance: Array
+    edge_advance: Array
     cubic: scipy.interpolate.CubicHermiteSpline
     slope: Array
 
@@ -404,8 +404,8 @@ class _LogTable(NamedTuple):
         d = np.exp(log_d_in_table + self.slope[0] * log_below + self.slope[-1] * log_above)
         row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below == log_above
-        least_d = np.where(is_in_table, self.advance[row_below], d / 2)
-        largest_d = np.where(is_in_table, self.advance[row_below + 1], d * 2)
+        least_d = np.where(is_in_table, self.edge_advance[row_below], d / 2)
+        largest_d = np.where(is_in_table, self.edge_advance[row_below + 1], d * 2)
         return d, least_d, largest_d
 
 
@@ -479,13 +479,13 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
     n rise load_factor(n), E* = `modulus`.
 
     >>> law = power_law(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
-    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
     load_at_length = modulus * exponent * rise * load_factor(exponent)
     return ContactLaw(
         load=lambda a: load_at_length * np.power(a / length, exponent),
-        advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
+        edge_advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
         stiffness=lambda a: exponent * load_at_length / length * np.power(a / length, exponent - 1),
         power=exponent,
     )
@@ -503,7 +503,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     Examples
     --------
     >>> law = even_polynomial(modulus=100.0, length=1.0, rises=(0.5,))  # Hertz with R = 1
-    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
     k = np.arange(1.0, len(rises) + 1)
@@ -536,7 +536,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
         inverse_of(load, stiffness, length),
         stiffness,
         power=2.0 * (first_term + 1),
-        bends_anywhere=has_several_terms,
+        half_width_may_be_steep=has_several_terms,
     )
 
 
@@ -617,7 +617,7 @@ def two_curvatures(
     >>> law = two_curvatures(
     ...     modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3
     ... )
-    >>> round(float(law.advance(np.array(25 * np.pi))), 12)  # Hertz
+    >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)  # Hertz
     1.0
     """
     b = inner_half_length
@@ -638,7 +638,7 @@ def two_curvatures(
             inner_stiffness * np.arctan2(inner_end, t) + outer_stiffness * np.arctan2(t, inner_end)
         )
 
-    return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, breaks=(b,))
+    return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, corner_half_widths=(b,))
 
 
 # --- tables of heights
@@ -682,7 +682,7 @@ class _TableSeries:
         """Half-widths at the nodes and both ends of every interval, (n, nodes) [length], at which
         dP/da is tested: where it falls behind a knot it is least at the next one.
         """
-        nodes_and_ends = np.concatenate([[-1.0], NODES, [1.0]])
+        nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
         root_length = (self.end_roots - self.begin_roots)[:, None]
         u = self.begin_roots[:, None] + root_length * (1 + nodes_and_ends) / 2
         return np.asarray(self.knots[:, None] + np.square(u))
@@ -727,14 +727,14 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
     )
     largest_load = float(law.load(np.array(extent - least_half_width)))
-    advance_under_load = law_to_second_knot.advance
+    advance_under_load = law_to_second_knot.edge_advance
     if law.has_series:
         corner_advance = float(knots[1]) - least_half_width
         advance_under_load = inverse_of(
             law.load, law.stiffness, extent, corner_advance, extent - least_half_width
         )
 
-    def advance(loads: Array) -> Array:
+    def edge_advance(loads: Array) -> Array:
         needed_load = float(np.max(loads, initial=0.0))
         if needed_load > largest_load:
             raise ProfileDataError(
@@ -752,7 +752,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
             raise _contact_splits_error(profile, float(np.min(half_widths[is_negative])))
     inner_knots = tuple(knots[1:-1].tolist())
     return ContactLaw(
-        law.load, advance, law.stiffness, least_half_width, inner_knots, extent=extent
+        law.load, edge_advance, law.stiffness, least_half_width, inner_knots, extent=extent
     )
 
 
@@ -927,7 +927,9 @@ class _KnotSums(NamedTuple):
         `half_width_range` is the least and the largest half-width of the group itself.
         """
         least_half_width, largest_half_width = half_width_range
-        half_widths = least_half_width + (largest_half_width - least_half_width) * (1 + NODES) / 2
+        half_widths = (
+            least_half_width + (largest_half_width - least_half_width) * (1 + CHEBYSHEV_NODES) / 2
+        )
         n_knots_far_below = int(
             np.searchsorted(self.knots, 2 * least_half_width - largest_half_width)
         )
@@ -965,7 +967,7 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     begin_roots = np.array([interval.begin_root for interval in intervals])
     end_roots = np.array([interval.end_root for interval in intervals])
     # The ends too: loads there are where intervals begin and end.
-    nodes_and_ends = np.concatenate([[-1.0], NODES, [1.0]])
+    nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
     roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
     distances = np.square(roots)
     sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
@@ -1012,7 +1014,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
                 stop=len(knot_of_interval),
                 n_far_knots=0,
                 half_width_range=(0.0, 1.0),  # any range: a series of zeros holds on all
-                far_series=np.zeros((len(NODES), 2)),
+                far_series=np.zeros((len(CHEBYSHEV_NODES), 2)),
             )
         )
     while groups:
@@ -1130,7 +1132,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     >>> law = slope_function(
     ...     100.0, CallableProfile(slope_function=lambda x: x, extent=2.0)
     ... )  # Hertz with R = 1
-    >>> round(float(law.advance(np.array(25 * np.pi))), 12)
+    >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
     corners = _corners(profile)
@@ -1153,7 +1155,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         load, stiffness, profile.extent, extent=profile.extent - least_half_width
     )
 
-    def advance(loads: Array) -> Array:
+    def edge_advance(loads: Array) -> Array:
         needed_load = float(np.max(loads, initial=0.0))
         if needed_load > largest_load * (1 + 1e-12):
             raise ProfileDataError(
@@ -1174,15 +1176,15 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         )
     return ContactLaw(
         load=load,
-        advance=advance,
+        edge_advance=edge_advance,
         stiffness=stiffness,
         least_half_width=least_half_width,
-        breaks=tuple(corners_beyond),
+        corner_half_widths=tuple(corners_beyond),
         power=series_of_ranges[0].power if not least_half_width else 2.0,
         extent=profile.extent,
-        bends_anywhere=True,
+        half_width_may_be_steep=True,
         # A derivative was taken of h', and two of h.
-        noise=max(1e-11, profile.rounding_of_height.stiffness),
+        relative_roundoff=max(1e-11, profile.rounding_of_height.stiffness),
     )
 
 

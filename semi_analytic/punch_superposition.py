@@ -41,8 +41,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array
-from scenes.chebyshev import NODES, clenshaw, series, truncation_error
-from semi_analytic.quadrature import gauss, graded
+from scenes.chebyshev import CHEBYSHEV_NODES, clenshaw, series, truncation_error
+from semi_analytic.quadrature import gauss, graded_nodes
 
 Indices = NDArray[np.intp]
 Function = Callable[[Array], Array]
@@ -97,31 +97,31 @@ class ContactLaw:
 
     Attributes
     ----------
-    load, advance, stiffness
+    load, edge_advance, stiffness
         P(d), d(P) and dP/da(d), arrays of any shape; loads per unit thickness
     least_half_width
         a_0, the half-width of no load [length]
-    breaks
+    corner_half_widths
         half-widths of the corners, ascending
     power
         P goes as d^power for small d
     extent
         largest half-width, where the profile ends
-    bends_anywhere
+    half_width_may_be_steep
         whether P may hardly grow between corners, so that a(P) is all but steep there
-    noise
+    relative_roundoff
         relative error of P and dP/da themselves
     """
 
     load: Function
-    advance: Function
+    edge_advance: Function
     stiffness: Function
     least_half_width: float = 0.0
-    breaks: tuple[float, ...] = ()
+    corner_half_widths: tuple[float, ...] = ()
     power: float = 2.0
     extent: float = np.inf
-    bends_anywhere: bool = False
-    noise: float = 2 * _EPS
+    half_width_may_be_steep: bool = False
+    relative_roundoff: float = 2 * _EPS
 
     @cached_property
     def corner_advances(self) -> Array:
@@ -130,7 +130,7 @@ class ContactLaw:
 
         Behind each of them P and dP/da are smooth functions of the root of the distance from it.
         """
-        return np.array([0.0, *(b - self.least_half_width for b in self.breaks)])
+        return np.array([0.0, *(b - self.least_half_width for b in self.corner_half_widths)])
 
     @property
     def advance_ratio_of_series(self) -> float:
@@ -155,7 +155,7 @@ class PunchSuperposition:
 
     law: ContactLaw
     datum_length: float
-    closed_form: ClassVar[bool] = False
+    has_closed_form: ClassVar[bool] = False
 
     @property
     def least_half_width(self) -> float:
@@ -163,19 +163,19 @@ class PunchSuperposition:
         return self.law.least_half_width
 
     @property
-    def breaks(self) -> tuple[float, ...]:
+    def corner_half_widths(self) -> tuple[float, ...]:
         """Half-widths at which dP/da is not smooth."""
-        return self.law.breaks
+        return self.law.corner_half_widths
 
     @property
-    def bends_anywhere(self) -> bool:
+    def half_width_may_be_steep(self) -> bool:
         """Whether P may hardly grow somewhere between the corners."""
-        return self.law.bends_anywhere
+        return self.law.half_width_may_be_steep
 
     @property
-    def noise(self) -> float:
+    def relative_roundoff(self) -> float:
         """Relative error of P(a) and dP/da themselves."""
-        return self.law.noise
+        return self.law.relative_roundoff
 
     @property
     def extent(self) -> float:
@@ -183,9 +183,9 @@ class PunchSuperposition:
         return self.law.extent
 
     @cached_property
-    def break_loads(self) -> Array:
+    def corner_loads(self) -> Array:
         """Loads at which the edge is at a corner, (n,) ascending."""
-        return self.load(np.array(self.breaks, dtype=float))
+        return self.load(np.array(self.corner_half_widths, dtype=float))
 
     # --- the law of normal contact
 
@@ -195,11 +195,11 @@ class PunchSuperposition:
 
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length]. InputError for a load that needs a contact wider than the profile."""
-        return self.least_half_width + self.law.advance(as_floats(load))
+        return self.least_half_width + self.law.edge_advance(as_floats(load))
 
-    def advance(self, load: ArrayLike) -> Array:
+    def edge_advance(self, load: ArrayLike) -> Array:
         """a(P) - a(0), with all its digits beside a flat too [length]."""
-        return self.law.advance(as_floats(load))
+        return self.law.edge_advance(as_floats(load))
 
     def load_at(self, advance: ArrayLike) -> Array:
         """P from the advance of the edge, the inverse of `advance` [force per thickness]."""
@@ -286,13 +286,13 @@ class PunchSuperposition:
         moment, _ = self._arccosh_integral_and_error(1, distance, as_floats(load))
         return np.maximum(moment, 0.0)
 
-    def log_ratio(self, load: ArrayLike) -> Array:
+    def log_datum_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)), L the datum length, at the load P; large and finite for a = 0, where it is
         multiplied by P = 0.
         """
-        return self._log_ratio(self.law.advance(as_floats(load)))
+        return self._log_datum_ratio(self.law.edge_advance(as_floats(load)))
 
-    def log_distance(self, load: ArrayLike) -> Array:
+    def approach_integral(self, load: ArrayLike) -> Array:
         """Integral int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
         thickness]; times A/pi it is the normal approach of the two half-planes.
 
@@ -303,25 +303,25 @@ class PunchSuperposition:
         ...     power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
         ... )  # Hertz
         >>> round(
-        ...     float(contact.log_distance(np.pi / 4) * 4 / np.pi - np.log(2)), 12
+        ...     float(contact.approach_integral(np.pi / 4) * 4 / np.pi - np.log(2)), 12
         ... )  # a = 1 = L: ln 2 + 1/2
         0.5
         """
         loads = as_floats(load)
-        advance = self.law.advance(loads)
+        advance = self.law.edge_advance(loads)
         integral_of_load, _ = self._load_per_width_integral_and_error(0, advance)
-        return loads * self._log_ratio(advance) + integral_of_load
+        return loads * self._log_datum_ratio(advance) + integral_of_load
 
-    def log_moment(self, load: ArrayLike) -> Array:
+    def approach_moment(self, load: ArrayLike) -> Array:
         """First moment int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d
         alpha [(force per thickness)^2]; L is the distance of the datum.
         """
         loads = as_floats(load)
-        advance = self.law.advance(loads)
+        advance = self.law.edge_advance(loads)
         integral_of_half_square, _ = self._load_per_width_integral_and_error(1, advance)
-        return loads * loads * self._log_ratio(advance) / 2 + integral_of_half_square
+        return loads * loads * self._log_datum_ratio(advance) / 2 + integral_of_half_square
 
-    def _log_ratio(self, advance: Array) -> Array:
+    def _log_datum_ratio(self, advance: Array) -> Array:
         """ln(2 L/a) from the advance a - a_0 of the edge of contact beyond the half-width a_0
         without load.
         """
@@ -515,7 +515,7 @@ class PunchSuperposition:
         load_from_corner = stick_edge_load - self._corner_loads[corner_below]
         is_short = load_above_stick < _SHORT_LOAD_RANGE * load_from_corner
         suits_gauss_rule = is_short & (load <= next_corner_load)
-        if self.bends_anywhere:
+        if self.half_width_may_be_steep:
             # twelve nodes would miss a half-width at which P hardly grows
             suits_gauss_rule &= load_above_stick <= _FAR_LOAD_SHARE * load
         return np.asarray(~suits_gauss_rule & (load_above_stick > _FAR_LOAD_SHARE * load))
@@ -528,7 +528,7 @@ class PunchSuperposition:
         of P. It is a quarter of that digit at least: of P_c = 0 the logarithm would be 700.
         """
         stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
-        contact_advance, stick_advance = self.law.advance(np.stack([load, stick_edge_load]))
+        contact_advance, stick_advance = self.law.edge_advance(np.stack([load, stick_edge_load]))
         least_half_width = np.finfo(float).tiny * np.maximum(contact_advance, 1.0)
         stick_half_width = np.maximum(self.least_half_width + stick_advance, least_half_width)
         relative_rise = (contact_advance - stick_advance) / stick_half_width
@@ -538,12 +538,14 @@ class PunchSuperposition:
         """Lam(P, P_c) as P ln(a/c) - int_c^a P/alpha d alpha [force per thickness], alpha the
         half-widths between stick c and contact a.
         """
-        log_ratio, contact_advance, stick_advance = self._log_width_ratio(load, load_above_stick)
+        log_datum_ratio, contact_advance, stick_advance = self._log_width_ratio(
+            load, load_above_stick
+        )
         both_integrals, _ = self._load_per_width_integral_and_error(
             0, np.stack([contact_advance, stick_advance])
         )
         integral_to_contact, integral_to_stick = both_integrals
-        return load * log_ratio - (integral_to_contact - integral_to_stick)
+        return load * log_datum_ratio - (integral_to_contact - integral_to_stick)
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
         """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) over loads eta from P_c to P, a sum
@@ -616,8 +618,10 @@ class PunchSuperposition:
                     begin_column - corner_loads[corner_below[parts_of_rule], None], span_column
                 )
             else:
-                loads_from_begin, weights = (values[:, 0] for values in graded(0.0, span_column))
-            advance = self.law.advance(begin_column + loads_from_begin)
+                loads_from_begin, weights = (
+                    values[:, 0] for values in graded_nodes(0.0, span_column)
+                )
+            advance = self.law.edge_advance(begin_column + loads_from_begin)
             # dP/d ln(a) = a dP/da
             log_stiffness = (self.least_half_width + advance) * self.law.stiffness(advance)
             # P - eta from P - P_c, which keeps its digits
@@ -646,7 +650,7 @@ class PunchSuperposition:
         # |x| of a field at points; the load again of the two others
         first_argument = argument_arrays[0]
         load = argument_arrays[-1]
-        advance = self.law.advance(load)
+        advance = self.law.edge_advance(load)
         half_width = self.least_half_width + advance
         # The relative change of the value is that of `sensitive_length`, which round-off of a
         # half-width changes most.
@@ -661,11 +665,13 @@ class PunchSuperposition:
             sensitive_length = np.minimum(half_width, distance) - self.least_half_width
         else:
             value, error = self._load_per_width_integral_and_error(load_power, advance)
-            value = value + np.abs(load) ** (1 + load_power) * np.abs(self._log_ratio(advance))
+            value = value + np.abs(load) ** (1 + load_power) * np.abs(
+                self._log_datum_ratio(advance)
+            )
             sensitive_length = half_width
         least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
         relative_last_digit = 8 * _EPS * half_width / np.maximum(sensitive_length, least_length)
-        return error + (relative_last_digit + self.noise + 50 * _EPS) * np.abs(value)
+        return error + (relative_last_digit + self.relative_roundoff + 50 * _EPS) * np.abs(value)
 
     def _error_of_dissipation_kernel(self, load: Array, load_above_stick: Array) -> Array:
         """Estimated error of the kernel of friction work Lam(P, P_c) = int ln(a(eta)/c) d eta, not
@@ -676,15 +682,17 @@ class PunchSuperposition:
         series of the integral leaves out.
         """
         kernel = self.dissipation_kernel(load, load_above_stick)
-        log_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
+        log_datum_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
         integral_to_contact, series_error = self._load_per_width_integral_and_error(
             0, contact_advance
         )
-        size_of_terms = load * log_ratio + np.abs(integral_to_contact)
-        error_of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
+        size_of_terms = load * log_datum_ratio + np.abs(integral_to_contact)
+        error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
         is_difference = self._is_exact_as_difference(load, load_above_stick)
         error_of_difference = np.where(is_difference, error_of_difference, 0.0)
-        return error_of_difference + (_ROUND_OFFS_OF_KERNEL * _EPS + self.noise) * kernel
+        return (
+            error_of_difference + (_ROUND_OFFS_OF_KERNEL * _EPS + self.relative_roundoff) * kernel
+        )
 
     def _pressure_change_by_last_digit(
         self, load_power: int, distance: Array, advance: Array
@@ -859,7 +867,7 @@ class PunchSuperposition:
         `load_power` 1 the load eta stands in front of g. At the tip of a sharp wedge the integral
         has no lower end: there it is (g/pi) ln(a/L), of which only differences have a meaning.
         """
-        advance = self.law.advance(load)
+        advance = self.law.edge_advance(load)
         is_inside = distance < self.least_half_width + advance
         pressure, error = self._integral_and_error(
             "pressure", load_power, distance, np.where(is_inside, advance, 0.0)
@@ -883,7 +891,7 @@ class PunchSuperposition:
         upper end, the smaller of a and |x|. W = P; with `load_power` 1, where the load stands in
         front, W = P^2/2.
         """
-        advance = self.law.advance(load)
+        advance = self.law.edge_advance(load)
         advance_to_x = self._advance_to(distance)
         end_advance = np.minimum(advance, advance_to_x)
         integral, error = self._integral_and_error("outside", load_power, distance, end_advance)
@@ -1244,10 +1252,13 @@ def _series_of_integrand(kind: Kind, load_power: int, panels: Panels, law: Conta
     """Coefficients (n, nodes) of the Chebyshev series of an integrand over v on n panels, in chunks
     that bound the memory.
     """
-    series_of_chunks = [np.empty((0, len(NODES)))]
+    series_of_chunks = [np.empty((0, len(CHEBYSHEV_NODES)))]
     for k in range(0, len(panels.point_number), _PANELS_AT_ONCE):
         chunk = panels.take(np.arange(k, min(k + _PANELS_AT_ONCE, len(panels.point_number))))
-        v = chunk.begin_v[:, None] + (chunk.end_v - chunk.begin_v)[:, None] * (1 + NODES) / 2
+        v = (
+            chunk.begin_v[:, None]
+            + (chunk.end_v - chunk.begin_v)[:, None] * (1 + CHEBYSHEV_NODES) / 2
+        )
         series_of_chunks.append(series(_integrand(kind, load_power, chunk, v, law)))
     return np.concatenate(series_of_chunks)
 

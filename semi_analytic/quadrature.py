@@ -41,7 +41,7 @@ def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
     return LogisticRule(from_begin, from_end, step * from_nearer_end * (1 - from_nearer_end))
 
 
-ROOTS = logistic(-36.0, 36.0)
+GRADED_RULE = logistic(-36.0, 36.0)
 """For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range,
 is left out.
 """
@@ -51,14 +51,14 @@ INVERSE_ROOTS = logistic(-75.0, 75.0)
 range, is 1e-16.
 """
 
-NODES = len(ROOTS.from_begin)
-"""Nodes of `graded`."""
+GRADED_NODE_COUNT = len(GRADED_RULE.from_begin)
+"""Nodes of `graded_nodes`."""
 
-_IN_LOWER_HALF = ROOTS.from_begin < 0.5
-_FROM_NEARER_END = np.minimum(ROOTS.from_begin, ROOTS.from_end)
+_IN_LOWER_HALF = GRADED_RULE.from_begin < 0.5
+_FROM_NEARER_END = np.minimum(GRADED_RULE.from_begin, GRADED_RULE.from_end)
 
 
-def graded(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Array]:
+def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands singular at or
     next to the ends: the trapezoidal rule in s, for nodes begin + (end - begin)/(1 + exp(-s)).
 
@@ -66,7 +66,7 @@ def graded(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Ar
     logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
     With a `stride` of 2 every second node is taken, which halves the number of digits.
 
-    >>> nodes, weights = graded(0.0, 4.0)
+    >>> nodes, weights = graded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
@@ -75,7 +75,7 @@ def graded(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Ar
     length = end_column - begin_column
     distance = length * _FROM_NEARER_END[::stride]
     nodes = np.where(_IN_LOWER_HALF[::stride], begin_column + distance, end_column - distance)
-    return nodes, length * (stride * ROOTS.weight[::stride])
+    return nodes, length * (stride * GRADED_RULE.weight[::stride])
 
 
 @cache
@@ -98,8 +98,8 @@ def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with roots at
     the ends: Gauss' rule of 24 nodes in t, for nodes begin + (end - begin) (3 t^2 - 2 t^3).
 
-    The nodes crowd to both ends; they are an eighth of those of `graded`. The rule is for ranges
-    that are halved until the integral has converged.
+    The nodes crowd to both ends; they are an eighth of those of `graded_nodes`. The rule is for
+    ranges that are halved until the integral has converged.
 
     >>> nodes, weights = crowded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -151,9 +151,9 @@ def panel_nodes(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = 
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
     panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
     length = panel_end - panel_begin
-    distance_to_begin = length * ROOTS.from_begin
-    distance_to_end = length * ROOTS.from_end
+    distance_to_begin = length * GRADED_RULE.from_begin
+    distance_to_end = length * GRADED_RULE.from_end
     from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_begin
     from_end = (end_places[..., None, None] - panel_end) + distance_to_end
     places = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
-    return Nodes(places, from_begin, from_end, length * ROOTS.weight)
+    return Nodes(places, from_begin, from_end, length * GRADED_RULE.weight)

@@ -39,7 +39,7 @@ from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.tilted_profile import TiltedProfile
 
 _EPS = float(np.finfo(float).eps)
-_TINY = float(np.finfo(float).tiny)
+_SMALLEST_FLOAT = float(np.finfo(float).tiny)
 # Share of a half-width within which a point is at an edge.
 _NEAR_EDGE = 0.01
 # Last digits of a half-width by which it may be wrong.
@@ -60,7 +60,7 @@ _ROUNDOFF_OF_LOOP = 100.0
 _LEAST_SLIPPED_SHARE = 1e-6
 
 
-def error_by_slip_zone_load(quantity: str, share: float) -> float:
+def roundoff_error_of_little_slip(quantity: str, share: float) -> float:
     """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of P_c,
     the load at the stick edge.
 
@@ -131,7 +131,7 @@ def error_of_work(
     difference = 0.0
     if math.isfinite(loop_integral.work) and work > 0:
         difference = abs(loop_integral.work / work - 1)
-    if contact.closed_form or not work > 0:
+    if contact.has_closed_form or not work > 0:
         return 0.0, difference
     error = math.fsum(_error_of_span(contact, span) for span in spans) / work
     # Round-off of U in the loop is no error of W.
@@ -203,13 +203,13 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     largest_pressure = _largest_finite(contact.pressure(places, load))
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     errors_of_arcs = {
-        name: largest_error(sums.arc_errors[name]) / size if size > _TINY else 0.0
+        name: largest_error(sums.arc_errors[name]) / size if size > _SMALLEST_FLOAT else 0.0
         for name, size in largest_values.items()
     }
-    if contact.closed_form or isinstance(contact, TiltedProfile):
+    if contact.has_closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}
     errors: dict[str, float] = {}
-    if largest_pressure <= _TINY:
+    if largest_pressure <= _SMALLEST_FLOAT:
         return errors
     half_width = contact.half_width(load)
     is_off_edge = np.abs(places - half_width) > _NEAR_EDGE * half_width
@@ -224,7 +224,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
         errors[f"pressure{suffix}"] = kernel_error + error_by_edge
         error_of_shear_sum = errors_of_arcs["shear"] + sums.n_kernels * kernel_error
         errors[f"shear{suffix}"] = error_of_shear_sum + error_by_edge + 2 * error_by_stick_edge
-    if sums.largest_slip > _TINY:
+    if sums.largest_slip > _SMALLEST_FLOAT:
         slip_kernel_errors = contact.quadrature_error("slip_integral", places, load)
         slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
         errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
@@ -238,7 +238,7 @@ def _evenly_spread_numbers(count: int, most: int) -> Indices:
 
 def _largest_finite(values: Array) -> float:
     """The largest finite value, 2e-308 at least; the tip of a sharp wedge has infinite pressure."""
-    return float(np.max(values, where=np.isfinite(values), initial=_TINY))
+    return float(np.max(values, where=np.isfinite(values), initial=_SMALLEST_FLOAT))
 
 
 def _error_beside_edges(
@@ -258,7 +258,7 @@ def _error_beside_edges(
     distance_after = np.abs(x[np.minimum(point_after, last_point)] - a)
     distance = np.maximum(np.minimum(distance_before, distance_after), nearest_share * a)
     stiffness = contact.stiffness(a)
-    error_of_load = contact.noise * contact.load(a)
+    error_of_load = contact.relative_roundoff * contact.load(a)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)
     error_of_edge = _DIGITS_OF_EDGE * _EPS * a + error_of_load / positive_stiffness
     change_of_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)

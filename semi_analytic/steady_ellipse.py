@@ -56,7 +56,7 @@ from scenes.array_types import Array
 from scenes.chebyshev import Powers, fitted_by_halving
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact, SymmetricContact
-from semi_analytic.quadrature import ROOTS, gauss, graded
+from semi_analytic.quadrature import GRADED_RULE, gauss, graded_nodes
 
 Indices = NDArray[np.intp]
 
@@ -353,7 +353,7 @@ def _work_density_of_phases(
     load_at_x = contact.load(x)
     ranges_of_slip = _ranges_of_slip(ellipses, load_at_x)
     cuts_of_phases = list(
-        corner_angles(ellipses.take((slice(None), 0)), contact.break_loads[:, None]).values()
+        corner_angles(ellipses.take((slice(None), 0)), contact.corner_loads[:, None]).values()
     )
     density = np.zeros((len(PHASES), len(x)))
     for phase_number, begin, end in ranges_of_slip:
@@ -362,7 +362,7 @@ def _work_density_of_phases(
         ellipse_of_piece, cut_number = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
         if not len(ellipse_of_piece):
             continue
-        angle_in_phase, weights = graded(
+        angle_in_phase, weights = graded_nodes(
             cuts[ellipse_of_piece, cut_number],
             cuts[ellipse_of_piece, cut_number + 1],
             node_stride,
@@ -372,7 +372,9 @@ def _work_density_of_phases(
         )
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         load_excess = np.maximum(load_at_x[ellipse_of_piece] - stick_edge_load, 0.0)
-        advance = contact.advance(stick_edge_load)  # of the stick edge beyond the least half-width
+        advance = contact.edge_advance(
+            stick_edge_load
+        )  # of the stick edge beyond the least half-width
         arccosh_ratio = contact.arccosh_ratio(x[ellipse_of_piece], load_excess, advance)
         works_at_nodes = (
             weights * rate * contact.pressure(x[ellipse_of_piece], load) * arccosh_ratio
@@ -461,12 +463,12 @@ class PieceRule(NamedTuple):
 
 def _graded_piece_rule() -> PieceRule:
     """The graded rule on [0, 1]. Its error check takes every second node alone."""
-    weight = graded(0.0, 1.0)[1]
+    weight = graded_nodes(0.0, 1.0)[1]
     error_check = weight.copy()
     error_check[::2] -= 2 * weight[::2]
-    is_in_lower_half = ROOTS.from_begin[:, None] < 0.5
+    is_in_lower_half = GRADED_RULE.from_begin[:, None] < 0.5
     distance_from_end = np.where(
-        is_in_lower_half, ROOTS.from_begin[:, None], -ROOTS.from_end[:, None]
+        is_in_lower_half, GRADED_RULE.from_begin[:, None], -GRADED_RULE.from_end[:, None]
     )
     return PieceRule(distance_from_end, is_in_lower_half, weight, error_check[None])
 
@@ -713,7 +715,9 @@ def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Arra
             ellipses.take(ellipse_numbers), contact, first_octave, last_octave
         )
     total_work = works[0] + works[1]
-    works[2] += roundoff_error(ellipses, total_work) + contact.noise * np.abs(total_work)
+    works[2] += roundoff_error(ellipses, total_work) + contact.relative_roundoff * np.abs(
+        total_work
+    )
     return works
 
 
@@ -734,7 +738,7 @@ def _dissipation_of_group(
     kernel = contact.dissipation_kernel
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
     takes_series = np.zeros(len(slip_zone_share), dtype=bool)
-    corner_loads = contact.break_loads
+    corner_loads = contact.corner_loads
     log_half_width = _log_half_width_of(contact)
     table = None
     if len(ellipses.mean_load) > _ELLIPSES_WITHOUT_TABLE and np.any(
@@ -784,7 +788,7 @@ def _work_over_phases(
     stick edge. Phases are cut where an edge passes a corner of the profile. Each interval is
     integrated by one of the `rules` and halved until its error is below `converged_share` of W.
     """
-    corners = contact.break_loads
+    corners = contact.corner_loads
     # A corner that is nearly met counts too.
     is_above_least_load = corners > 0.99 * np.min(ellipses.permanent_stick_load, initial=math.inf)
     is_below_largest_load = corners < 1.01 * np.max(
@@ -1113,11 +1117,11 @@ def _log_half_width_of(contact: SymmetricContact) -> Callable[[Array], Array]:
     half-width a_0 is that of a flat.
     """
     has_flat = contact.least_half_width > 0
-    # `log_ratio` is ln(2 datum_length/a).
+    # `log_datum_ratio` is ln(2 datum_length/a).
     scaled_contact = replace(
         contact, datum_length=contact.least_half_width / 2 if has_flat else 0.5
     )
-    return lambda load: -scaled_contact.log_ratio(load)
+    return lambda load: -scaled_contact.log_datum_ratio(load)
 
 
 class LogHalfWidth:
@@ -1138,7 +1142,7 @@ class LogHalfWidth:
         load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to the load
         of the next corner.
         """
-        corners = contact.break_loads
+        corners = contact.corner_loads
         largest_load = 2.0**last_octave
         if contact.extent != math.inf:
             largest_load = min(largest_load, float(contact.load(contact.extent)))
@@ -1162,7 +1166,7 @@ class LogHalfWidth:
         series = fitted_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
-            max(contact.noise / 4e-14, 1.0),
+            max(contact.relative_roundoff / 4e-14, 1.0),
         )
         corner_number = corner_below(series.edges[:-1])
         self._corner_load = corner_loads[corner_number]
@@ -1239,7 +1243,7 @@ def _cached_log_half_width(
 _NODES_AT_ONCE = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
 _NODE_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
-_LAM_RULES = (*(gauss(count) for count in _NODE_COUNTS), graded(0.0, 1.0))
+_LAM_RULES = (*(gauss(count) for count in _NODE_COUNTS), graded_nodes(0.0, 1.0))
 _LEAST_HALF_SUMS = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
 
 
@@ -1611,11 +1615,11 @@ class LamTable:
             1 + (cell_in_octave[:, None] + (1 + _CHEBYSHEV_POINTS) / 2) / _CELLS_OF_OCTAVE,
             octave[:, None],
         )
-        # `log_ratio` is ln(2 datum_length/a), `log_distance` its integral over the load. With b = 2
-        # datum_length L = ln(a/b) keeps its digits beside the flat.
+        # `log_datum_ratio` is ln(2 datum_length/a), `approach_integral` its integral over the load.
+        # With b = 2 datum_length L = ln(a/b) keeps its digits beside the flat.
         contact = replace(contact, datum_length=contact.least_half_width / 2)
-        integral_of_log = -contact.log_distance(load)
-        log_half_width = -contact.log_ratio(load)
+        integral_of_log = -contact.approach_integral(load)
+        log_half_width = -contact.log_datum_ratio(load)
         # Of a short step about the load Lam is half of its square times L', but for a share of
         # 3e-14.
         load_step = 1e-6 * load

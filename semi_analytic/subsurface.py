@@ -565,9 +565,9 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
     piece_at_edge = snapshot.sticking_pieces[snapshot.piece_number[instant_number]]
     for piece in pieces(piece_at_edge):  # from there down
-        if piece.bottom < stick_edge_load:
-            upper_load = min(piece.top, stick_edge_load)
-            yield piece.bottom, upper_load, _slope_of_piece(piece, snapshot.friction)
+        if piece.bottom_load < stick_edge_load:
+            upper_load = min(piece.top_load, stick_edge_load)
+            yield piece.bottom_load, upper_load, _slope_of_piece(piece, snapshot.friction)
 
 
 def _slope_of_piece(piece: CurvePart, friction: float) -> Slope:
@@ -611,7 +611,9 @@ def _panels_between(
     """First and last half-width [length] of panels between two half-widths, cut where the profile
     has a corner.
     """
-    inner_breaks = (place for place in contact.breaks if least_width < place < largest_width)
+    inner_breaks = (
+        place for place in contact.corner_half_widths if least_width < place < largest_width
+    )
     for first_half_width, last_half_width in pairwise([least_width, *inner_breaks, largest_width]):
         if last_half_width > first_half_width:
             yield first_half_width, last_half_width

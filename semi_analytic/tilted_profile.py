@@ -55,7 +55,14 @@ from numpy.typing import ArrayLike
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.array_types import Array
 from scenes.chebyshev import Pieces, Unresolved, fitted_by_halving
-from semi_analytic.quadrature import ROOTS, LogisticRule, crowded_nodes, gauss, graded, panel_nodes
+from semi_analytic.quadrature import (
+    GRADED_RULE,
+    LogisticRule,
+    crowded_nodes,
+    gauss,
+    graded_nodes,
+    panel_nodes,
+)
 
 # Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
 _MOST_NEWTON_STEPS = 120
@@ -118,14 +125,14 @@ class ConvexProfile(abc.ABC):
         a typical half-length of contact [length]
     extent
         ends of the profile [length]
-    noise
+    relative_roundoff
         relative error of h', which that of m and c follows
     """
 
     knots: Array
     size: float
     extent: tuple[float, float]
-    noise: float = _ERROR_OF_SERIES
+    relative_roundoff: float = _ERROR_OF_SERIES
     radius: float | None = None
     """Radius of curvature of a parabola about x = 0 [length]; None for other profiles."""
 
@@ -137,7 +144,7 @@ class ConvexProfile(abc.ABC):
 
     @property
     @abc.abstractmethod
-    def breaks(self) -> Array:
+    def corner_half_widths(self) -> Array:
         """Knots at which h'' bends: an end of contact that meets one is no smooth function of the
         load.
         """
@@ -389,7 +396,7 @@ class PiecewiseParabola(ConvexProfile):
         return np.diff(self.curvature)
 
     @property
-    def breaks(self) -> Array:
+    def corner_half_widths(self) -> Array:
         return self.knots[self.jumps != 0]
 
     @cached_property
@@ -661,10 +668,10 @@ class CurvedProfile(ConvexProfile):
     height, gradient, second_derivative
         h [length], h' [1] and h'' [1/length] as functions of x
     rule
-        quadrature over theta between two knots; `ROOTS` for integrands singular at the knots
+        quadrature over theta between two knots; `GRADED_RULE` for integrands singular at the knots
     exponent
         n of |x|^n near the knot x = 0
-    noise
+    relative_roundoff
         relative error of h'
     """
 
@@ -673,13 +680,13 @@ class CurvedProfile(ConvexProfile):
     height: Callable[[Array], Array]
     gradient: Callable[[Array], Array]
     second_derivative: Callable[[Array], Array]
-    rule: LogisticRule = ROOTS
+    rule: LogisticRule = GRADED_RULE
     exponent: float = 2.0
     extent: tuple[float, float] = (-np.inf, np.inf)
-    noise: float = _ERROR_OF_SERIES
+    relative_roundoff: float = _ERROR_OF_SERIES
 
     @property
-    def breaks(self) -> Array:
+    def corner_half_widths(self) -> Array:
         return self.knots
 
     def place_of_first_touch(self, tilt: ArrayLike) -> Array:
@@ -907,9 +914,9 @@ class NestedIntervals:
         return middle, float(self._series.half_width(0.0))
 
     @cached_property
-    def break_loads(self) -> Array:
+    def corner_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load_at_edge(self.shape.breaks)
+        loads = self.load_at_edge(self.shape.corner_half_widths)
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.largest_load)])
 
     @cached_property
@@ -921,8 +928,8 @@ class NestedIntervals:
         and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The intervals of v are laid
         end to end on one axis, so that one series holds all of them.
         """
-        break_loads = self.break_loads[self.break_loads < self.largest_load * (1 - 1e-9)]
-        cut_loads = np.concatenate([[0.0], break_loads, [self.largest_load]])
+        corner_loads = self.corner_loads[self.corner_loads < self.largest_load * (1 - 1e-9)]
+        cut_loads = np.concatenate([[0.0], corner_loads, [self.largest_load]])
         cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
         series_of_centre = []
         series_of_half_width = []
@@ -952,7 +959,7 @@ class NestedIntervals:
         range_of_v = np.array([0.0, math.sqrt(upper_load - lower_load)])
         # Length of which `fitted_by_halving` takes 4e-15 as negligible. Beside a flat the last
         # digits of a contact are noise, as are those of a profile with noise.
-        value_scale = 0.1 * self.shape.noise / 4e-15 * self.largest_half_width
+        value_scale = 0.1 * self.shape.relative_roundoff / 4e-15 * self.largest_half_width
         try:
             return (
                 fitted_by_halving(
@@ -1119,9 +1126,9 @@ class TiltedProfile:
     datum_length
         L, distance of the point that does not move, from which displacements count [length]
     kernel_quantity
-        what `log_ratio`, `log_distance` and `log_moment` give by an increment of M(eta), over A/pi:
-        the tangential displacement U; U + kappa m_q, which is conjugate to Q in the friction work
-        W; or, not over A/pi, the moment of the shear m_q
+        what `log_datum_ratio`, `approach_integral` and `approach_moment` give by an increment of
+        M(eta), over A/pi: the tangential displacement U; U + kappa m_q, which is conjugate to Q in
+        the friction work W; or, not over A/pi, the moment of the shear m_q
     """
 
     intervals: NestedIntervals
@@ -1129,8 +1136,8 @@ class TiltedProfile:
     kernel_quantity: Literal["displacement", "conjugate_displacement", "shear_moment"] = (
         "displacement"
     )
-    bends_anywhere: ClassVar[bool] = False
-    breaks: ClassVar[tuple[float, ...]] = ()
+    half_width_may_be_steep: ClassVar[bool] = False
+    corner_half_widths: ClassVar[tuple[float, ...]] = ()
     least_half_width: ClassVar[float] = 0.0
     tangential_fraction: ClassVar[float] = 1.0
     """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain
@@ -1138,14 +1145,14 @@ class TiltedProfile:
     """
 
     @property
-    def closed_form(self) -> bool:
+    def has_closed_form(self) -> bool:
         """Whether contacts are known in closed form, without series."""
         return self.shape.radius is not None
 
     @property
-    def noise(self) -> float:
+    def relative_roundoff(self) -> float:
         """Relative error of the centre m and half-length c of contact."""
-        return self.shape.noise
+        return self.shape.relative_roundoff
 
     @property
     def shape(self) -> ConvexProfile:
@@ -1170,9 +1177,9 @@ class TiltedProfile:
         return self.intervals.centre_and_half_width(load)
 
     @property
-    def break_loads(self) -> Array:
+    def corner_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        return self.intervals.break_loads
+        return self.intervals.corner_loads
 
     def is_nested(self, load: float) -> bool:
         """Whether every contact interval up to a load contains those of smaller loads: dp/d eta > 0
@@ -1193,11 +1200,11 @@ class TiltedProfile:
         m, c = self.centre_and_half_width(load)
         return np.stack([m - c, m + c], axis=-1)
 
-    def advance(self, load: ArrayLike) -> Array:
+    def edge_advance(self, load: ArrayLike) -> Array:
         """The parameter of an interval that kernels take: here its load [force per thickness]."""
         return np.asarray(load, dtype=float)
 
-    load_at = advance
+    load_at = edge_advance
 
     def load(self, half_width: ArrayLike) -> Array:
         """P_x, the load at which a point x = `half_width` is an end of contact [force per
@@ -1300,9 +1307,9 @@ class TiltedProfile:
         """Quadrature nodes and weights on the loads from `begin` to `end` [force per thickness], in
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
-        if not len(self.break_loads):
-            return graded(begin, end)
-        nodes = panel_nodes(begin, end, self.break_loads)
+        if not len(self.corner_loads):
+            return graded_nodes(begin, end)
+        nodes = panel_nodes(begin, end, self.corner_loads)
         shape = (*np.shape(end), -1)
         return nodes.place.reshape(shape), nodes.weight.reshape(shape)
 
@@ -1382,7 +1389,7 @@ class TiltedProfile:
         """ln(2 L/c); 0 for c = 0, where it is multiplied by the load."""
         return np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
 
-    def log_ratio(self, load: ArrayLike) -> Array:
+    def log_datum_ratio(self, load: ArrayLike) -> Array:
         """Rate of `kernel_quantity` per unit of M on the contact interval under `load`.
 
         "displacement": phi ln(2 L/c) + (pi kappa/A) m, pi/A times the rate of U [1].
@@ -1404,8 +1411,8 @@ class TiltedProfile:
             )
         return displacement_rate
 
-    def log_distance(self, load: ArrayLike) -> Array:
-        """Integral of `log_ratio` over loads from 0 to `load`, in closed form. It depends on
+    def approach_integral(self, load: ArrayLike) -> Array:
+        """Integral of `log_datum_ratio` over loads from 0 to `load`, in closed form. It depends on
         `kernel_quantity`, of which this object holds the kernels:
 
         - "shear_moment": the moment of the pressure [force];
@@ -1430,10 +1437,10 @@ class TiltedProfile:
             return scaled_approach + self.pressure_skewness * moment
         return scaled_approach
 
-    def log_moment(self, load: ArrayLike) -> Array:
-        """Integral of eta times `log_ratio` over loads eta from 0 to `load`, by quadrature."""
+    def approach_moment(self, load: ArrayLike) -> Array:
+        """Integral of eta times `log_datum_ratio` over loads eta up to `load`, by quadrature."""
         eta, weight = self._nodes_over_load(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
-        return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
+        return np.asarray(np.sum(weight * eta * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam(P, P_c) >= 0 [force per thickness]: the kernel by which slip zones add to the
@@ -1450,18 +1457,18 @@ class TiltedProfile:
         )
         conjugate_contact = replace(self, kernel_quantity="conjugate_displacement")
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
-        rate_at_stick_edge = conjugate_contact.log_ratio(stick_edge_load)
-        integral_to_load = conjugate_contact.log_distance(load)
-        integral_to_stick_edge = conjugate_contact.log_distance(stick_edge_load)
+        rate_at_stick_edge = conjugate_contact.log_datum_ratio(stick_edge_load)
+        integral_to_load = conjugate_contact.approach_integral(load)
+        integral_to_stick_edge = conjugate_contact.approach_integral(stick_edge_load)
         kernel = np.array(
             slip_zone_load * rate_at_stick_edge - (integral_to_load - integral_to_stick_edge)
         )
         is_small_slip = slip_zone_load < _SMALL_SLIP_FRACTION * load
         if np.any(is_small_slip):
             eta, weights = crowded_nodes(stick_edge_load[is_small_slip], load[is_small_slip])
-            rate_fall = rate_at_stick_edge[is_small_slip][:, None] - conjugate_contact.log_ratio(
-                eta
-            )
+            rate_fall = rate_at_stick_edge[is_small_slip][
+                :, None
+            ] - conjugate_contact.log_datum_ratio(eta)
             kernel[is_small_slip] = np.sum(weights * rate_fall, axis=-1)
         return np.maximum(kernel, 0.0)
 
@@ -1472,4 +1479,4 @@ class TiltedProfile:
         size = np.abs(getattr(self, name)(*arguments))
         if name == "dissipation_kernel":
             size = size + np.abs(arguments[0])
-        return self.noise * size
+        return self.relative_roundoff * size

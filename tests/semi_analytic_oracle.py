@@ -311,12 +311,12 @@ class Oracle(Punches):
             leg = piece.anchor.segment
             slope = _slope_on(piece)
             bottom = (
-                piece.bottom
+                piece.bottom_load
                 if piece.arc is None
                 else _load_and_rate(leg.normal, leg.mean[0], LONG(piece.arc[0]))[0]
             )
             yield self.half(bottom), self.half(upper), lambda alpha, slope=slope: slope(load(alpha))
-            upper = piece.bottom
+            upper = piece.bottom_load
 
     def at(self, k, x):
         """pressure, shear and slip at |x| (m,), and shift, approach, contact and stick half-width,

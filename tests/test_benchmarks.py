@@ -107,10 +107,12 @@ def a_later_edge(patch: pytest.MonkeyPatch) -> None:
 
     def wrong(*arguments):
         block = follow(*arguments)
-        slipped = 1.001 * block.records.slip_zone_load
-        after = 1.001 * block.records.slip_zone_load_after
+        slipped = 1.001 * block.records.slip_zone_load_at_begin
+        after = 1.001 * block.records.slip_zone_load_at_end
         return block._replace(
-            records=block.records._replace(slip_zone_load=slipped, slip_zone_load_after=after)
+            records=block.records._replace(
+                slip_zone_load_at_begin=slipped, slip_zone_load_at_end=after
+            )
         )
 
     patch.setattr(load_series, "follow", wrong)
@@ -156,12 +158,12 @@ FAULTS = {
     ),
     "moment of the pressure": (hertz("pressure_moment"), "hertz-paper", ["shear at instant"]),
     "moment of the log": (
-        hertz("log_moment"),
+        hertz("approach_moment"),
         "hertz-paper",
         ["tangential_displacement at instant"],
     ),
     "log of the distance": (
-        hertz("log_distance"),
+        hertz("approach_integral"),
         "unload-reload",
         ["tangential_displacement at instant", "rms displacement"],
     ),

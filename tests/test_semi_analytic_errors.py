@@ -130,7 +130,7 @@ def test_closed_forms_claim_no_error_and_rough_tables_state_theirs(monkeypatch, 
         > abs(solution.loop_work / solution.dissipation - 1)
     )
     assert not solution.record.notes
-    monkeypatch.setattr("semi_analytic.answer_by_memory._DOUBTFUL", 1e-16)
+    monkeypatch.setattr("semi_analytic.answer_by_memory._DOUBTFUL_RELATIVE_ERROR", 1e-16)
     noted = solve(scene, x=X, cycles="steady").record.notes
     assert any(
         note.startswith("dissipation: quadratures and rounding may have left an error of")

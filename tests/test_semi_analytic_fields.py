@@ -253,7 +253,9 @@ def drop_history(monkeypatch):
 
     def forgetful_step(curve, *arguments):
         if curve is not None:
-            curve = Line(None, curve.top, curve.force, curve.top, curve.force, line_count=1)
+            curve = Line(
+                None, curve.top_load, curve.top_force, curve.top_load, curve.top_force, line_count=1
+            )
         return step(curve, *arguments)
 
     monkeypatch.setattr(semi_analytic.load_series, "_curve_after_step", forgetful_step)

@@ -56,10 +56,12 @@ def test_a_height_carries_what_its_slope_does(name):
         of_height.load(HALF_WIDTHS), of_slope.load(HALF_WIDTHS), rtol=max(1e-14, stated.load)
     )
     np.testing.assert_allclose(
-        of_height.stiffness(HALF_WIDTHS), of_slope.stiffness(HALF_WIDTHS), rtol=of_height.noise
+        of_height.stiffness(HALF_WIDTHS),
+        of_slope.stiffness(HALF_WIDTHS),
+        rtol=of_height.relative_roundoff,
     )
     # 1.1e-11 to 2.3e-11, of log cosh 4.6e-11 where a library rounds log and cosh less well
-    assert 1e-11 <= of_height.noise < 1e-10
+    assert 1e-11 <= of_height.relative_roundoff < 1e-10
 
 
 @pytest.mark.parametrize("radius", [10.0, 1e3, 1e5])
@@ -73,7 +75,7 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
     error = np.max(np.abs(slope.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
     of_one_value = np.finfo(float).eps * radius / arc(radius)[0](EXTENT)
     assert error <= profile.rounding_of_height.load < max(of_one_value, 1e-13)
-    assert slope.noise >= profile.rounding_of_height.stiffness
+    assert slope.relative_roundoff >= profile.rounding_of_height.stiffness
 
     load = float(slope.load(np.array(1.0)))
     scene = make_scene(ellipse(load, load / 3, 0.0, load / 3)).vary(profile=profile)

@@ -55,9 +55,9 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     eta = normal * np.array([1e-3, 0.2, 0.5, 0.8])
     held = [float(memory(phases, len(phases) - 1, phases[-1].end, each, FRICTION)) for each in eta]
     np.testing.assert_allclose(force_up_to(curve, eta), held, rtol=0, atol=1e-14)
-    assert curve.top == pytest.approx(normal, rel=1e-15)
-    assert float(force_up_to(curve, curve.top)) == pytest.approx(tangential, abs=1e-14)
-    knots = np.array([0.0, *(piece.top for piece in pieces(curve))][1:][::-1])
+    assert curve.top_load == pytest.approx(normal, rel=1e-15)
+    assert float(force_up_to(curve, curve.top_load)) == pytest.approx(tangential, abs=1e-14)
+    knots = np.array([0.0, *(piece.top_load for piece in pieces(curve))][1:][::-1])
     eta = np.unique(np.concatenate([np.linspace(0, normal, 50), knots]))
     assert np.all(
         np.abs(np.diff(force_up_to(curve, eta)) / np.maximum(np.diff(eta), 1e-9))
@@ -77,7 +77,7 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
         curve, final_curve([*points[:where], extra, *points[where:]]), FRICTION, tolerance=1e-11
     )
     unloaded = final_curve([*points, (low * normal, low * normal * FRICTION * use)])
-    assert all(piece.top <= low * normal * (1 + 1e-15) for piece in pieces(unloaded))
+    assert all(piece.top_load <= low * normal * (1 + 1e-15) for piece in pieces(unloaded))
 
 
 @settings(max_examples=20)
@@ -114,7 +114,7 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
             for time in (span.begin.time, span.end.time)
         ]
         ends.append((history.states[-1], float(min(fronts))))
-    eta = np.linspace(ends[0][1], ends[0][0].top, 40)
+    eta = np.linspace(ends[0][1], ends[0][0].top_load, 40)
     for curve, permanent in ends[1:]:
         assert permanent == pytest.approx(ends[0][1], rel=1e-9, abs=1e-12)
         np.testing.assert_allclose(force_up_to(curve, eta), force_up_to(ends[0][0], eta), atol=1e-9)

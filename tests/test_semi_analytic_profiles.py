@@ -117,8 +117,8 @@ def kernels(contact, truth, a):
                 yield "pressure" + moment, (x, load), truth.traction(at, least, a, weight)
             if at > least:
                 yield "slip_integral" + moment, (x, load), truth.slip(at, least, a, weight)
-    yield "log_distance", (load,), truth.log(least, a)
-    yield "log_moment", (load,), truth.log(least, a, truth.law.load)
+    yield "approach_integral", (load,), truth.log(least, a)
+    yield "approach_moment", (load,), truth.log(least, a, truth.law.load)
     for part in (0.999, 0.1):
         slipped = load - float(contact.load(float(least + part * (a - least))))
         if front := load - slipped:  # as P - P_c has it: for |x|^20 nothing is left of 1e-20 P
@@ -177,7 +177,7 @@ def test_half_width_inverts_load_over_sixteen_decades(name):
     # On a flat face a itself keeps no more digits of a - b than a double leaves it: the advance of
     # the edge keeps all.
     load_again = (
-        contact.law.load(contact.law.advance(load))
+        contact.law.load(contact.law.edge_advance(load))
         if contact.least_half_width
         else contact.load(contact.half_width(load))
     )
@@ -204,7 +204,7 @@ def test_close_half_widths_keep_their_digits(name):
             ):
                 continue
             excess = part * load
-            advance = contact.advance(load)
+            advance = contact.edge_advance(load)
             outer, inner = (float(contact.half_width(load + sign * excess)) for sign in (1, -1))
             reach = (
                 np.arccosh(outer / a)
@@ -337,7 +337,8 @@ SAME = {
         KNEE,
         FlatRounded(radius=1 / BEND, flat_half_length=contact_on(KNEE).least_half_width),
         tuple(
-            share * float(contact_on(KNEE).load(contact_on(KNEE).breaks[0])) for share in (1e-2,)
+            share * float(contact_on(KNEE).load(contact_on(KNEE).corner_half_widths[0]))
+            for share in (1e-2,)
         ),
         1e-10,
     ),
@@ -377,7 +378,7 @@ FLAT = contact_on(FlatRounded(radius=1.0, flat_half_length=1.0), 2.0)  # E* b^2/
 
 def tau_of_load(load):
     """sqrt(a^2 - b^2)/b by the engine."""
-    d = float(FLAT.advance(load))
+    d = float(FLAT.edge_advance(load))
     return math.sqrt(d * (2 + d))
 
 

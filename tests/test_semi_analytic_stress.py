@@ -12,7 +12,7 @@ from scenes import Scene, load_scene
 from semi_analytic import edge_tension, stress
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import graded_nodes
 from semi_analytic.subsurface import (
     _answers_with_tractions,
     _curve_parts,
@@ -123,14 +123,14 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
         knots = [
             float(contact.half_width(end)) for line in _curve_parts(snapshot, 0) for end in line[:2]
         ]
-        knots += [b for b in contact.breaks if b < a]
+        knots += [b for b in contact.corner_half_widths if b < a]
         x = a * np.array([-1.7, -0.93, -0.4, 0.1, 0.61, 0.87, 1.2])
         y = -a * np.array([0.2, 0.5, 0.11, 2.0, 0.3, 0.08, 0.15])
         stresses = stress(scene, x, y, time)[0]
         face = stress(scene, x, 0.0, time)[0]
         for k, (point, height) in enumerate(zip(x, y, strict=True)):
             marks = np.unique(np.clip([-a, a, point, *knots, *(-knot for knot in knots)], -a, a))
-            t, weight = (part.ravel() for part in graded(marks[:-1], marks[1:]))
+            t, weight = (part.ravel() for part in graded_nodes(marks[:-1], marks[1:]))
             t = t[weight > 0]
             weight = weight[weight > 0]
             at = semi_analytic.solve(

@@ -83,8 +83,8 @@ def test_the_front_stays_within_the_contact():
         ]
         block = follow(None, np.array(points), scene.friction.coefficient)
         records = block.records
-        assert np.all(records.slip_zone_load <= records.load)
-        assert np.all(records.slip_zone_load_after <= records.load_after)
+        assert np.all(records.slip_zone_load_at_begin <= records.load_at_begin)
+        assert np.all(records.slip_zone_load_at_end <= records.load_at_end)
         unloaded = points.index((0.0, 0.0), 1)
         assert (
             follow(None, np.array(points[: unloaded + 1]), scene.friction.coefficient).curve is None

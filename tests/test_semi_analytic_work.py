@@ -25,10 +25,14 @@ from scenes import (
 from scenes.loads import HarmonicLoad
 from semi_analytic import compliance, friction_work, hysteresis, solve
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.friction_work import CONVERGED, by_halving, pointwise_dissipation
+from semi_analytic.friction_work import (
+    CONVERGED_CHANGE_SHARE,
+    integrals_by_halving,
+    pointwise_dissipation,
+)
 from semi_analytic.history import history_of
 from semi_analytic.profiles import contact_of
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import graded_nodes
 from semi_analytic_cases import (
     CORNERS,
     LOADS,
@@ -108,7 +112,7 @@ def test_error_of_pointwise_work_is_honest(monkeypatch):
     contact = contact_of(scene.profile, scene.material)
     exact = np.array([float(value) for value in case["density"]])
     for halvings, most, least in ((0, 1e-6, 1e-9), (17, 1e-11, 0.0)):
-        monkeypatch.setattr(friction_work, "_HALVINGS", halvings)
+        monkeypatch.setattr(friction_work, "_MOST_HALVINGS", halvings)
         work = pointwise_dissipation(contact, 1.0, spans, np.array(case["x"]))
         assert np.all(np.abs(work.total - exact) <= work.error + 2e-15 * np.max(exact))
         assert least < np.max(work.error) / np.max(exact) < most
@@ -344,13 +348,13 @@ def test_integrals_by_halving_and_what_they_say_of_themselves(width, settles):
     """
 
     def work(_, low, high):
-        x, weights = graded(low, high)
+        x, weights = graded_nodes(low, high)
         return np.sum(
             weights * (1 / (x * x + width * width) if width else np.sign(x - 1 / 3)), axis=-1
         )
 
     exact = 2 / width * math.atan(1 / width) if width else -2 / 3
-    integral = by_halving(work, [-1.0], [1.0], CONVERGED * abs(exact))
+    integral = integrals_by_halving(work, [-1.0], [1.0], CONVERGED_CHANGE_SHARE * abs(exact))
     # A pole beside an end of a part costs the rule 4e-12 however short the part: that it cannot
     # see.
     assert abs(integral.value[0] - exact) <= integral.error[0] + 3e-11 * abs(exact)

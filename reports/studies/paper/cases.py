@@ -26,7 +26,7 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import pointwise_dissipation, slip_times
 from semi_analytic.history import Span, history_of
 from semi_analytic.profiles import Contact, contact_of
-from semi_analytic.quadrature import graded
+from semi_analytic.quadrature import graded_nodes
 
 # Names of both examples in the library.
 _HERTZ = "hertz-paper"
@@ -359,7 +359,7 @@ class Formulas:
             (load_at_a, max(load, load_at_a), True),
         )
         for first_load, last_load, is_on_ellipse in ranges_of_load:
-            normal_loads, weights = graded(
+            normal_loads, weights = graded_nodes(
                 np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
             )
             curvature = np.full_like(normal_loads, 2 * beta)  # d2Q/dP2 of the parabola
@@ -468,7 +468,7 @@ class Formulas:
 
 def integral(rate: Callable[[Array], ArrayLike], start: float, end: float) -> float:
     """Integral of a function that may have roots at both ends."""
-    t, weights = graded(start, end)
+    t, weights = graded_nodes(start, end)
     return float(np.sum(np.asarray(rate(t)) * weights))
 
 
