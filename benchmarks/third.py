@@ -41,7 +41,7 @@ from reports.studies.third.calculix import (
     solve_with_calculix,
 )
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
-from scenes import freeze, load_scene, scene_names
+from scenes import load_scene, read_only_copy, scene_names
 
 STORED = Path(__file__).with_suffix(".json")
 ROLLER = STORED.with_name("roller.json")
@@ -92,16 +92,19 @@ def whole_cylinder(deck: Deck) -> Deck:
     turned = number[upper.elements - first][:, [0, 3, 2, 1]] + first
     top = np.flatnonzero(nodes[:, 1] >= 2 * middle - deck.scales.half_width**2 / (2 * middle))
     axis = np.flatnonzero(np.abs(nodes[:, 0]) < 1e-9 * middle)
-    held = {1: freeze(axis + first, np.int64), 2: freeze(top + first, np.int64)}
-    elements = freeze(np.concatenate([upper.elements, turned]), np.int64)
-    return replace(deck, upper=replace(upper, nodes=freeze(nodes), elements=elements, held=held))
+    held = {1: read_only_copy(axis + first, np.int64), 2: read_only_copy(top + first, np.int64)}
+    elements = read_only_copy(np.concatenate([upper.elements, turned]), np.int64)
+    return replace(
+        deck, upper=replace(upper, nodes=read_only_copy(nodes), elements=elements, held=held)
+    )
 
 
 def two_increments(deck: Deck) -> Deck:
     """The load in two halves."""
     half = (len(deck.time) - 1) // 2
     time, normal, tangential = (
-        freeze(series[::half]) for series in (deck.time, deck.normal_load, deck.tangential_load)
+        read_only_copy(series[::half])
+        for series in (deck.time, deck.normal_load, deck.tangential_load)
     )
     return replace(deck, time=time, normal_load=normal, tangential_load=tangential)
 

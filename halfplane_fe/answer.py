@@ -33,7 +33,7 @@ from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from halfplane_fe.stick_by_slip import ends_by_slip
 from halfplane_fe.task import Task
-from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
+from scenes import OPEN, STICK, Interrupted, Record, Scene, read_only_copy
 from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
@@ -86,25 +86,25 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     shifts = np.array([state.shift for state in states])
     approaches = np.array([state.approach for state in states])
     arrays = {
-        "time": freeze([state.time for state in states]),
-        "normal_load": freeze(loads[:, 0]),
-        "tangential_load": freeze(loads[:, 1]),
-        "tangential_displacement": freeze(shifts * displacement_unit),
-        "normal_approach": freeze(approaches * displacement_unit),
-        "x": freeze(problem.interface.x * scales.half_width),
+        "time": read_only_copy([state.time for state in states]),
+        "normal_load": read_only_copy(loads[:, 0]),
+        "tangential_load": read_only_copy(loads[:, 1]),
+        "tangential_displacement": read_only_copy(shifts * displacement_unit),
+        "normal_approach": read_only_copy(approaches * displacement_unit),
+        "x": read_only_copy(problem.interface.x * scales.half_width),
         **_nodal_arrays(problem, states, scales),
-        "state": freeze(surface_states[run.stored_indices], np.int8),
-        **{name: freeze(values) for name, values in edges.items()},
-        "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
-        "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": freeze(work_per_area),
+        "state": read_only_copy(surface_states[run.stored_indices], np.int8),
+        **{name: read_only_copy(values) for name, values in edges.items()},
+        "contact_half_width": read_only_copy(np.diff(edges["contact_edges"])[:, 0] / 2),
+        "stick_half_width": read_only_copy(np.diff(edges["stick_edges"])[:, 0] / 2),
+        "dissipation_density": read_only_copy(work_per_area),
         "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
-        "cycle_dissipation": freeze(cycle_works.sum(axis=1)),
+        "cycle_dissipation": read_only_copy(cycle_works.sum(axis=1)),
         "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0])
         / 2
         * task.edge_unit,
-        "permanent_stick_edges": freeze(permanent_stick.places * task.edge_unit),
-        "permanent_stick_uncertainty": freeze(permanent_stick.uncertainty * task.edge_unit),
+        "permanent_stick_edges": read_only_copy(permanent_stick.places * task.edge_unit),
+        "permanent_stick_uncertainty": read_only_copy(permanent_stick.uncertainty * task.edge_unit),
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }
@@ -220,11 +220,11 @@ def _arrays_of_stress_and_tilt(
     shear_moment = q_of_nodes @ problem.interface.x
     stress_lower, stress_upper, tilt = np.array([state.stresses_and_tilt for state in states]).T
     return {
-        "bulk_stress_lower": freeze(stress_lower * stress_unit),
-        "bulk_stress_upper": freeze(stress_upper * stress_unit),
-        "tilt": freeze(tilt * stress_unit / scales.modulus),
-        "moment": freeze(moment * moment_unit),
-        "shear_moment": freeze(shear_moment * moment_unit),
+        "bulk_stress_lower": read_only_copy(stress_lower * stress_unit),
+        "bulk_stress_upper": read_only_copy(stress_upper * stress_unit),
+        "tilt": read_only_copy(tilt * stress_unit / scales.modulus),
+        "moment": read_only_copy(moment * moment_unit),
+        "shear_moment": read_only_copy(shear_moment * moment_unit),
     }
 
 
@@ -734,7 +734,7 @@ def record_of(
         reduced_values = np.asarray(values)
         if len(reduced_values):
             reduced_values = reduction.reduceat(reduced_values, first_increments)
-        return freeze(np.concatenate([[0.0], reduced_values]), dtype)
+        return read_only_copy(np.concatenate([[0.0], reduced_values]), dtype)
 
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.column(name) for name in energy_names}

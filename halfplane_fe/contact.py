@@ -29,7 +29,7 @@ from scenes import (
     STICK,
     ConvergenceError,
     InputError,
-    freeze,
+    read_only_copy,
 )
 from scenes.array_types import Array, Mask, States
 
@@ -151,8 +151,8 @@ class InterfaceState:
                 values[_RIGID_NAMES.index(name)] = part
             else:
                 nodal(values)[_NODAL_NAMES.index(name)] = part
-        states = self.node_states if node_states is None else freeze(node_states, np.int8)
-        return replace(self, values=freeze(values), node_states=states)
+        states = self.node_states if node_states is None else read_only_copy(node_states, np.int8)
+        return replace(self, values=read_only_copy(values), node_states=states)
 
 
 class BesideTheFaces(InputError):
@@ -341,7 +341,7 @@ class ContactProblem:
         states = np.where(gap <= ROUNDING, STICK, OPEN)
         load_or_position = approach if self.actuators.normal_compliance is not None else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
-        return self._state(time, loads_at_rest, freeze(values), states)
+        return self._state(time, loads_at_rest, read_only_copy(values), states)
 
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, states: States
@@ -352,7 +352,7 @@ class ContactProblem:
             _, pressure, shear, _ = nodal(values)
             normal_load, tangential_load = self.interface.resultants(pressure, shear)
             resultants = (float(normal_load), float(tangential_load))
-        return InterfaceState(time, loads, values, freeze(states, np.int8), resultants)
+        return InterfaceState(time, loads, values, read_only_copy(states, np.int8), resultants)
 
     def equilibrium(
         self,
@@ -467,7 +467,7 @@ class ContactProblem:
                 f" {time:.6g}, {self._loads_in_words(loads)}"
             )
         self.work_counts["contact iterations"] += solution.newton_steps
-        state = self._state(time, loads, freeze(solution.values), solution.states)
+        state = self._state(time, loads, read_only_copy(solution.values), solution.states)
         return state, solution.newton_steps
 
     def state_following(

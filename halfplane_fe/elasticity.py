@@ -26,7 +26,7 @@ from skfem.quadrature import get_quadrature
 
 from halfplane_fe.far_field import arc_forces, line_elements
 from meshes import BodyMesh
-from scenes import ConvergenceError, Elastic, InputError, freeze
+from scenes import ConvergenceError, Elastic, InputError, read_only_copy
 from scenes.array_types import Array, Indices
 
 # Lame's lambda over the shear modulus above which the rest enters through a pressure of its own: nu
@@ -891,11 +891,11 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     return CondensedBody(
         body=body,
         material=material,
-        x=freeze(places[0]),
-        y=freeze(places[1]),
-        face_lengths=freeze(weights),
-        compliance=freeze(compliance.reshape(*dof_shape, *dof_shape)),
-        displacement_by_stress=freeze(displacement_by_stress),
+        x=read_only_copy(places[0]),
+        y=read_only_copy(places[1]),
+        face_lengths=read_only_copy(weights),
+        compliance=read_only_copy(compliance.reshape(*dof_shape, *dof_shape)),
+        displacement_by_stress=read_only_copy(displacement_by_stress),
         diagnostics={
             "asymmetry": asymmetry,
             "residual": float(residual),

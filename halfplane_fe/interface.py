@@ -36,7 +36,7 @@ from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.supports import face_room, has_ends
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
-from scenes import Block, InputError, Scene, Shape, freeze
+from scenes import Block, InputError, Scene, Shape, read_only_copy
 from scenes.array_types import Array
 
 if TYPE_CHECKING:
@@ -97,20 +97,20 @@ class Interface:
         """
         coupling = self.coupling
         if coupling is not None:
-            coupling = freeze(coupling / compliance)
+            coupling = read_only_copy(coupling / compliance)
         gap_and_slip_per_stress_and_tilt = self.gap_and_slip_per_stress_and_tilt
         if gap_and_slip_per_stress_and_tilt is not None:
-            gap_and_slip_per_stress_and_tilt = freeze(
+            gap_and_slip_per_stress_and_tilt = read_only_copy(
                 gap_and_slip_per_stress_and_tilt
                 / [length * compliance, length * compliance, length]
             )
         return replace(
             self,
-            x=freeze(self.x / length),
-            face_lengths=freeze(self.face_lengths / length),
-            gap=freeze(self.gap / length),
-            normal_compliance=freeze(self.normal_compliance / compliance),
-            tangential_compliance=freeze(self.tangential_compliance / compliance),
+            x=read_only_copy(self.x / length),
+            face_lengths=read_only_copy(self.face_lengths / length),
+            gap=read_only_copy(self.gap / length),
+            normal_compliance=read_only_copy(self.normal_compliance / compliance),
+            tangential_compliance=read_only_copy(self.tangential_compliance / compliance),
             coupling=coupling,
             nearest=(self.nearest[0] / length, self.nearest[1] / length),
             gap_and_slip_per_stress_and_tilt=gap_and_slip_per_stress_and_tilt,
@@ -186,14 +186,18 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
     gap_and_slip = slip_and_gap[::-1]
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
-        x=freeze(lower.x),
-        face_lengths=freeze(lower.face_lengths),
-        face_normals=freeze(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
-        gap=freeze(np.zeros_like(lower.x)),
-        normal_compliance=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
-        tangential_compliance=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
-        coupling=freeze(coupling) if coupling.any() else None,
-        gap_and_slip_per_stress_and_tilt=freeze(gap_and_slip),
+        x=read_only_copy(lower.x),
+        face_lengths=read_only_copy(lower.face_lengths),
+        face_normals=read_only_copy(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
+        gap=read_only_copy(np.zeros_like(lower.x)),
+        normal_compliance=read_only_copy(
+            lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]
+        ),
+        tangential_compliance=read_only_copy(
+            lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]
+        ),
+        coupling=read_only_copy(coupling) if coupling.any() else None,
+        gap_and_slip_per_stress_and_tilt=read_only_copy(gap_and_slip),
     )
 
 
@@ -229,15 +233,15 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
     n_nodes = len(lower.x)
     coupling = compliance_of_both[n_nodes:, :n_nodes]
     return Interface(
-        x=freeze(lower.x),
-        face_lengths=freeze(mortar_sides.face_lengths),
-        face_normals=freeze(mortar_sides.face_normals),
-        gap=freeze(mortar_sides.gap),
-        normal_compliance=freeze(compliance_of_both[:n_nodes, :n_nodes]),
-        tangential_compliance=freeze(compliance_of_both[n_nodes:, n_nodes:]),
-        coupling=freeze(coupling) if coupling.any() else None,
+        x=read_only_copy(lower.x),
+        face_lengths=read_only_copy(mortar_sides.face_lengths),
+        face_normals=read_only_copy(mortar_sides.face_normals),
+        gap=read_only_copy(mortar_sides.gap),
+        normal_compliance=read_only_copy(compliance_of_both[:n_nodes, :n_nodes]),
+        tangential_compliance=read_only_copy(compliance_of_both[n_nodes:, n_nodes:]),
+        coupling=read_only_copy(coupling) if coupling.any() else None,
         nearest=mortar_sides.nearest,
-        gap_and_slip_per_stress_and_tilt=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
+        gap_and_slip_per_stress_and_tilt=read_only_copy(np.stack(gap_and_slip_by_load, axis=-1)),
     )
 
 
@@ -301,9 +305,9 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
         smooth_part = np.where(distances_in_elements > 0, smooth_on_left, smooth_on_right)
         mean_of_sides = (smooth_on_left + smooth_on_right) / 2
         smooth_part = np.where(distances_in_elements == 0, mean_of_sides, smooth_part)
-        coupling = freeze(np.where(is_in_band, smooth_part, coupling))
+        coupling = read_only_copy(np.where(is_in_band, smooth_part, coupling))
     return replace(
-        interface, tangential_compliance=freeze(tangential_compliance), coupling=coupling
+        interface, tangential_compliance=read_only_copy(tangential_compliance), coupling=coupling
     )
 
 

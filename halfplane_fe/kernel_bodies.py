@@ -58,7 +58,7 @@ from scenes import (
     Scene,
     Shape,
     ShoulderedPad,
-    freeze,
+    read_only_copy,
 )
 from scenes.array_types import Array
 from scenes.bodies import Face, arc_depth, face_of
@@ -379,9 +379,11 @@ class KernelPair:
             coupling = coupling + half_planes.coupling
         interface_along_axes = replace(
             half_planes,
-            normal_compliance=freeze(half_planes.normal_compliance + added_normal),
-            tangential_compliance=freeze(half_planes.tangential_compliance + added_tangential),
-            coupling=freeze(coupling) if coupling.any() else None,
+            normal_compliance=read_only_copy(half_planes.normal_compliance + added_normal),
+            tangential_compliance=read_only_copy(
+                half_planes.tangential_compliance + added_tangential
+            ),
+            coupling=read_only_copy(coupling) if coupling.any() else None,
         )
         if self.faces[0].is_flat and self.faces[1].is_flat:
             return interface_along_axes
@@ -491,12 +493,12 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     )
     return replace(
         along_axes,
-        face_lengths=freeze(along_axes.face_lengths / n_y),
-        face_normals=freeze(np.stack([n_x, n_y])),
-        gap=freeze((depth_of_lower + depth_of_upper) * n_y),
-        normal_compliance=freeze(normal),
-        tangential_compliance=freeze(tangential),
-        coupling=freeze(coupling) if coupling.any() else None,
+        face_lengths=read_only_copy(along_axes.face_lengths / n_y),
+        face_normals=read_only_copy(np.stack([n_x, n_y])),
+        gap=read_only_copy((depth_of_lower + depth_of_upper) * n_y),
+        normal_compliance=read_only_copy(normal),
+        tangential_compliance=read_only_copy(tangential),
+        coupling=read_only_copy(coupling) if coupling.any() else None,
     )
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.interface import Interface
 from halfplane_fe.run import PathRun
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, read_only_copy
 from scenes.array_types import Array, Indices
 
 # Largest difference of a compliance and its mirror image, over the largest entry: round-off of the
@@ -78,14 +78,16 @@ def half_interface(faces: Interface) -> Interface:
         tangential_compliance[0, 0] = faces.tangential_compliance.diagonal().max()
     return replace(
         faces,
-        x=freeze(faces.x[right_half]),
-        face_lengths=freeze(np.bincount(_images(faces).node_of_half, faces.face_lengths)),
-        face_normals=freeze(faces.face_normals[:, right_half]),
-        gap=freeze(faces.gap[right_half]),
+        x=read_only_copy(faces.x[right_half]),
+        face_lengths=read_only_copy(np.bincount(_images(faces).node_of_half, faces.face_lengths)),
+        face_normals=read_only_copy(faces.face_normals[:, right_half]),
+        gap=read_only_copy(faces.gap[right_half]),
         gap_and_slip_per_stress_and_tilt=None,
-        normal_compliance=freeze(_folded(faces.normal_compliance, 1.0, 1.0)),
-        tangential_compliance=freeze(tangential_compliance),
-        coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
+        normal_compliance=read_only_copy(_folded(faces.normal_compliance, 1.0, 1.0)),
+        tangential_compliance=read_only_copy(tangential_compliance),
+        coupling=read_only_copy(_folded(faces.coupling, -1.0, 1.0))
+        if faces.coupling is not None
+        else None,
         has_odd_shear=is_coupled,
     )
 
@@ -165,7 +167,7 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
         values.flags.writeable = False
         states = state.node_states[images.node_of_half]
         states = np.where(images.shear_sign < 0, states_of_image[states], states)
-        return replace(state, values=values, node_states=freeze(states, np.int8))
+        return replace(state, values=values, node_states=read_only_copy(states, np.int8))
 
     middle = len(faces.x) // 2
     return replace(

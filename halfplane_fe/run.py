@@ -34,7 +34,7 @@ from halfplane_fe.path import (
 )
 from halfplane_fe.reported_states import shear_grows_within_cone, slip_since_stop
 from halfplane_fe.stepping import Increment, StepTolerance, follow
-from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
+from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, read_only_copy
 from scenes.array_types import Array, Indices, Mask
 
 Progress = Callable[[int, int | None, str], None]
@@ -430,7 +430,7 @@ class PathRun:
         up_to_slip = state.values[
             : 3 + len(state.node_states)
         ]  # approach, U, tilt, slip of the nodes
-        self.states[index] = replace(state, values=freeze(up_to_slip))
+        self.states[index] = replace(state, values=read_only_copy(up_to_slip))
         return True
 
 

@@ -57,7 +57,7 @@ from scenes import (
     ConvergenceError,
     InputError,
     Scene,
-    freeze,
+    read_only_copy,
     scene_of,
 )
 from scenes.array_types import Array
@@ -357,9 +357,9 @@ def _with_closed_cycle(
     return replace(
         answer,
         record=record,
-        normal_load=freeze(loads["normal_load"]),
-        tangential_load=freeze(loads["tangential_load"]),
-        cycle_dissipation=freeze(answer.cycle_dissipation[-1:]),
+        normal_load=read_only_copy(loads["normal_load"]),
+        tangential_load=read_only_copy(loads["tangential_load"]),
+        cycle_dissipation=read_only_copy(answer.cycle_dissipation[-1:]),
         steady_from=None if answer.steady_from is None else 0,
     )
 
@@ -552,12 +552,12 @@ def _solution(
     arrays = answer_arrays(task, problem, run)
     for edge in ("contact_edge", "stick_edge"):
         by_growth = uncertainty_by_growth(arrays[f"{edge}s"], task.mesh.growth)
-        arrays[f"{edge}_uncertainty"] = freeze(arrays[f"{edge}_uncertainty"] + by_growth)
+        arrays[f"{edge}_uncertainty"] = read_only_copy(arrays[f"{edge}_uncertainty"] + by_growth)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
     # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty
     # of the permanent stick zone, taken above, must not contain it, as no edge jumps to its end.
-    arrays["stick_edge_uncertainty"] = freeze(
+    arrays["stick_edge_uncertainty"] = read_only_copy(
         np.maximum(
             arrays["stick_edge_uncertainty"],
             uncertainty_at_jumps(
@@ -595,7 +595,7 @@ def _solution(
         bodies=(condensed_bodies[0].body, condensed_bodies[1].body),
         condensed_bodies=condensed_bodies,
         states=states,
-        face_lengths=freeze(problem.interface.face_lengths * scales.half_width),
+        face_lengths=read_only_copy(problem.interface.face_lengths * scales.half_width),
         face_normals=problem.interface.face_normals,
         scales=scales,
         penalty=audit,

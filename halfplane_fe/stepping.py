@@ -24,7 +24,7 @@ from halfplane_fe.energy import step_errors, work_by_kinks
 from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, is_straight, scaled_loads, zero_between
 from halfplane_fe.systems import SingularSet
-from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
+from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, read_only_copy
 from scenes.array_types import Array, Mask, States
 
 Event = Literal["regular", "touch", "release"]
@@ -699,7 +699,9 @@ def _states_before_event(
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
     states_on_the_way = np.where(start.is_closed, states_of_closed, OPEN)
-    return freeze(np.where(has_opened_or_closed, states_on_the_way, solved.node_states), np.int8)
+    return read_only_copy(
+        np.where(has_opened_or_closed, states_on_the_way, solved.node_states), np.int8
+    )
 
 
 def _is_at_event(state: InterfaceState) -> Mask:
@@ -717,4 +719,4 @@ def state_after_event(state: InterfaceState, event: Event) -> InterfaceState:
         return state
     state_of_nodes = STICK if event == "touch" else OPEN
     node_states = np.where(_is_at_event(state), state_of_nodes, state.node_states)
-    return replace(state, node_states=freeze(node_states, np.int8))
+    return replace(state, node_states=read_only_copy(node_states, np.int8))

@@ -125,7 +125,7 @@ from scenes.solution import (
     Record,
     SurfaceState,
     Work,
-    freeze,
+    read_only_copy,
 )
 from scenes.uncertainty import Input, Uncertainty
 
@@ -194,7 +194,7 @@ __all__ = [
     "Work",
     "ellipse_segment",
     "fit_profile",
-    "freeze",
+    "read_only_copy",
     "load_scene",
     "scene_companions",
     "rig_names",

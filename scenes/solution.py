@@ -40,7 +40,7 @@ class SurfaceState(IntEnum):
 OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE = (int(state) for state in SurfaceState)
 
 
-def freeze(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
+def read_only_copy(values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
     """A read-only copy of `values`."""
     array = np.array(values, dtype=dtype)
     array.flags.writeable = False
@@ -438,7 +438,7 @@ class ContactSolution:
 
         def arrays_named(prefix: str) -> dict[str, Array]:
             return {
-                name.removeprefix(prefix): freeze(values)
+                name.removeprefix(prefix): read_only_copy(values)
                 for name, values in arrays.items()
                 if name.startswith(prefix)
             }
@@ -449,7 +449,7 @@ class ContactSolution:
             if name != "iterations" and (name in _AXES_OF_ARRAYS or name in arrays)
         ]
         field_values: dict[str, Any] = {
-            name: freeze(arrays[name], arrays[name].dtype) for name in names_present
+            name: read_only_copy(arrays[name], arrays[name].dtype) for name in names_present
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
@@ -464,7 +464,7 @@ class ContactSolution:
             scene=Scene.model_validate_json(attributes["scene"]),
             steady_from=None if attributes["steady_from"] < 0 else int(attributes["steady_from"]),
             record=Record(
-                iterations=freeze(arrays["iterations"], np.int64),
+                iterations=read_only_copy(arrays["iterations"], np.int64),
                 certificates=arrays_named(_CERTIFICATE_PREFIX),
                 energy=arrays_named(_ENERGY_PREFIX),
                 **(record_entries | {"notes": tuple(record_entries["notes"])}),

@@ -28,7 +28,7 @@ from scenes import (
     Record,
     Scene,
     Work,
-    freeze,
+    read_only_copy,
 )
 from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
@@ -202,7 +202,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     arrays: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(findings.values)
     for name, values in arrays.items():
         if isinstance(values, np.ndarray) and values.flags.writeable:
-            arrays[name] = freeze(values, values.dtype)
+            arrays[name] = read_only_copy(values, values.dtype)
     errors = dict(findings.errors)
     if not question.wants("loop_work"):
         arrays["loop_work"] = math.nan
@@ -212,7 +212,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         converged=True,
         termination=findings.termination,
         message=findings.message,
-        iterations=freeze(np.zeros(instants), np.int64),
+        iterations=read_only_copy(np.zeros(instants), np.int64),
         certificates=findings.certificates,
         energy=findings.energy,
         notes=findings.notes,

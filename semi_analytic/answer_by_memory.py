@@ -37,7 +37,7 @@ from scenes import (
     NotFoundError,
     Scene,
     TimeSeriesLoad,
-    freeze,
+    read_only_copy,
 )
 from scenes.array_types import Array
 from semi_analytic.answer import (
@@ -211,7 +211,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     # Work of each increment, where every instant is a row of the path.
     energy_over_time = {}
     if len(path_answer.work_increments):
-        energy_over_time["dissipation"] = freeze(path_answer.work_increments)
+        energy_over_time["dissipation"] = read_only_copy(path_answer.work_increments)
     return Findings(
         time=time,
         x=request.x,
@@ -1408,7 +1408,7 @@ def _admissibility_checks(
     friction = answer.snapshot.friction
     largest_friction_force = friction * float(np.max(answer.snapshot.load))
     relative_force_error = np.abs(answer.force_error) / max(largest_friction_force, _SMALLEST_FLOAT)
-    checks = {"tangential_balance": freeze(relative_force_error)}
+    checks = {"tangential_balance": read_only_copy(relative_force_error)}
     if request.wants("pressure") and request.wants("shear"):
         pressure = fields["pressure"]
         # At the tip of a wedge p is infinite: no q is above the Coulomb limit there, and none is a
@@ -1417,5 +1417,7 @@ def _admissibility_checks(
             excess_shear = np.abs(fields["shear"]) - friction * pressure
         largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-        checks["cone"] = freeze(largest_excess / max(friction * largest_pressure, _SMALLEST_FLOAT))
+        checks["cone"] = read_only_copy(
+            largest_excess / max(friction * largest_pressure, _SMALLEST_FLOAT)
+        )
     return checks

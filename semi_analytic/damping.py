@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenes import BodyEffects, ContactSolution, InputError, freeze
+from scenes import BodyEffects, ContactSolution, InputError, read_only_copy
 from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
 
@@ -205,4 +205,4 @@ def compliance(
             twice_datum_length / np.nan_to_num(solution.contact_half_width)
         )
         compliance_after_reversal = compliance_after_reversal + compliance_to_datum
-    return freeze(compliance_in_slip), freeze(compliance_after_reversal)
+    return read_only_copy(compliance_in_slip), read_only_copy(compliance_after_reversal)

@@ -34,7 +34,7 @@ from scenes import (
     Materials,
     Profile,
     Scene,
-    freeze,
+    read_only_copy,
     sampled_times,
 )
 from scenes.array_types import Array
@@ -475,11 +475,11 @@ def _friction_batch(
         np.where(is_solvable, values, np.nan).reshape(full_shape)
         for values in (least_friction_of_member[member], least_work, most_work)
     )
-    least_friction, least_work, most_work = (freeze(values) for values in limits)
+    least_friction, least_work, most_work = (read_only_copy(values) for values in limits)
     return FrictionBatch(
-        roots=freeze(roots.reshape(*full_shape, -1)),
-        count=freeze(count.reshape(full_shape), np.int64),
-        reason=freeze(reason.reshape(full_shape), np.int8),
+        roots=read_only_copy(roots.reshape(*full_shape, -1)),
+        count=read_only_copy(count.reshape(full_shape), np.int64),
+        reason=read_only_copy(reason.reshape(full_shape), np.int8),
         least_friction=least_friction,
         least=least_work,
         most=most_work,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import BodyEffects, InputError, Scene, freeze, scene_of
+from scenes import BodyEffects, InputError, Scene, read_only_copy, scene_of
 from scenes.array_types import Array
 from scenes.arrays import real_numbers
 from semi_analytic.answer_of_rig import rigged_scene, slides_of
@@ -143,8 +143,8 @@ def fretting_map(
             np.abs(history.followed_path.tangential_load[rows_of_cycle])
         )
     return FrettingMap(
-        freeze(regimes, np.int8),
-        freeze(dissipation, float),
-        freeze(slide_distances, float),
-        freeze(largest_forces, float),
+        read_only_copy(regimes, np.int8),
+        read_only_copy(dissipation, float),
+        read_only_copy(slide_distances, float),
+        read_only_copy(largest_forces, float),
     )

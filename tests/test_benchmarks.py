@@ -22,7 +22,7 @@ from reports.charts.templating import markdown_table
 from reports.comparison.budget import Budget, Term
 from reports.comparison.metrics import METRICS
 from reports.page.writing import code_commit
-from scenes import HarmonicLoad, TimeSeriesLoad, freeze, load_scene, unit_words
+from scenes import HarmonicLoad, TimeSeriesLoad, load_scene, read_only_copy, unit_words
 from semi_analytic import load_series
 from semi_analytic.fields import Integrals
 from semi_analytic.hertz import HertzContact
@@ -138,7 +138,7 @@ def a_field(patch: pytest.MonkeyPatch, name: str) -> None:
         return (
             answer
             if values is None
-            else dataclasses.replace(answer, **{name: freeze(1.01 * values)})
+            else dataclasses.replace(answer, **{name: read_only_copy(1.01 * values)})
         )
 
     patch.setattr(semi_analytic, "solve", wrong)

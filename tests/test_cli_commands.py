@@ -44,8 +44,8 @@ from scenes import (
     ContactSolution,
     ConvergenceError,
     Record,
-    freeze,
     load_scene,
+    read_only_copy,
     scene_names,
     scene_text,
 )
@@ -662,7 +662,7 @@ def partial() -> ContactSolution:
     return cattaneo_mindlin(
         steps_per_leg=4,
         points=21,
-        record=Record(False, "not converged", "stuck", freeze([0] * 13, int)),
+        record=Record(False, "not converged", "stuck", read_only_copy([0] * 13, int)),
     )
 
 

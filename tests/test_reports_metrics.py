@@ -32,8 +32,8 @@ from scenes import (
     Materials,
     Record,
     SurfaceState,
-    freeze,
     load_scene,
+    read_only_copy,
 )
 from scenes.scene import OWN_TOLERANCES
 from test_reports_synthetic import LOAD_RATIO, cattaneo_mindlin, with_fields
@@ -170,10 +170,14 @@ def twins(factor: float = 1.0, mirrored: bool = False) -> ContactSolution:
 
 def recorded(value: float) -> ContactSolution:
     """With an energy balance that is not closed at instant 9."""
-    series = freeze(at(9, np.zeros(STEPS + 1), new=value))
+    series = read_only_copy(at(9, np.zeros(STEPS + 1), new=value))
     return changed(
         record=Record(
-            True, "steady", "", freeze(np.ones(STEPS + 1), np.int64), {"energy_balance": series}
+            True,
+            "steady",
+            "",
+            read_only_copy(np.ones(STEPS + 1), np.int64),
+            {"energy_balance": series},
         )
     )
 

@@ -12,7 +12,7 @@ from reports.comparison import Comparison, compare
 from reports.comparison.cycles import last_cycle
 from reports.comparison.dimensionless import compliance
 from reports.comparison.work_of_loads import loop_work
-from scenes import ContactSolution, Record, Scene, SurfaceState, Work, freeze, load_scene
+from scenes import ContactSolution, Record, Scene, SurfaceState, Work, load_scene, read_only_copy
 
 LOAD_RATIO = 0.6
 HALF_WIDTH = 1.0
@@ -84,13 +84,15 @@ def cattaneo_mindlin(steps_per_leg: int = 40, points: int = 161, **changed: Any)
     solution = ContactSolution(
         engine="closed form",
         scene=scene,
-        state=freeze(state, np.int8),
+        state=read_only_copy(state, np.int8),
         dissipation=work,
         permanent_stick_half_width=inner,
         steady_from=0,
-        record=Record(True, "steady", "in closed form", freeze(np.ones(len(time)), np.int64)),
+        record=Record(
+            True, "steady", "in closed form", read_only_copy(np.ones(len(time)), np.int64)
+        ),
         work=Work(),
-        **{name: freeze(values) for name, values in fields.items()},
+        **{name: read_only_copy(values) for name, values in fields.items()},
     )
     return with_fields(solution, **changed)
 
@@ -100,7 +102,7 @@ def with_fields(solution: ContactSolution, **changed: Any) -> ContactSolution:
     return replace(
         solution,
         **{
-            name: freeze(v, v.dtype) if isinstance(v, np.ndarray) else v
+            name: read_only_copy(v, v.dtype) if isinstance(v, np.ndarray) else v
             for name, v in changed.items()
         },
     )

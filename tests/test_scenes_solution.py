@@ -13,7 +13,7 @@ import xarray as xr
 import reports.page.notebook  # noqa: F401  (registers the figures of a solution)
 import semi_analytic
 from scenes import InputError, load_scene, notebook_forms
-from scenes.solution import ContactSolution, Record, SurfaceState, Work, freeze
+from scenes.solution import ContactSolution, Record, SurfaceState, Work, read_only_copy
 
 STEPS = 7
 POINTS = 5
@@ -45,14 +45,14 @@ def small_solution(scene_name="hertz-paper", time=None):
         else time
     )
     answer = semi_analytic.solve(scene, x=np.linspace(-1, 1, POINTS), time=time)
-    series = freeze(np.linspace(0, 1 / 3, len(time)))
+    series = read_only_copy(np.linspace(0, 1 / 3, len(time)))
     stick_edges = np.array(answer.stick_edges)
     stick_edges[0] = np.nan
     record = Record(
         converged=True,
         termination="steady",
         message="the cycle repeats: 1e-3 < 2",
-        iterations=freeze(np.arange(len(time)), np.int64),
+        iterations=read_only_copy(np.arange(len(time)), np.int64),
         certificates={"cone": series, "energy_balance": -series},
         energy={"external": 2 * series},
         notes=("one", 'two "quoted"'),
@@ -60,9 +60,9 @@ def small_solution(scene_name="hertz-paper", time=None):
     return replace(
         answer,
         engine="test",
-        stick_edges=freeze(stick_edges),
-        tilt=freeze(series / 3),
-        permanent_stick_edges=freeze([-1.0, 2.0]),
+        stick_edges=read_only_copy(stick_edges),
+        tilt=read_only_copy(series / 3),
+        permanent_stick_edges=read_only_copy([-1.0, 2.0]),
         dissipation=0.1 + 0.2,
         permanent_stick_half_width=float("nan"),
         steady_from=None,
@@ -278,10 +278,10 @@ def test_a_solution_is_frozen():
             getattr(solution, name)[...] = 0
     with pytest.raises(AttributeError):
         solution.engine = "other"
-    frozen = freeze(mine)
+    frozen = read_only_copy(mine)
     mine[0] = 5.0
     assert frozen.tolist() == [1.0, 1.0, 1.0]
-    assert freeze([1, 2], np.int8).dtype == np.int8
+    assert read_only_copy([1, 2], np.int8).dtype == np.int8
     assert {state.name: int(state) for state in SurfaceState} == {
         "OPEN": 0,
         "STICK": 1,

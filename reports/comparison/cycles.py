@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import OPEN, ContactSolution, InputError, Scene, TimeSeriesLoad, freeze
+from scenes import OPEN, ContactSolution, InputError, Scene, TimeSeriesLoad, read_only_copy
 from scenes.array_types import Array
 
 _FIELD_NAMES = ("pressure", "shear", "slip")
@@ -142,13 +142,13 @@ def _cycle_at_instants(
         # megabytes each.
         if len(indices) == len(values):
             return values
-        return freeze(values[indices], values.dtype)
+        return read_only_copy(values[indices], values.dtype)
 
     names = (*_FIELD_NAMES, "state", *_EDGE_NAMES, *_SERIES_NAMES, *_names_of_bulk_series(solution))
     values: dict[str, Any] = {name: array_at_instants(name) for name in names}
     return Cycle(
-        time=freeze(solution.time[indices]),
-        fraction=freeze(fraction),
+        time=read_only_copy(solution.time[indices]),
+        fraction=read_only_copy(fraction),
         is_whole=is_whole,
         x=solution.x,
         dissipation_density=solution.dissipation_density,
@@ -177,7 +177,9 @@ def sample_instants(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
         periods_after_end = np.ceil(time_after_end / period - _FRACTION_TOLERANCE)
         time_in_path = target_cycle.time - period * periods_after_end
     sampled_cycle = sample(
-        reference_cycle, replace(target_cycle, fraction=freeze(time_in_path)), reference.engine
+        reference_cycle,
+        replace(target_cycle, fraction=read_only_copy(time_in_path)),
+        reference.engine,
     )
     return replace(sampled_cycle, time=target_cycle.time, fraction=target_cycle.time)
 
@@ -237,8 +239,8 @@ def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> C
     indices_by_time = np.argsort(fraction_in_cycle, kind="stable")
     target_in_order = replace(
         target_cycle,
-        fraction=freeze(fraction_in_cycle[indices_by_time]),
-        time=freeze(target_cycle.time[indices_by_time]),
+        fraction=read_only_copy(fraction_in_cycle[indices_by_time]),
+        time=read_only_copy(target_cycle.time[indices_by_time]),
     )
     sampled_cycle = sample(cycle, target_in_order, engine)
 
@@ -247,7 +249,7 @@ def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> C
     values_by_name: dict[str, Any] = {}
     for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series):
         values = getattr(sampled_cycle, name)
-        values_by_name[name] = freeze(values[places_in_target], values.dtype)
+        values_by_name[name] = read_only_copy(values[places_in_target], values.dtype)
     return replace(
         sampled_cycle, time=target_cycle.time, fraction=target_cycle.fraction, **values_by_name
     )
@@ -280,7 +282,7 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
     """
     sampled_values: dict[str, Any] = {}
     for name in (*_FIELD_NAMES, *_EDGE_NAMES, *cycle.series):
-        sampled_values[name] = freeze(
+        sampled_values[name] = read_only_copy(
             _interpolate_linearly(target_cycle.fraction, cycle.fraction, getattr(cycle, name))
         )
     nearest_instants = _nearest_indices(target_cycle.fraction, cycle.fraction)
@@ -288,7 +290,7 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
         cycle,
         time=target_cycle.time,
         fraction=target_cycle.fraction,
-        state=freeze(cycle.state[nearest_instants], np.int8),
+        state=read_only_copy(cycle.state[nearest_instants], np.int8),
         **sampled_values,
     )
     given_values = {name: getattr(cycle, name) for name in (*_FIELD_NAMES, *_EDGE_NAMES)}
@@ -309,11 +311,11 @@ def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, flo
     }
     sampled_values: dict[str, Any] = {}
     for name, values in given_values.items():
-        sampled_values[name] = freeze(_interpolate_linearly(x, cycle.x, values).T)
+        sampled_values[name] = read_only_copy(_interpolate_linearly(x, cycle.x, values).T)
     is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
     nearest_points = _nearest_indices(x, cycle.x)
     state = np.where(is_beyond, OPEN, cycle.state[:, nearest_points])
-    sampled_cycle = replace(cycle, x=x, state=freeze(state, np.int8), **sampled_values)
+    sampled_cycle = replace(cycle, x=x, state=read_only_copy(state, np.int8), **sampled_values)
     return sampled_cycle, _interpolation_errors(cycle.x, given_values)
 
 

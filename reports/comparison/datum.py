@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from reports.comparison.cycles import Cycle
 from reports.comparison.pairs import has_coupled_tractions, is_corrected
-from scenes import BodyEffects, ContactSolution, InputError, freeze
+from scenes import BodyEffects, ContactSolution, InputError, read_only_copy
 
 
 def effects_between(reference: ContactSolution, result: ContactSolution) -> BodyEffects | None:
@@ -48,6 +48,8 @@ def from_supports(cycle: Cycle, effects: BodyEffects) -> Cycle:
     approach_of_bodies = effects.normal_compliance.value * cycle.normal_load
     return replace(
         cycle,
-        tangential_displacement=freeze(cycle.tangential_displacement + displacement_of_bodies),
-        normal_approach=freeze(cycle.normal_approach + approach_of_bodies),
+        tangential_displacement=read_only_copy(
+            cycle.tangential_displacement + displacement_of_bodies
+        ),
+        normal_approach=read_only_copy(cycle.normal_approach + approach_of_bodies),
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
-from scenes import freeze
+from scenes import read_only_copy
 from scenes.array_types import Array
 
 Mask = NDArray[np.bool_]
@@ -85,7 +85,7 @@ def without_spikes(values: Array) -> Array:
             if 0 <= neighbour < values.shape[1] and not is_spike[instant, neighbour]
         ]
         smooth_values[instant, point] = np.mean(values[instant, neighbours]) if neighbours else 0.0
-    return freeze(smooth_values)
+    return read_only_copy(smooth_values)
 
 
 def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:

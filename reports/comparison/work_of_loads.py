@@ -14,7 +14,7 @@ import numpy as np
 
 from reports.comparison.cycles import Cycle
 from reports.comparison.pairs import are_half_planes
-from scenes import ContactSolution, Materials, freeze
+from scenes import ContactSolution, Materials, read_only_copy
 from scenes.array_types import Array
 
 
@@ -100,5 +100,5 @@ def on_straight_steps(solution: ContactSolution) -> ContactSolution:
     return replace(
         solution,
         dissipation=solution.dissipation * share_of_straight_lines,
-        dissipation_density=freeze(solution.dissipation_density * share_of_straight_lines),
+        dissipation_density=read_only_copy(solution.dissipation_density * share_of_straight_lines),
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.scoring.surface import SurfaceResult
-from scenes import InputError, LoadPath, Scene, freeze
+from scenes import InputError, LoadPath, Scene, read_only_copy
 from scenes.array_types import Array
 
 Places = NDArray[np.intp]
@@ -138,7 +138,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         )
     if not surface.sheared:
         source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
-        surface = replace(surface, shear=freeze(np.zeros_like(surface.pressure)))
+        surface = replace(surface, shear=read_only_copy(np.zeros_like(surface.pressure)))
     normal_force, tangential_force = resultants(surface)
     if surface.normal_load is not None:
         normal_force = surface.normal_load

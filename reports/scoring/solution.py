@@ -32,7 +32,7 @@ from scenes import (
     Record,
     Scene,
     Work,
-    freeze,
+    read_only_copy,
 )
 from scenes.array_types import Array
 from scenes.solution import last_whole_cycle
@@ -162,10 +162,10 @@ def _solution_without_zones(
         names_of_scene = ["normal_load", "tangential_load"]
     slip = surface.slip
     if slip is None:
-        slip = freeze(np.full_like(surface.pressure, np.nan))
+        slip = read_only_copy(np.full_like(surface.pressure, np.nan))
     n_instants = len(history.time)
-    no_edges = freeze(np.full((n_instants, 2), np.nan))
-    no_series = freeze(np.full(n_instants, np.nan))
+    no_edges = read_only_copy(np.full((n_instants, 2), np.nan))
+    no_series = read_only_copy(np.full(n_instants, np.nan))
     unknown_fields: dict[str, Any] = dict.fromkeys(("contact_edges", "stick_edges"), no_edges)
     unknown_fields |= dict.fromkeys(
         ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
@@ -182,25 +182,25 @@ def _solution_without_zones(
     return ContactSolution(
         engine=surface.code or Path(surface.source).name,
         scene=scene,
-        time=freeze(history.time),
-        normal_load=freeze(normal_load),
-        tangential_load=freeze(tangential_load),
+        time=read_only_copy(history.time),
+        normal_load=read_only_copy(normal_load),
+        tangential_load=read_only_copy(tangential_load),
         x=surface.x,
         pressure=surface.pressure,
         shear=surface.shear,
         slip=slip,
-        state=freeze(np.zeros(surface.pressure.shape), np.int8),
+        state=read_only_copy(np.zeros(surface.pressure.shape), np.int8),
         **unknown_fields,
-        dissipation_density=freeze(np.full(len(surface.x), np.nan)),
+        dissipation_density=read_only_copy(np.full(len(surface.x), np.nan)),
         dissipation=np.nan,
-        cycle_dissipation=freeze([np.nan]),
+        cycle_dissipation=read_only_copy([np.nan]),
         permanent_stick_half_width=np.nan,
         steady_from=None,
         record=Record(
             True,
             "end of path",
             f"read from {surface.source}",
-            freeze(np.zeros(n_instants), np.int64),
+            read_only_copy(np.zeros(n_instants), np.int64),
         ),
         work=Work({"instants": n_instants, "points": len(surface.x)}, missing_fields),
         **_bulk_and_tilt_at(scene, history.time),
@@ -240,7 +240,7 @@ def _surface_on_path(
             factor = float(field_after[index_of_largest] / field_before[index_of_largest])
         restored_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
     frozen_fields: dict[str, Any] = {
-        name: freeze(values) for name, values in restored_fields.items()
+        name: read_only_copy(values) for name, values in restored_fields.items()
     }
     sentences = [outlier.sentence for outlier in surface.outliers]
     return replace(converted_surface, **frozen_fields), history, (*sentences, *guesses)
@@ -284,27 +284,29 @@ def _solution_with_zones(
         if right_edge > left_edge:
             permanent_edges = np.array([left_edge, right_edge])
     changes: dict[str, Any] = {
-        "state": freeze(state, np.int8),
-        "contact_edges": freeze(contact_edges),
-        "stick_edges": freeze(stick_edges),
-        "contact_half_width": freeze(np.diff(contact_edges, axis=1)[:, 0] / 2),
-        "stick_half_width": freeze(np.diff(stick_edges, axis=1)[:, 0] / 2),
+        "state": read_only_copy(state, np.int8),
+        "contact_edges": read_only_copy(contact_edges),
+        "stick_edges": read_only_copy(stick_edges),
+        "contact_half_width": read_only_copy(np.diff(contact_edges, axis=1)[:, 0] / 2),
+        "stick_half_width": read_only_copy(np.diff(stick_edges, axis=1)[:, 0] / 2),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
     }
     if solution.scene.unsymmetric:
-        changes["moment"] = freeze(np.trapezoid(solution.x * solution.pressure, solution.x, axis=1))
+        changes["moment"] = read_only_copy(
+            np.trapezoid(solution.x * solution.pressure, solution.x, axis=1)
+        )
         if has_shear:
-            changes["shear_moment"] = freeze(
+            changes["shear_moment"] = read_only_copy(
                 np.trapezoid(solution.x * solution.shear, solution.x, axis=1)
             )
-            changes["permanent_stick_edges"] = freeze(permanent_edges)
+            changes["permanent_stick_edges"] = read_only_copy(permanent_edges)
     if adds_dissipation:
         density = friction_work(solution.shear[steps_of_cycle], solution.slip[steps_of_cycle])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
             "dissipation": dissipation,
-            "dissipation_density": freeze(density),
-            "cycle_dissipation": freeze([dissipation]),
+            "dissipation_density": read_only_copy(density),
+            "cycle_dissipation": read_only_copy([dissipation]),
         }
     return replace(solution, **changes), method_in_words
 
@@ -360,7 +362,7 @@ def reference_by_same_rule(
             f"of the reference that rule gives {excess:+.2g} % more than its own."
         )
     judged_edges = np.where(is_judged[:, None], reference_by_rule.stick_edges, np.nan)
-    return replace(reference_by_rule, stick_edges=freeze(judged_edges)), tuple(sentences)
+    return replace(reference_by_rule, stick_edges=read_only_copy(judged_edges)), tuple(sentences)
 
 
 def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
@@ -383,7 +385,7 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
             series = np.zeros(len(time))
             if companion is not None:
                 series = companion.at(np.maximum(time, path.start))[column]
-            imposed_series[field_name] = freeze(series)
+            imposed_series[field_name] = read_only_copy(series)
     return imposed_series
 
 
@@ -734,14 +736,14 @@ def _surface_in_compression(
     sentences = []
     pressure = surface.pressure
     if mapping.signs.pressure is None and pressure.max() <= TOUCHES * -pressure.min():
-        surface = replace(surface, pressure=freeze(0.0 - pressure))
+        surface = replace(surface, pressure=read_only_copy(0.0 - pressure))
         sentences.append(
             "the pressure is negative throughout: compression was taken to be negative"
             ' (signs.pressure = "compression negative")'
         )
     normal_load = surface.normal_load
     if normal_load is not None and normal_load.max() <= 1e-9 * -normal_load.min():
-        surface = replace(surface, normal_load=freeze(0.0 - normal_load))
+        surface = replace(surface, normal_load=read_only_copy(0.0 - normal_load))
         sentences.append(
             "the normal load is negative throughout and was turned: here P > 0 presses"
         )
@@ -775,7 +777,7 @@ def _centred_surface(
         f"x was counted from {offset:.6g}{method_in_words} of the largest pressure, where the"
         " file has it from 0 (x_offset)"
     )
-    return replace(surface, x=freeze(surface.x - offset)), sentence
+    return replace(surface, x=read_only_copy(surface.x - offset)), sentence
 
 
 @dataclass(frozen=True)
@@ -881,7 +883,7 @@ def _surface_in_unit(
     if is_stated or not present_fields or not yardstick.value_of_result or factor == 1.0:
         return surface, ""
     scaled_fields: dict[str, Any] = {
-        name: freeze(values * factor) for name, values in present_fields.items()
+        name: read_only_copy(values * factor) for name, values in present_fields.items()
     }
     sentence = (
         f"{yardstick.fields_in_words} multiplied by {factor:g}, for {yardstick.value_in_words}"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reports.comparison.isolated import spikes
-from scenes import InputError, freeze
+from scenes import InputError, read_only_copy
 from scenes.array_types import Array
 from scenes.arrays import LARGEST
 from scenes.measured import ReadAs
@@ -149,10 +149,12 @@ def surface_result(
     indices_by_x = np.argsort(x_of_points, kind="stable")
     if np.any(np.diff(indices_by_x) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
-    arrays = {"shear": freeze(np.full(shape, np.nan))}
-    arrays |= {name: freeze(values[:, indices_by_x]) for name, values in field_arrays.items()}
-    arrays |= {name: freeze(values) for name, values in series_arrays.items()}
-    sorted_x = freeze(x_of_points[indices_by_x])
+    arrays = {"shear": read_only_copy(np.full(shape, np.nan))}
+    arrays |= {
+        name: read_only_copy(values[:, indices_by_x]) for name, values in field_arrays.items()
+    }
+    arrays |= {name: read_only_copy(values) for name, values in series_arrays.items()}
+    sorted_x = read_only_copy(x_of_points[indices_by_x])
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
         source=source,

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import semi_analytic
-from scenes import ContactSolution, EllipseLoad, InputError, Scene, freeze, load_scene
+from scenes import ContactSolution, EllipseLoad, InputError, Scene, load_scene, read_only_copy
 from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.friction_work import pointwise_dissipation, slip_times
@@ -520,7 +520,7 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale
     arrays = (friction, ratio, work, peak.value * case.unit_length / scale, peak.fraction)
-    return Sweep(*(freeze(array) for array in arrays))
+    return Sweep(*(read_only_copy(array) for array in arrays))
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution, theory_of_whole_path
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
-from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
+from scenes import ContactSolution, ConvergenceError, InputError, Scene, read_only_copy
 
 # Seconds between two looks at the status file.
 _SECONDS_BETWEEN_LOOKS = 0.25
@@ -388,9 +388,13 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
     for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
         values = getattr(surface, name)
         if values is not None:
-            series_from_unloaded[name] = freeze(np.concatenate([np.zeros_like(values[:1]), values]))
+            series_from_unloaded[name] = read_only_copy(
+                np.concatenate([np.zeros_like(values[:1]), values])
+            )
     source = f"{path.name}, the deck of scene {deck.scene.name}"
-    surface = replace(surface, **series_from_unloaded, time=freeze(deck.time), source=source)
+    surface = replace(
+        surface, **series_from_unloaded, time=read_only_copy(deck.time), source=source
+    )
     theory_of_path = theory_of_whole_path(deck.scene)
     return score_solution(*contact_solution(surface, mapping, theory_of_path), theory_of_path)
 

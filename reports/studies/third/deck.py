@@ -24,7 +24,7 @@ from halfplane_fe.supports import check_bulk_stress, check_supports, has_tangent
 from halfplane_fe.task import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
-from scenes import Block, HalfPlane, InputError, LoadPath, Profile, Scene, Shape, freeze
+from scenes import Block, HalfPlane, InputError, LoadPath, Profile, Scene, Shape, read_only_copy
 from scenes.array_types import Array
 from scenes.frozen import validated
 
@@ -325,9 +325,9 @@ def build_deck(
         scales=scales,
         lower=lower_body,
         upper=upper_body,
-        time=freeze(time),
-        normal_load=freeze(normal_load),
-        tangential_load=freeze(tangential_load),
+        time=read_only_copy(time),
+        normal_load=read_only_copy(normal_load),
+        tangential_load=read_only_copy(tangential_load),
         touch_time=float(_TOUCH_FRACTION * (time[1] - time[0])),
         touch_approach=_approach(scene, settings, scales, load_of_touch),
         **_bulk_and_tilt(path, time),
@@ -340,13 +340,13 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
     """
     histories: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
-        histories["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
+        histories["bulk_stress"] = tuple(read_only_copy(stress) for stress in bulk.at(time))
     if (tilt_and_moment := path.companion("tilt_and_moment")) is not None:
         tilt, moment = tilt_and_moment.at(time)
         if path.moment_given:
-            histories["moment"] = freeze(moment)
+            histories["moment"] = read_only_copy(moment)
         else:
-            histories["tilt"] = freeze(tilt)
+            histories["tilt"] = read_only_copy(tilt)
     return histories
 
 
@@ -432,7 +432,7 @@ def _body(
         """
         keys_of_facets = np.sort(facets.T) @ key_factors
         element_numbers, side_numbers = np.nonzero(np.isin(keys_of_sides, keys_of_facets).T)
-        return freeze(
+        return read_only_copy(
             np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
         )
 
@@ -450,12 +450,12 @@ def _body(
         name=name,
         first_node=first_node,
         first_element=first_element,
-        nodes=freeze(places.T),
-        elements=freeze(cells.T + first_node, np.int64),
+        nodes=read_only_copy(places.T),
+        elements=read_only_copy(cells.T + first_node, np.int64),
         contact_faces=sides_on(nodes_of["contact"]),
-        contact_nodes=freeze(nodes_from_left + first_node, np.int64),
+        contact_nodes=read_only_copy(nodes_from_left + first_node, np.int64),
         held={
-            direction: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
+            direction: read_only_copy(np.unique(np.concatenate(nodes)) + first_node, np.int64)
             for direction, nodes in held_nodes.items()
             if nodes
         },
