@@ -117,8 +117,8 @@ def judged(scene: Scene) -> list[Judged]:
     by_elements = changes_of(halfplane_fe.solve(scene, FINE))
     values = []
     for quantity in QUANTITIES:
-        change, stated = by_kernels[quantity].change
-        truth, of_elements = by_elements[quantity].change
+        change, stated = by_kernels[quantity].relative_change
+        truth, of_elements = by_elements[quantity].relative_change
         values.append(Judged(quantity, truth, of_elements, stated, abs(truth - change)))
     return values
 

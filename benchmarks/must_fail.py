@@ -284,7 +284,7 @@ def inputs_of_their_own() -> Planted:
     """Theory keeps the inputs that it had at first while those of the bodies are moved, as if each
     model had inputs of its own.
     """
-    works = inputs._works_by_batch
+    works = inputs._works_by_quick_formula
     first: list[float] = []
 
     def planted(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
@@ -292,7 +292,7 @@ def inputs_of_their_own() -> Planted:
         first.append(theory)
         return first[0], corrected
 
-    return mock.patch.object(inputs, "_works_by_batch", planted)
+    return mock.patch.object(inputs, "_works_by_quick_formula", planted)
 
 
 def covariance_ignored() -> Planted:

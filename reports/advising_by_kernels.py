@@ -25,8 +25,8 @@ from scenes import ContactSolution, Estimate, FlatRounded, InputError, Scene
 
 # Relative error of values by kernels, against finite elements of the bodies. The largest pressure
 # of flat pads has more: it lies next to the end of the flat, where no polynomial follows it.
-_ERROR_OF_KERNELS = 3e-4
-_ERROR_AT_FLANK = 1e-3
+_RELATIVE_ERROR_OF_KERNELS = 3e-4
+_RELATIVE_ERROR_AT_FLANK = 1e-3
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class KernelAdvice:
     @property
     def work(self) -> Estimate:
         """Change of the dissipation."""
-        return self.changes[WORK].change
+        return self.changes[WORK].relative_change
 
     @property
     def verdict(self) -> Verdict:
@@ -89,12 +89,16 @@ def advise_by_kernels(scene: Scene, limit: float, reason_for_kernels: str) -> Ke
     theory = _dissipating_theory(scene)  # before anything is solved
     changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
     for quantity, change in changes.items():
-        estimate = change.change  # solution/theory - 1
-        error_of_kernels = _ERROR_AT_FLANK if _is_at_flank(scene, quantity) else _ERROR_OF_KERNELS
+        estimate = change.relative_change  # solution/theory - 1
+        error_of_kernels = (
+            _RELATIVE_ERROR_AT_FLANK
+            if _is_at_flank(scene, quantity)
+            else _RELATIVE_ERROR_OF_KERNELS
+        )
         # The error is relative to the value of the solution, the uncertainty to that of theory.
         ratio_to_theory = 1 + estimate.value
         uncertainty = estimate.uncertainty + error_of_kernels * ratio_to_theory
-        changes[quantity] = change._replace(change=Estimate(estimate.value, uncertainty))
+        changes[quantity] = change._replace(relative_change=Estimate(estimate.value, uncertainty))
     return KernelAdvice(scene, changes, reason_for_kernels, limit)
 
 
@@ -126,7 +130,7 @@ def changes_of(
 
     scene = solution.scene
     theory = theory or _dissipating_theory(scene)
-    largest_of_theory = semi_analytic.extremes(theory, names=("edge_tension",))
+    largest_values_of_theory = semi_analytic.extremes(theory, names=("edge_tension",))
     stated_uncertainties = solution.uncertainties
     last_cycle = solution.last_cycle
     half_width = np.nanmax(solution.contact_half_width[last_cycle])
@@ -139,13 +143,13 @@ def changes_of(
         ),
         "peak_pressure": _change_from_theory(
             "largest pressure",
-            largest_of_theory.pressure,
+            largest_values_of_theory.pressure,
             solution.pressure[last_cycle].max(),
             stated_uncertainties["largest_pressure"],
         ),
         "half_width": _change_from_theory(
             "largest contact half-width",
-            largest_of_theory.half_width,
+            largest_values_of_theory.half_width,
             half_width,
             stated_uncertainties["largest_half_width"],
         ),
@@ -160,7 +164,7 @@ def changes_of(
     if tension is not None:
         changes["edge_tension"] = _change_from_theory(
             "largest edge tension",
-            largest_of_theory.edge_tension,
+            largest_values_of_theory.edge_tension,
             tension.value,
             tension.uncertainty,
         )

@@ -71,13 +71,13 @@ _STRAIN_BY_COUPLING = 7.0
 _TILT_BY_COUPLING = 5.0
 # Relative error of the permanent stick half-width with tilt and bulk strain in the first order:
 # 0.4 % against grids.
-_ERROR_OF_STICK = 5e-3
+_RELATIVE_ERROR_OF_STICK = 5e-3
 # The uncertainty of corrected theory was checked against finite elements up to these values: of the
 # uncertainty itself, and of the change of the dissipation by tilt and bulk strain.
 _LARGEST_CHECKED_UNCERTAINTY = 0.01
 _LARGEST_CHECKED_ODD_PART = 0.05
 # Size of the elements that explain the difference, over that of the finite elements.
-_COARSENING = 2.0
+_ELEMENT_SIZE_RATIO = 2.0
 WORK = "dissipation"
 ODD_PART = "tilt and bulk strain"
 HIGHER_ORDERS = "higher orders"
@@ -90,17 +90,17 @@ class Change(NamedTuple):
 
     Attributes
     ----------
-    words
-        what the value is
-    theory
+    name
+        of the value, in words
+    theory_value
         of half-planes, theory's own [energy / length, stress or length]
-    change
+    relative_change
         finite bodies over half-planes, minus 1
     """
 
-    words: str
-    theory: float
-    change: Estimate
+    name: str
+    theory_value: float
+    relative_change: Estimate
 
 
 @dataclass(frozen=True)
@@ -140,17 +140,17 @@ class Advice:
     def __repr__(self) -> str:
         """The sentence that `halfplane advise` begins with, and the other changes in per cent."""
         changes = [
-            f"{change.words} {in_percent(change.change.value)} ± "
-            f"{in_percent(change.change.uncertainty).lstrip('+')} %"
+            f"{change.name} {in_percent(change.relative_change.value)} ± "
+            f"{in_percent(change.relative_change.uncertainty).lstrip('+')} %"
             for key, change in self.changes.items()
-            if key != WORK and math.isfinite(change.change.value)
+            if key != WORK and math.isfinite(change.relative_change.value)
         ]
         return f"{sentence(self)}\n  {', '.join(changes)}"
 
     @property
     def work(self) -> Estimate:
         """Change of the dissipation."""
-        return self.changes[WORK].change
+        return self.changes[WORK].relative_change
 
     @property
     def reason_for_size_alone(self) -> str:
@@ -231,14 +231,16 @@ def advise_by_numbers(
         scene,
         x=theory.x,
         time=theory.time,
-        effects=_without_odd_numbers(effects),
+        effects=_without_tilt_and_strain(effects),
         fields=(WORK, "pressure"),
     )
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
-    uncertainties = uncertain_fraction_of_curvatures(effects, half_width)
+    uncertain_fraction_by_curvature = uncertain_fraction_of_curvatures(effects, half_width)
     next_order_ratio = ratio_of_next_order(effects, half_width)
-    parts = _parts_by_curvatures(effects, theory, corrected_solution, uncertainties)
+    parts = _parts_by_curvatures(
+        effects, theory, corrected_solution, uncertain_fraction_by_curvature
+    )
     size_of_odd_part = _size_of_odd_part(effects, scene, half_width)
     neglected_part = size_of_odd_part  # unless the odd part is followed below
     if is_coupled:
@@ -255,7 +257,7 @@ def advise_by_numbers(
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
         theory_value = QUANTITIES[name].compute(theory)
         change = QUANTITIES[name].compute(corrected_solution) / theory_value - 1
-        uncertainty = abs(change) * max(uncertainties.values())
+        uncertainty = abs(change) * max(uncertain_fraction_by_curvature.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
@@ -325,7 +327,7 @@ def _change_of_stick(
     corrected_half_width = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
-    return Estimate(corrected_half_width / theory_value - 1, uncertainty + _ERROR_OF_STICK)
+    return Estimate(corrected_half_width / theory_value - 1, uncertainty + _RELATIVE_ERROR_OF_STICK)
 
 
 def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
@@ -345,7 +347,9 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     """
     metric = comparison.metric(WORK)
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
-        return Why(Estimate(math.nan, math.nan), not_split="the dissipation was not compared")
+        return Why(
+            Estimate(math.nan, math.nan), reason_not_split="the dissipation was not compared"
+        )
     uncertainty = math.nan if metric.uncertainty is None else metric.uncertainty
     total_change = Estimate(metric.value, uncertainty)
     numerical_part = 0.0
@@ -362,15 +366,17 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
             advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
             parts = _parts_of_flat_faces(advice, comparison)
     except (InputError, ConvergenceError) as reason:
-        return Why(total_change, not_split=str(reason))
+        return Why(total_change, reason_not_split=str(reason))
     causes_without_estimate = [
         cause for cause, part in parts.items() if math.isnan(part.uncertainty)
     ]
     if causes_without_estimate:
         return Why(
             total_change,
-            not_split=f"on this mesh the error of {' and of '.join(causes_without_estimate)} has no"
-            " estimate; a finer mesh splits it",
+            reason_not_split=(
+                f"on this mesh the error of {' and of '.join(causes_without_estimate)} has no"
+                " estimate; a finer mesh splits it"
+            ),
         )
     return Why(total_change, parts, Estimate(numerical_part))
 
@@ -389,7 +395,7 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
         if advice.neglected_part:
             parts[ODD_PART] = Estimate(0.0, advice.neglected_part)
         return parts
-    theory_work = advice.changes[WORK].theory
+    theory_work = advice.changes[WORK].theory_value
     work_by_kernels = _work_by_kernels(comparison)
     sum_of_parts = sum(part.value for part in parts.values())
     parts = {cause: Estimate(part.value) for cause, part in parts.items()}
@@ -434,7 +440,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
 
     scene = comparison.scene
     work_by_kernels = _work_by_kernels(comparison)
-    mesh, settings = _coarser_settings_of(comparison)
+    mesh, settings = _coarser_mesh_and_settings(comparison)
     solution_of_half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
     theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
     change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
@@ -453,12 +459,12 @@ def _work_by_kernels(comparison: JudgedPair) -> Estimate:
     """
     import halfplane_fe
 
-    mesh, settings = _coarser_settings_of(comparison)
+    mesh, settings = _coarser_mesh_and_settings(comparison)
     solution = halfplane_fe.solve(comparison.scene, mesh, settings, bodies="kernel")
     return Estimate(solution.dissipation, solution.dissipation_uncertainty)
 
 
-def _coarser_settings_of(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
+def _coarser_mesh_and_settings(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
     """Settings of a mesh with elements twice as large as in the comparison, and of its load steps:
     it takes a third of the time, and the parts are uncertain by some 1e-3.
     """
@@ -466,7 +472,7 @@ def _coarser_settings_of(comparison: JudgedPair) -> tuple[MeshSettings, SolverSe
     from reports.comparison.budget import coarser_settings
 
     mesh = MeshSettings(**comparison.result.settings["mesh"])
-    return coarser_settings(mesh, SolverSettings(), _COARSENING)
+    return coarser_settings(mesh, SolverSettings(), _ELEMENT_SIZE_RATIO)
 
 
 # Key of an answer -> key of the quantity in `laws.QUANTITIES`, which has it on the points that
@@ -483,7 +489,7 @@ def _parts_by_curvatures(
     effects: BodyEffects,
     theory: ContactSolution,
     corrected_solution: ContactSolution,
-    uncertainties: Mapping[str, float],
+    uncertain_fraction_by_curvature: Mapping[str, float],
 ) -> dict[str, Estimate]:
     """Relative change of the dissipation by each of two curvatures that finite bodies add to
     half-planes, with the other one absent: that of the gap under P, and that of the tangential
@@ -495,7 +501,7 @@ def _parts_by_curvatures(
         elastic responses that the bodies add to half-planes
     theory, corrected_solution
         half-plane theory, and theory with all curvatures
-    uncertainties
+    uncertain_fraction_by_curvature
         relative uncertainty of the change by each curvature
     """
     import semi_analytic
@@ -509,13 +515,17 @@ def _parts_by_curvatures(
             theory.scene, x=0.0, time=theory.time, effects=effects_of_curvature, fields=WORK
         )
         change = solution.dissipation / theory.dissipation - 1
-        parts[curvature] = Estimate(change, abs(change) * uncertainties[curvature])
+        parts[curvature] = Estimate(
+            change, abs(change) * uncertain_fraction_by_curvature[curvature]
+        )
         rest -= change
-    parts["both together"] = Estimate(rest, abs(rest) * sum(uncertainties.values()))
+    parts["both together"] = Estimate(
+        rest, abs(rest) * sum(uncertain_fraction_by_curvature.values())
+    )
     return parts
 
 
-def _without_odd_numbers(effects: BodyEffects) -> BodyEffects:
+def _without_tilt_and_strain(effects: BodyEffects) -> BodyEffects:
     """The elastic responses of the bodies without the odd ones, tilt and bulk strain."""
     from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 

@@ -38,12 +38,12 @@ from scenes.array_types import Array
 from scenes.unit_words import UNITS
 
 # |Q| = f P is allowed (the stick zone has just closed): rounding of the loads must not forbid it.
-_ROUNDING = 1e-12
+_ROUND_OFF_SHARE = 1e-12
 _N_SAMPLES = 513
 # Of the largest P: below this share Q beyond f P is taken for noise of the sensors.
-_NOISE_SHARE = 0.05
+_LARGEST_NOISE_SHARE = 0.05
 # Rows of a record that are looked at together.
-_ROWS_OF_BLOCK = 100_000
+_ROWS_PER_BLOCK = 100_000
 # Beyond these shares linear elasticity and half-planes mean little: hardened steel yields long
 # before p0 = E*/10, and at a slope of 0.3 the parabola is 2 % off the circle that it stands for.
 _LARGEST_STRAIN = 0.1
@@ -80,8 +80,9 @@ class _NearestToSliding:
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """How near the loads come to gross sliding: the largest |Q|/(f P) of the initial loading and
-    one cycle, with its time and loads. It is searched on samples of each load segment, then twice
-    on closer samples around the largest.
+    one cycle, with its time, its loads and the part of the path ("initial loading", "cycle" or
+    "path"). It is searched on samples of each load segment, then twice on closer samples around the
+    largest.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
@@ -91,7 +92,9 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     friction = scene.friction.coefficient
 
     def highest_ratio_and_time(segment: LoadSegment) -> tuple[float, float]:
-        return _highest_value_and_time(segment, lambda time: _ratio(*segment.loads(time), friction))
+        return _highest_value_and_time(
+            segment, lambda time: _load_ratio(*segment.loads(time), friction)
+        )
 
     ratios_and_times = [highest_ratio_and_time(segment) for segment, _ in named_segments]
     segment_number = int(np.argmax([ratio for ratio, _ in ratios_and_times]))
@@ -119,12 +122,14 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     second_part = "cycle" if load.repeats else "path"
     rows = load.series()  # (n, 3) time, P, Q
     segments: list[tuple[LoadSegment, str]] = []
-    for first_of_block in range(0, len(rows) - 1, _ROWS_OF_BLOCK):
-        block = rows[first_of_block : first_of_block + _ROWS_OF_BLOCK + 1]
+    for first_of_block in range(0, len(rows) - 1, _ROWS_PER_BLOCK):
+        block = rows[first_of_block : first_of_block + _ROWS_PER_BLOCK + 1]
         # loads at the start and at the end of each step, (n, 2)
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
         tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
-        ratio = np.max(_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1)
+        ratio = np.max(
+            _load_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1
+        )
         step_of_highest_ratio = np.argmax(ratio)
         step_of_highest_load = np.argmax(np.max(normal_load, axis=1))
         for step in np.unique([step_of_highest_ratio, step_of_highest_load]).tolist():
@@ -145,10 +150,10 @@ def require_admissible(scene: Scene, source: str) -> None:
     if scene.load.is_driven:
         return
     try:
-        _follow_loads(scene)
+        _require_admissible_loads(scene)
     except InadmissibleLoadError as fault:
         # the loads may count compression as negative
-        if _is_tension(scene):
+        if _has_only_tension(scene):
             sign_in_words = (
                 "never positive" if largest_normal_load(scene) <= 0 else "negative but for noise"
             )
@@ -160,30 +165,34 @@ def require_admissible(scene: Scene, source: str) -> None:
         hint = ""
         if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
             with suppress(InadmissibleLoadError):  # the parabola alone is at fault
-                _follow_loads(scene.vary(load={"initial_loading": "straight"}))
+                _require_admissible_loads(scene.vary(load={"initial_loading": "straight"}))
                 hint = '; or write load.initial_loading = "straight", which is admissible'
         if isinstance(scene.load, TimeSeriesLoad):
-            hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.worst_time)
+            hint = _hint_on_rows_to_leave_out(
+                scene.load, scene.friction.coefficient, fault.worst_time
+            )
         raise InputError(f"{source}: {fault}{hint}") from fault
 
 
-def _is_tension(scene: Scene) -> bool:
+def _has_only_tension(scene: Scene) -> bool:
     """Whether P is negative all along, but for noise of a sensor without a load."""
     highest_load = largest_normal_load(scene)
     if highest_load <= 0:
         return True
     return (
         isinstance(scene.load, TimeSeriesLoad)
-        and -float(np.min(scene.load.used_rows().values[:, 1])) * _NOISE_SHARE > highest_load
+        and -float(np.min(scene.load.used_rows().values[:, 1])) * _LARGEST_NOISE_SHARE
+        > highest_load
     )
 
 
-def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
+def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: float) -> str:
     """The end of an error message on a record of loads that slides or lifts off at `time`: the
     number of that row, and the keys of the scene that leave such rows out.
 
-    Where only rows with little P slide, that key is a least normal load, below which sensors give
-    noise. Else it is one for rows that slide, or another start or end.
+    Where only rows with less than a twentieth of the largest P slide, that key is a least normal
+    load, below which sensors give noise. Else it is one for rows that slide, or another start or
+    end.
     """
     rows = load.rows.values  # time, P, Q in its columns
     first_row, row_beyond = load.row_bounds()
@@ -192,16 +201,16 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     used_rows = rows[first_row:row_beyond]
     slides = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
-    largest_load_of_noise = float(np.max(used_rows[slides, 1], initial=0.0))
+    largest_sliding_load = float(np.max(used_rows[slides, 1], initial=0.0))
     largest_load = float(np.max(used_rows[:, 1]))
     if (
         load.least_normal_load is None
         and not load.repeats
         and not load.has_bulk_or_tilt
-        and largest_load_of_noise < _NOISE_SHARE * largest_load
+        and largest_sliding_load < _LARGEST_NOISE_SHARE * largest_load
     ):
         # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
-        exact_least_load = max(2 * largest_load_of_noise, _NOISE_SHARE / 50 * largest_load)
+        exact_least_load = max(2 * largest_sliding_load, _LARGEST_NOISE_SHARE / 50 * largest_load)
         second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
         least_load = float(np.floor(exact_least_load / second_digit) + 1) * second_digit
         return (
@@ -216,7 +225,7 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     )
 
 
-def _follow_loads(scene: Scene) -> None:
+def _require_admissible_loads(scene: Scene) -> None:
     """Follow the loads of a scene from its start; InadmissibleLoadError where P is negative or |Q|
     reaches f P.
     """
@@ -243,14 +252,15 @@ def _largest_load_and_time(scene: Scene) -> tuple[float, float]:
     return max(largest_of(segment) for segment, _ in _deciding_segments(scene))
 
 
-def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
+def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
     """|Q|/(f P) at the samples of load segments, all (..., n). Infinite at P < 0, and where f P is
     0 but Q is not; 0 elsewhere at Q = 0.
     """
     size_of_q = np.abs(tangential_load)
     # Q that is zero but for the round-off error of its own segment is zero.
     size_of_q = np.where(
-        size_of_q <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
+        size_of_q
+        <= _ROUND_OFF_SHARE * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
         size_of_q,
     )
@@ -285,7 +295,7 @@ _NO_THEORY_OF_CURVED_FACES = (
 
 
 @dataclass(frozen=True)
-class Engines:
+class EngineRefusals:
     """Why each engine does not take a scene; "" for one that does."""
 
     refusal_of_theory: str
@@ -330,7 +340,7 @@ class Engines:
         return ""
 
 
-def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
+def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) -> EngineRefusals:
     """Which of theory and finite elements can solve a scene whose load path is admissible: for each
     the reason why it refuses, "" where it accepts.
 
@@ -348,15 +358,15 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
     # responses of flat faces.
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
-            return Engines(_NO_THEORY_OF_CURVED_FACES, "")
-        return Engines("", "", finds_own_loads=True)
+            return EngineRefusals(_NO_THEORY_OF_CURVED_FACES, "")
+        return EngineRefusals("", "", finds_own_loads=True)
     reason_of_theory = _refusal_of_theory(scene, source)
     if not reason_of_theory and not scene.bodies.half_planes:
         _require_face_wider_than_contact(scene, source)
     if not finite_elements and not reason_of_theory:
-        return Engines("", "")
+        return EngineRefusals("", "")
     reason_of_elements, size_in_words = _refusal_of_elements(scene, source, reason_of_theory)
-    return Engines(reason_of_theory, reason_of_elements, size_in_words)
+    return EngineRefusals(reason_of_theory, reason_of_elements, size_in_words)
 
 
 def _refusal_of_theory(scene: Scene, source: str) -> str:
@@ -423,7 +433,7 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     if contact.half_width <= largest_ratio * half_width_of_face:
         return
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
-    remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
+    remarks_before = "".join(f"{remark} " for remark in remarks_on_input(scene, contact))
     raise InputError(
         f"{source}: {remarks_before}Check the units first: loads are in {unit_of_force} per"
         f" {unit_of_length} of thickness, E is in {unit_of_stress}, sizes are in {unit_of_length}."
@@ -464,12 +474,12 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     contact = _contact_of_convex_profile(scene, largest_load, time)
     if contact is None:
         contact = _contact_by_theory(scene, largest_load, time, source)
-    half_width = (contact.right - contact.left) / 2
+    half_width = (contact.right_edge - contact.left_edge) / 2
     peak_pressure = _peak_pressure(contact, scene)
     typical_pressure = peak_pressure
     if not np.isfinite(peak_pressure):  # at the tip of a wedge: the mean pressure in its place
         typical_pressure = largest_load / (2 * half_width)
-    contact_edges = np.array([contact.left, contact.right])
+    contact_edges = np.array([contact.left_edge, contact.right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
     return _LargestContact(
@@ -478,7 +488,7 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
         peak_pressure=peak_pressure,
         strain=typical_pressure / composite_modulus(scene.material),
         edge_slope=float(np.max(slopes)),
-        ratios=_ratios(scene, half_width),
+        ratios=_size_ratios(scene, half_width),
     )
 
 
@@ -487,11 +497,11 @@ def _peak_pressure(contact: _Contact, scene: Scene) -> float:
     around it; infinite at the tip of a wedge.
     """
     # A flat with rounded corners has its peak near the edges.
-    half_width = (contact.right - contact.left) / 2
-    middle_x = (contact.left + contact.right) / 2
+    half_width = (contact.right_edge - contact.left_edge) / 2
+    middle_x = (contact.left_edge + contact.right_edge) / 2
     x = middle_x + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
-    x = np.union1d(x, kinks[(contact.left < kinks) & (kinks < contact.right)])
+    x = np.union1d(x, kinks[(contact.left_edge < kinks) & (kinks < contact.right_edge)])
     pressure = contact.pressure(x)
     peak_index = int(np.argmax(pressure))
     x_around_peak = np.linspace(x[max(peak_index - 1, 0)], x[min(peak_index + 1, len(x) - 1)], 65)
@@ -502,8 +512,8 @@ def _peak_pressure(contact: _Contact, scene: Scene) -> float:
 class _Contact:
     """The contact of a profile under one load."""
 
-    left: float  # edge [length]
-    right: float  # edge [length]
+    left_edge: float  # its x [length]
+    right_edge: float  # its x [length]
     pressure: Callable[[Array], Array]  # x (n,) -> p [stress] (n,)
 
 
@@ -565,7 +575,7 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     key = "moment" if path.moment_given else "tilt"
     value_by_key: dict[str, float] = {}
     for segment in (*path.initial_loading, *path.cycle):
-        # `turning`: tilt and moment over time; None where the segment has neither
+        # tilt and moment over time; None where the segment has neither
         if segment.tilt_and_moment is not None and segment.start <= time <= segment.end:
             tilt, moment = segment.tilt_and_moment.loads(time)
             value_by_key = {key: float(moment if path.moment_given else tilt)}
@@ -661,7 +671,7 @@ def bulk_in_words(effect: _BulkAndTilt) -> str:
     return in_template("bulk", effect)
 
 
-def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
+def _size_ratios(scene: Scene, half_width: float) -> dict[str, float]:
     """The half-width a of the contact (`half_width` [length]) over radii of the profile, and the
     half-length b of its flat and sizes of the bodies over a; by name, such as "a/R", "b/a" and
     "lower width/a".
@@ -713,7 +723,7 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
     return rows
 
 
-def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
+def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
     """Sentences about input that is allowed but looks like a mistake: a modulus in a wrong unit,
     friction in per cent, strains or slopes beyond linear elasticity. An empty list where nothing is
     unusual. `contact` is the contact at the largest load.

@@ -28,10 +28,10 @@ from reports.units import energy_unit, load_unit, minus, significant, units
 from scenes import Estimate, Scene
 
 # A measurement can show a difference of at least two of its standard uncertainties (95 %).
-_LEAST_VISIBLE_DIFFERENCE = 2.0
+_FEWEST_SIGMAS_VISIBLE = 2.0
 # A second input is named where the change that it makes is at least a quarter of that of the first.
 _LEAST_SHARE_OF_NAMED_INPUT = 0.25
-_SYMBOLS = {WORK: "W", PEAK: "the largest pressure"}
+_SYMBOL_OR_NAME = {WORK: "W", PEAK: "the largest pressure"}
 
 
 def stated_in_words(scene: Scene) -> str:
@@ -185,14 +185,14 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
     if WORK not in effects.difference:
         return
     uncertain_difference = effects.difference[WORK]
-    relative_difference, source = _difference_of_work(uncertain_difference, comparison)
+    relative_difference, source = _difference_of_work_and_source(uncertain_difference, comparison)
     percent_in_words = with_uncertainty(
         100 * relative_difference, 100 * uncertain_difference.uncertainty
     )
     yield f"With these inputs the difference of W{source} is {percent_in_words} %."
 
 
-def _difference_of_work(
+def _difference_of_work_and_source(
     uncertain_difference: UncertainValue, comparison: JudgedPair | None
 ) -> tuple[float, str]:
     """Relative difference of W between finite bodies and half-planes, and the source of that number
@@ -218,8 +218,8 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
     if WORK not in effects.difference:
         yield f"{statement}."
         return
-    relative_difference, _ = _difference_of_work(effects.difference[WORK], comparison)
-    if abs(relative_difference) >= _LEAST_VISIBLE_DIFFERENCE * relative_uncertainty:
+    relative_difference, _ = _difference_of_work_and_source(effects.difference[WORK], comparison)
+    if abs(relative_difference) >= _FEWEST_SIGMAS_VISIBLE * relative_uncertainty:
         yield f"{statement} and can see it, if it adds less of its own."
     else:
         yield f"{statement} and cannot see it."
@@ -242,7 +242,7 @@ def _main_input_in_words(effects: InputEffects) -> str:
         name_of_input = input_in_words[first_key]
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
         if key != WORK:
-            statement = f"For {_SYMBOLS[key]} {name_of_input} matters most"
+            statement = f"For {_SYMBOL_OR_NAME[key]} {name_of_input} matters most"
         if other_keys and sizes[other_keys[0]] >= _LEAST_SHARE_OF_NAMED_INPUT * sizes[first_key]:
             statement += f", then {input_in_words[other_keys[0]]}"
         return f"{statement}."
@@ -356,7 +356,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     for uncertain_input in effects.inputs:
         change_in_words = "–"
         if work is not None:
-            change_in_words = _signed_ratio(
+            change_in_words = _signed_ratio_in_words(
                 100 * work.changes[uncertain_input.key].value, work.value
             )
         table.append(
@@ -374,7 +374,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     if difference is None:
         return heads, table
     changes_in_points = [
-        _signed_ratio(100 * difference.changes[uncertain_input.key].value, 1.0)
+        _signed_ratio_in_words(100 * difference.changes[uncertain_input.key].value, 1.0)
         for uncertain_input in effects.inputs
     ]
     changes_in_points.append(f"± {significant(100 * difference.uncertainty, 2)}")
@@ -394,7 +394,7 @@ def _unit(value: UncertainValue, scene: Scene) -> str:
     }[value.unit]
 
 
-def _signed_ratio(change: float, value: float) -> str:
+def _signed_ratio_in_words(change: float, value: float) -> str:
     """A change of a value over the value, in words with a sign; a dash where there is none."""
     if not value or not math.isfinite(change):
         return "–"

@@ -68,27 +68,27 @@ STICK = "permanent_stick"
 RATIO = "sliding_ratio"
 # Shares of a standard uncertainty by which an input is moved: the first that leaves the loads below
 # gross sliding on both sides.
-_STEPS = (1.0, 0.25, 0.0625)
+_STEPS_OF_INPUT = (1.0, 0.25, 0.0625)
 # Standard uncertainties between the loads and gross sliding, below which draws are taken: beyond,
 # fewer than 2 draws in 1,000 slide.
-_NEAR_SLIDING = 3.0
+_MOST_SIGMAS_NEAR_SLIDING = 3.0
 # The same below which the bodies may slide, at the usual level of 95 %.
-_IN_REACH = 2.0
+_MOST_SIGMAS_IN_REACH = 2.0
 # Of the limit of friction: within it the bodies slide already.
-_AT_LIMIT = 1e-9
+_ROUND_OFF_AT_LIMIT = 1e-9
 # Of the uncertainty: what the second order may be for derivatives to be enough.
-_NEARLY_LINEAR = 0.1
+_LARGEST_SHARE_OF_SECOND_ORDER = 0.1
 # Share of P or Q by which it is moved where no uncertainty of it is stated, but that of an input
 # whose derivative follows from it.
-_STEP_OF_LOAD = 0.01
-DRAWS = 100_000
+_RELATIVE_STEP_OF_LOAD = 0.01
+N_DRAWS = 100_000
 # Where each draw is a solve of its own, or has a profile of its own shape.
-FEW_DRAWS = 200
+N_FEW_DRAWS = 200
 _SEED = 20_2009  # of V&V 20-2009: any number, but the same in each run
 # Rows of a record above which slip and edge tension, which are searched for, are left out.
-_LONG_RECORD = 500
+_MOST_ROWS_FOR_SEARCH = 500
 
-_Values = dict[str, float]
+_ValueByName = dict[str, float]
 
 
 class Quantity(NamedTuple):
@@ -159,7 +159,7 @@ class UncertainValue:
         """Whether derivatives are enough: the second order is at most a tenth of the
         uncertainty.
         """
-        return self.second_order <= _NEARLY_LINEAR * self.uncertainty
+        return self.second_order <= _LARGEST_SHARE_OF_SECOND_ORDER * self.uncertainty
 
     @property
     def ranking(self) -> list[str]:
@@ -193,7 +193,7 @@ class NearSliding(NamedTuple):
     @property
     def is_in_reach(self) -> bool:
         """Whether bodies that do not slide may do so within two standard uncertainties."""
-        return self.ratio < 1 - _AT_LIMIT and self.distance <= _IN_REACH
+        return self.ratio < 1 - _ROUND_OFF_AT_LIMIT and self.distance <= _MOST_SIGMAS_IN_REACH
 
 
 class DrawStatistics(NamedTuple):
@@ -322,7 +322,7 @@ def uncertain_value(
 
 
 # ------------------------------------------------------------------------------- one scene's values
-def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
+def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _ValueByName:
     """Half-plane theory's values of the last cycle by name: dissipation, largest pressure, largest
     half-width, half-width of permanent stick, largest slip and edge tension.
 
@@ -356,7 +356,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
         return values
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     # pressure, slip and edge tension are found by a search, which takes too long for these scenes
-    if _is_long(scene) or _needs_grids(scene):
+    if _is_long_record(scene) or _needs_grids(scene):
         return {
             WORK: solution.dissipation,
             "half_width": float(np.max(solution.contact_half_width[solution.last_cycle])),
@@ -373,9 +373,9 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     }
 
 
-def _is_long(scene: Scene) -> bool:
+def _is_long_record(scene: Scene) -> bool:
     load = scene.load
-    return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _LONG_RECORD
+    return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _MOST_ROWS_FOR_SEARCH
 
 
 def _needs_grids(scene: Scene) -> bool:
@@ -395,10 +395,10 @@ class _ChangeByInput(NamedTuple):
 
 
 def central_differences(
-    values_at: Callable[[Scene], _Values],
+    values_at: Callable[[Scene], _ValueByName],
     scene: Scene,
     uncertain_input: Input,
-    values_at_inputs: _Values,
+    values_at_inputs: _ValueByName,
 ) -> _ChangeByInput:
     """How much one standard uncertainty of an input changes each value of theory, by central
     differences: the values are computed with the input moved up and down by its standard
@@ -423,13 +423,13 @@ def central_differences(
     InputError
         Where no scene can have the moved input, or theory cannot solve that scene.
     """
-    for step in _STEPS:
+    for step in _STEPS_OF_INPUT:
         input_change = step * uncertain_input.standard_uncertainty
         try:
             values_above = values_at(scene.moved({uncertain_input.key: input_change}))
             values_below = values_at(scene.moved({uncertain_input.key: -input_change}))
         except InadmissibleLoadError:
-            if step == _STEPS[-1]:
+            if step == _STEPS_OF_INPUT[-1]:
                 raise
             continue
         changes = _differences(values_at_inputs, values_above, values_below, step)
@@ -438,7 +438,10 @@ def central_differences(
 
 
 def _differences(
-    values_at_inputs: _Values, values_above: _Values, values_below: _Values, step: float
+    values_at_inputs: _ValueByName,
+    values_above: _ValueByName,
+    values_below: _ValueByName,
+    step: float,
 ) -> dict[str, Estimate]:
     """The change V' of each value V by one standard uncertainty of an input. It is the central
     difference; its error estimate is the second-order change, |V''|/2.
@@ -483,7 +486,7 @@ def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
 
 # ------------------------------------------------------------------- changes of theory's values
 def changes_of_theory(
-    scene: Scene, values_at_inputs: _Values, effects_of: Callable[[Scene], BodyEffects | None]
+    scene: Scene, values_at_inputs: _ValueByName, effects_of: Callable[[Scene], BodyEffects | None]
 ) -> list[_ChangeByInput]:
     """For each uncertain input of a scene, how much one standard uncertainty of it changes theory's
     values `values_at_inputs` (dissipation, largest pressure, ...).
@@ -493,7 +496,7 @@ def changes_of_theory(
     changed input. It returns the elastic responses of its bodies, or None where none count.
     """
 
-    def values_at(changed_scene: Scene) -> _Values:
+    def values_at(changed_scene: Scene) -> _ValueByName:
         return values_of_theory(changed_scene, effects_of(changed_scene))
 
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
@@ -513,8 +516,8 @@ def _change_by_laws(
     laws: _ScalingLaws,
     scene: Scene,
     uncertain_input: Input,
-    values_at_inputs: _Values,
-    values_at: Callable[[Scene], _Values],
+    values_at_inputs: _ValueByName,
+    values_at: Callable[[Scene], _ValueByName],
 ) -> _ChangeByInput:
     """How much one standard uncertainty of an input changes each value of half-plane theory: by a
     scaling law where there is one for its key, else by central differences.
@@ -556,16 +559,19 @@ class _ScalingLaws:
     """
 
     def __init__(
-        self, scene: Scene, values_at_inputs: _Values, values_at: Callable[[Scene], _Values]
+        self,
+        scene: Scene,
+        values_at_inputs: _ValueByName,
+        values_at: Callable[[Scene], _ValueByName],
     ) -> None:
         self.scene = scene
         self.values_at_inputs = values_at_inputs
         self.values_at = values_at
         self._changes_by_loads: dict[str, _ChangeByInput] = {}
-        self._derivatives: dict[str, _Values] = {}
+        self._derivatives: dict[str, _ValueByName] = {}
 
     def change_by_input(
-        self, key: str, relative_uncertainty: float, derivatives: _Values
+        self, key: str, relative_uncertainty: float, derivatives: _ValueByName
     ) -> _ChangeByInput:
         """The change of each value V by one standard uncertainty of the input x called `key`:
         u x dV/dx, u being the `relative_uncertainty` of x.
@@ -588,11 +594,11 @@ class _ScalingLaws:
             changes[name] = Estimate(change, second_order)
         return _ChangeByInput(key, changes)
 
-    def derivative_by_tangential_load(self) -> _Values:
+    def derivative_by_tangential_load(self) -> _ValueByName:
         """x dV/dx of every value V for the tangential load x, by central differences."""
         return self.derivative_by_load("tangential_load")
 
-    def derivative_by_normal_load(self) -> _Values:
+    def derivative_by_normal_load(self) -> _ValueByName:
         """x dV/dx of every value V for the normal load x: of a parabola by the scaling law of
         heights, of other profiles by central differences.
         """
@@ -603,27 +609,27 @@ class _ScalingLaws:
         by_q = self.derivative_by_tangential_load()
         return {key: heights[key] + by_radius[key] - by_q[key] for key in self.values_at_inputs}
 
-    def derivative_by_radius(self) -> _Values:
+    def derivative_by_radius(self) -> _ValueByName:
         """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
         a radius goes as the square of a length.
         """
         exponents = self._exponents("length_exponent")
         return {key: exponent / 2 for key, exponent in exponents.items()}
 
-    def derivative_by_friction(self) -> _Values:
+    def derivative_by_friction(self) -> _ValueByName:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
         shear = self._exponents("shear_exponent")
         by_q = self.derivative_by_tangential_load()
         return {key: shear[key] - by_q[key] for key in self.values_at_inputs}
 
-    def derivative_by_modulus(self) -> _Values:
+    def derivative_by_modulus(self) -> _ValueByName:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
         stress = self._exponents("stress_exponent")
         by_p = self.derivative_by_normal_load()
         by_q = self.derivative_by_tangential_load()
         return {key: stress[key] - by_p[key] - by_q[key] for key in self.values_at_inputs}
 
-    def _exponents(self, exponent_name: str) -> _Values:
+    def _exponents(self, exponent_name: str) -> _ValueByName:
         """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
         `exponent_name` is the attribute of a `Quantity` that holds the exponent.
         """
@@ -639,7 +645,7 @@ class _ScalingLaws:
         Where the scene states no uncertainty of this load, the change is by 1 % of the load.
         """
         if key not in self._changes_by_loads:
-            uncertain_load = Input(key, "", "", None, _STEP_OF_LOAD)
+            uncertain_load = Input(key, "", "", None, _RELATIVE_STEP_OF_LOAD)
             for stated_input in self.scene.inputs:
                 if stated_input.key == key:
                     uncertain_load = stated_input
@@ -653,7 +659,7 @@ class _ScalingLaws:
             }
         return self._changes_by_loads[key]
 
-    def derivative_by_load(self, key: str) -> _Values:
+    def derivative_by_load(self, key: str) -> _ValueByName:
         """x dV/dx of every value V for the load x, P or Q as `key` says, by central differences."""
         self.change_by_load(key)
         return self._derivatives[key]
@@ -759,7 +765,7 @@ def _reason_without_difference(scene: Scene) -> str:
 
 def changes_of_difference(
     scene: Scene, effects: BodyEffects
-) -> tuple[_Values, list[_ChangeByInput]]:
+) -> tuple[_ValueByName, list[_ChangeByInput]]:
     """The difference of two models, finite bodies/half-planes − 1, in the work W and in the largest
     pressure; and how much one standard uncertainty of each uncertain input changes it.
 
@@ -773,15 +779,16 @@ def changes_of_difference(
     """
     import halfplane_fe
 
-    by_batch = takes_batch(scene, effects)  # W by the quick formula for ellipses of loads
+    # W by the quick formula for elliptical load paths
+    by_quick_formula = quick_formula_holds(scene, effects)
 
-    def values_at(changed_scene: Scene) -> _Values:
+    def values_at(changed_scene: Scene) -> _ValueByName:
         changed_effects = effects
         if changed_scene.bodies != scene.bodies or changed_scene.material != scene.material:
             changed_effects = halfplane_fe.body_effects(changed_scene)
-        return difference_at(changed_scene, changed_effects, by_batch=by_batch)
+        return difference_at(changed_scene, changed_effects, by_quick_formula=by_quick_formula)
 
-    differences = difference_at(scene, effects, by_batch=by_batch)
+    differences = difference_at(scene, effects, by_quick_formula=by_quick_formula)
     law_of_modulus = _LawOfModulus(scene, differences, values_at)
     changes_by_inputs = []
     for uncertain_input in scene.inputs:
@@ -802,7 +809,10 @@ class _LawOfModulus:
     """
 
     def __init__(
-        self, scene: Scene, values_at_inputs: _Values, values_at: Callable[[Scene], _Values]
+        self,
+        scene: Scene,
+        values_at_inputs: _ValueByName,
+        values_at: Callable[[Scene], _ValueByName],
     ) -> None:
         self.laws_of_loads = _ScalingLaws(scene, values_at_inputs, values_at)
 
@@ -825,7 +835,7 @@ class _LawOfModulus:
         return _ChangeByInput(modulus.key, changes)
 
 
-def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
+def quick_formula_holds(scene: Scene, effects: BodyEffects) -> bool:
     """Whether the quick formula for W (`semi_analytic.dissipation`) holds for both models, at the
     scene's inputs and at changed ones.
 
@@ -843,41 +853,41 @@ def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
     return is_ellipse and not has_uncertain_body and not has_odd_part
 
 
-def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Values:
+def difference_at(scene: Scene, effects: BodyEffects, *, by_quick_formula: bool) -> _ValueByName:
     """The difference finite bodies/half-planes − 1 of the work W and of the largest pressure, by
     name; NaN where it is not known. Both come from theory, that of finite bodies with `effects`,
     the elastic responses that they add.
 
     Parameters
     ----------
-    by_batch
+    by_quick_formula
         True: W by the quick formula for elliptical load paths, in a fifth of the time, from the
         curvatures that loads give the faces. False: W by a solution, with tilt and strain of the
         faces too
     """
     return {
-        WORK: _difference_of_work(scene, effects, by_batch),
+        WORK: _difference_of_work(scene, effects, by_quick_formula),
         PEAK: _difference_of_peak(scene, effects),
     }
 
 
-def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> float:
+def _difference_of_work(scene: Scene, effects: BodyEffects, by_quick_formula: bool) -> float:
     """W of finite bodies/W of half-planes − 1; NaN where nothing is dissipated."""
-    works_of = _works_by_batch if by_batch else _works_by_solving
+    works_of = _works_by_quick_formula if by_quick_formula else _works_by_solving
     work_of_half_planes, work_of_bodies = works_of(scene, effects)
     if not work_of_half_planes:
         return math.nan
     return work_of_bodies / work_of_half_planes - 1
 
 
-def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
     """Friction work W of a cycle for half-planes and for finite bodies with elastic responses
     `effects`, by the quick formula for elliptical load paths. InputError where the loads have no W.
     """
     import semi_analytic
 
     load = scene.load
-    assert isinstance(load, EllipseLoad)  # for the type checker: see `takes_batch`
+    assert isinstance(load, EllipseLoad)  # for the type checker: see `quick_formula_holds`
 
     def work_with(body_effects: BodyEffects | None) -> float:
         """Friction work W of a cycle with the elastic responses that finite bodies add to
@@ -953,18 +963,18 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     None where a draw takes too long: long records, prescribed displacements, bulk stress, tilt and
     unsymmetric profiles. `reason` says why draws are needed.
     """
-    if scene.load.is_driven or scene.unsymmetric or _is_long(scene):
+    if scene.load.is_driven or scene.unsymmetric or _is_long_record(scene):
         return None
     is_ellipse = isinstance(scene.load, EllipseLoad)
     moves_compound_profile = isinstance(scene.profile, Compound) and any(
         uncertain_input.key.startswith("profile.") for uncertain_input in scene.inputs
     )
     # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
-    count = DRAWS if is_ellipse and not moves_compound_profile else FEW_DRAWS
-    samples = samples_of(scene, count)
+    count = N_DRAWS if is_ellipse and not moves_compound_profile else N_FEW_DRAWS
+    drawn_changes = drawn_changes_of(scene, count)
     values_of = values_of_ellipses if is_ellipse else values_one_by_one
-    values, slides = values_of(scene, samples)
-    sliding_share = float(np.mean(slides))
+    values, is_sliding = values_of(scene, drawn_changes)
+    sliding_share = float(np.mean(is_sliding))
     return Draws(
         count=count,
         sliding=sliding_share,
@@ -987,7 +997,7 @@ def _statistics_of(values: Array) -> DrawStatistics:
     )
 
 
-def samples_of(scene: Scene, count: int) -> dict[str, Array]:
+def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
     """Random changes of each uncertain input, (count,) by its key: relative to its value, those of
     a phase in degrees. They have normal distributions with the stated standard uncertainties and
     correlations.
@@ -1009,14 +1019,14 @@ def samples_of(scene: Scene, count: int) -> dict[str, Array]:
 
 
 def values_of_ellipses(
-    scene: Scene, samples: Mapping[str, Array]
+    scene: Scene, drawn_changes: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
     """The dissipation W, and where known the permanent stick half-width, for n random draws of the
     inputs under an elliptical load path, computed all at once. Returned: values by name, (n,) each,
     NaN where a draw has none; and which draws slide over the whole contact, (n,).
 
-    `samples` holds the change of each input, (n,) by its key: relative, of a phase in degrees. The
-    half-width is known where the profile is a parabola or is not changed.
+    `drawn_changes` holds the change of each input, (n,) by its key: relative, of a phase in
+    degrees. The half-width is known where the profile is a parabola or is not changed.
 
     One modulus E*_0 serves all draws: W(E*, P, Q) = r W(E*_0, P/r, Q/r) with r = E*/E*_0.
     Half-widths under these loads are the same.
@@ -1025,22 +1035,22 @@ def values_of_ellipses(
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
-    n_draws = len(next(iter(samples.values())))
-    unchanged = np.ones(n_draws)
+    n_draws = len(next(iter(drawn_changes.values())))
+    factors_of_one = np.ones(n_draws)
 
     def factor(key: str) -> Array:
-        return 1 + samples[key] if key in samples else unchanged
+        return 1 + drawn_changes[key] if key in drawn_changes else factors_of_one
 
-    modulus_factor = unchanged
-    if any(key.startswith("material.") for key in samples):
-        modulus_factor = _moduli(scene, samples) / composite_modulus(scene.material)
+    modulus_factor = factors_of_one
+    if any(key.startswith("material.") for key in drawn_changes):
+        modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
     normal_factor = factor("normal_load") / modulus_factor
     tangential_factor = factor("tangential_load") / modulus_factor
     profile: Any = scene.profile
-    if any(key.startswith("profile.") or key.endswith(".radius") for key in samples):
-        profile = _profiles(scene, samples)
+    if any(key.startswith("profile.") or key.endswith(".radius") for key in drawn_changes):
+        profile = _numbers_of_drawn_profiles(scene, drawn_changes)
     batch = semi_analytic.dissipation(
         profile=profile,
         material=scene.material,
@@ -1049,7 +1059,7 @@ def values_of_ellipses(
         normal_amplitude=load.normal_amplitude * normal_factor,
         mean_tangential_load=load.mean_tangential_load * tangential_factor,
         tangential_amplitude=load.tangential_amplitude * tangential_factor,
-        phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
+        phase_degrees=load.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
     )
     # from W at the stated E*_0 to W at the modulus of the draw
     values = {WORK: batch.value * modulus_factor}
@@ -1067,20 +1077,20 @@ def values_of_ellipses(
     return values, batch.reason == semi_analytic.Reason.SLIDING
 
 
-def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
+def _composite_moduli(scene: Scene, drawn_changes: Mapping[str, Array]) -> Array:
     """Composite modulus E* of n random draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u, of
     the lower and the upper body. NaN where |nu| is not below 0.5.
 
-    `samples` holds the relative change of each input, (n,) by its key. A key names a constant of
-    both bodies (material.young_modulus) or of one (material.lower.young_modulus).
+    `drawn_changes` holds the relative change of each input, (n,) by its key. A key names a constant
+    of both bodies (material.young_modulus) or of one (material.lower.young_modulus).
     """
-    compliance: Array = np.zeros(len(next(iter(samples.values()))))
+    compliance: Array = np.zeros(len(next(iter(drawn_changes.values()))))
     for body in ("lower", "upper"):
         material = getattr(scene.material, body)
         constants: dict[str, Array] = {}
         for name in ("young_modulus", "poisson_ratio"):
-            change_of_one = samples.get(f"material.{body}.{name}", np.zeros(()))
-            change = samples.get(f"material.{name}", change_of_one)
+            change_of_body = drawn_changes.get(f"material.{body}.{name}", np.zeros(()))
+            change = drawn_changes.get(f"material.{name}", change_of_body)
             constants[name] = getattr(material, name) * (1 + change)
         poisson_ratio = np.where(
             np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan
@@ -1089,14 +1099,14 @@ def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
     return np.asarray(1 / compliance)
 
 
-def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
+def _numbers_of_drawn_profiles(scene: Scene, drawn_changes: Mapping[str, Array]) -> dict[str, Any]:
     """The scene's profile for n random draws at once: its numbers by name, each uncertain one as an
     array (n,). The relative radius of cylinders is that of the drawn radii: 1/R = 1/R_l + 1/R_u.
 
-    `samples` holds the relative change of each input, (n,) by its key.
+    `drawn_changes` holds the relative change of each input, (n,) by its key.
     """
     numbers = scene.profile.model_dump()
-    for key, change in samples.items():
+    for key, change in drawn_changes.items():
         if key.startswith("profile."):
             name = key.removeprefix("profile.")
             numbers[name] = numbers[name] * (1 + change)
@@ -1104,39 +1114,42 @@ def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
     for body in ("lower", "upper"):
         shape = getattr(scene.bodies, body)
         if isinstance(shape, Cylinder):
-            change = samples.get(f"bodies.{body}.radius", np.zeros(()))
+            change = drawn_changes.get(f"bodies.{body}.radius", np.zeros(()))
             curvature = curvature + 1 / (shape.radius * (1 + change))
     if scene.bodies.relative_radius() is not None:
         numbers["radius"] = 1 / curvature
     return {name: value for name, value in numbers.items() if value is not None}
 
 
-def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[str, Array], Array]:
+def values_one_by_one(
+    scene: Scene, drawn_changes: Mapping[str, Array]
+) -> tuple[dict[str, Array], Array]:
     """The dissipation W and the permanent stick half-width of n random draws, each solved on its
     own: values by name, (n,) each, NaN where a draw has none; and which draws slide over the whole
     contact, (n,).
 
-    `samples` holds the change of each input, (n,) by its key: relative, of a phase in degrees.
+    `drawn_changes` holds the change of each input, (n,) by its key: relative, of a phase in
+    degrees.
     """
     import semi_analytic
 
-    n_draws = len(next(iter(samples.values())))
+    n_draws = len(next(iter(drawn_changes.values())))
     values = {WORK: np.full(n_draws, np.nan), STICK: np.full(n_draws, np.nan)}
-    slides = np.zeros(n_draws, dtype=bool)
+    is_sliding = np.zeros(n_draws, dtype=bool)
     for draw in range(n_draws):
         try:
             moved_scene = scene.moved(
-                {key: float(changes[draw]) for key, changes in samples.items()}
+                {key: float(changes[draw]) for key, changes in drawn_changes.items()}
             )
             solution = semi_analytic.solve(moved_scene, x=0.0, fields=(WORK,))
         except InadmissibleLoadError:
-            slides[draw] = True
+            is_sliding[draw] = True
         except InputError:  # no scene can have these inputs: counted by its NaN
             continue
         else:
             values[WORK][draw] = solution.dissipation
             values[STICK][draw] = solution.permanent_stick_half_width
-    return values, slides
+    return values, is_sliding
 
 
 # ---------------------------------------------------------------------------------- the whole of it
@@ -1178,7 +1191,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         return InputEffects(
             scene.inputs,
             scene.uncertainty.correlations,
-            sliding=None if scene.load.is_driven else sliding_of_loads(scene),
+            sliding=None if scene.load.is_driven else nearness_to_sliding(scene),
             reason_unknown=str(fault),
         )
 
@@ -1218,7 +1231,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         for key, value in values_at_inputs.items()
     }
     notes += _notes_on_values(scene)
-    sliding = None if scene.load.is_driven else sliding_of_loads(scene)
+    sliding = None if scene.load.is_driven else nearness_to_sliding(scene)
     if RATIO in uncertain_values:
         changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
         ratio = uncertain_value(
@@ -1276,7 +1289,7 @@ def _changes_towards_sliding(changes_by_inputs: Sequence[_ChangeByInput]) -> lis
     return changes_towards_sliding
 
 
-def _unknown_changes(uncertain_input: Input, values_at_inputs: _Values) -> _ChangeByInput:
+def _unknown_changes(uncertain_input: Input, values_at_inputs: _ValueByName) -> _ChangeByInput:
     """Not-a-number in place of the changes of all values by one uncertain input, which could not be
     found.
     """
@@ -1355,8 +1368,8 @@ def _difference_or_reason(
 def _notes_on_values(scene: Scene) -> list[str]:
     """A note where some values of theory are left out, since they take too long; else none."""
     left_out_in_words = "the largest pressure, the slip and the edge tension are left out"
-    if _is_long(scene):
-        return [f"of a record of more than {_LONG_RECORD:,} rows {left_out_in_words}"]
+    if _is_long_record(scene):
+        return [f"of a record of more than {_MOST_ROWS_FOR_SEARCH:,} rows {left_out_in_words}"]
     if _needs_grids(scene):
         return [f"where theory needs grids {left_out_in_words}"]
     return []
@@ -1366,7 +1379,7 @@ def _reason_by_sliding(sliding: NearSliding | None) -> str:
     """Why derivatives by the inputs are not enough for the uncertainty of the work W: gross sliding
     is nearer than three standard uncertainties; "" where it is not, or the bodies slide already.
     """
-    if sliding is None or not 0 < sliding.distance < _NEAR_SLIDING:
+    if sliding is None or not 0 < sliding.distance < _MOST_SIGMAS_NEAR_SLIDING:
         return ""
     return f"gross sliding is {sliding.distance:.2g} standard uncertainties of |Q|/(f P) away"
 
@@ -1382,7 +1395,7 @@ def _reason_by_second_order(values: Mapping[str, UncertainValue]) -> str:
     return ""
 
 
-def sliding_of_loads(scene: Scene) -> NearSliding | None:
+def nearness_to_sliding(scene: Scene) -> NearSliding | None:
     """The largest |Q|/(f P) of given loads with its standard uncertainty by the inputs; 1 is gross
     sliding. None without friction, and where no input has an uncertainty.
     """

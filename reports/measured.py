@@ -20,10 +20,10 @@ from scenes.array_types import Array
 from scenes.measured import ReadAs, means
 
 # Of W: a change that is worth a warning.
-_CHANGE_WITH_WARNING = 0.01
+_LARGEST_CHANGE_WITHOUT_WARNING = 0.01
 # Rows beyond which W of other reductions is not computed: half-plane theory takes a second for
 # 100,000.
-_MOST_ROWS = 200_000
+_MOST_ROWS_FOR_WORK = 200_000
 # Sigma by second differences over sigma by fourth ones. It is 1 for white noise, far more for
 # anything smooth.
 _LEAST_SIGMA_RATIO = 0.7
@@ -32,12 +32,12 @@ _MOST_SIGMA_RATIO = 1.4
 _LEAST_PREDICTION_ERROR = 0.7
 # Fewer rows tell noise from loads by chance; so many of the first show what there is, predicted
 # from so many rows before each.
-_LEAST_ROWS = 50
+_FEWEST_ROWS_WITH_NOISE = 50
 _MOST_PREDICTED_ROWS = 20_000
-_PREDICTING_ROWS = 8
+_N_PREDICTING_ROWS = 8
 # Range of means over that of the rows: W grows as its third power, faster near gross sliding, and
 # changes by some tenths of a per cent.
-_LEAST_RANGE = 0.999
+_LEAST_RANGE_RATIO_OF_MEANS = 0.999
 # Cycles and instants in files, cycles on a page.
 _MOST_LISTED_CYCLES = 1000
 _MOST_LISTED_INSTANTS = 400
@@ -96,6 +96,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
     """The noise of a measured record of loads, and its dissipation W by half-plane theory with and
     without averaging, reduction and noise. None for other loads.
 
+    Reduction leaves out rows between turning points of P or Q, or within a threshold of the path.
     Every W is None for records that repeat or are very long.
     """
     load = scene.load
@@ -103,8 +104,8 @@ def check_record(scene: Scene) -> RecordCheck | None:
         return None
     rows = load.used_rows().values
     n_path_rows = len(load.kept_rows())
-    noise_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
-    if len(rows) > _MOST_ROWS or load.repeats:
+    sigmas_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
+    if len(rows) > _MOST_ROWS_FOR_WORK or load.repeats:
         return RecordCheck(
             n_rows=len(rows),
             n_path_rows=n_path_rows,
@@ -112,29 +113,29 @@ def check_record(scene: Scene) -> RecordCheck | None:
             work_without_reduction=None,
             work_of_all_rows=None,
             work_at_half_threshold=None,
-            noise=noise_of_loads,
+            noise=sigmas_of_loads,
             rows_per_mean=1,
             work_of_means=None,
         )
 
     no_reduction: dict[str, Any] = {"reduce": None, "threshold": None}
-    work_of_path = _work(scene)
+    work_of_path = _work_of_record(scene)
     work_without_reduction = work_of_path
     if load.reduce is not None:
-        work_without_reduction = _work(scene, **no_reduction)
+        work_without_reduction = _work_of_record(scene, **no_reduction)
     work_of_all_rows = work_without_reduction
     if load.average != 1:
-        work_of_all_rows = _work(scene, average=1, **no_reduction)
+        work_of_all_rows = _work_of_record(scene, average=1, **no_reduction)
     work_at_half_threshold = None
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
         half_of_each = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
-        work_at_half_threshold = _work(scene, threshold=half_of_each)
+        work_at_half_threshold = _work_of_record(scene, threshold=half_of_each)
     rows_per_mean = 1
     work_of_means = None
-    if any(noise_of_loads):
-        rows_per_mean = _longest_means(rows, noise_of_loads)
+    if any(sigmas_of_loads):
+        rows_per_mean = _most_rows_per_mean(rows, sigmas_of_loads)
         if rows_per_mean > 1:
-            work_of_means = _work(scene, average=rows_per_mean, **no_reduction)
+            work_of_means = _work_of_record(scene, average=rows_per_mean, **no_reduction)
     return RecordCheck(
         n_rows=len(rows),
         n_path_rows=n_path_rows,
@@ -142,13 +143,13 @@ def check_record(scene: Scene) -> RecordCheck | None:
         work_without_reduction=work_without_reduction,
         work_of_all_rows=work_of_all_rows,
         work_at_half_threshold=work_at_half_threshold,
-        noise=noise_of_loads,
+        noise=sigmas_of_loads,
         rows_per_mean=rows_per_mean,
         work_of_means=work_of_means,
     )
 
 
-def _work(scene: Scene, **changes: Any) -> float | None:
+def _work_of_record(scene: Scene, **changes: Any) -> float | None:
     """Dissipation W of a record of loads by half-plane theory, with `changes` of the load's keys
     (reduce, threshold, average); None where the changed record has no solution.
     """
@@ -181,7 +182,7 @@ def sigma_of_noise(values: Array) -> float:
     (0.0, 0.1)
     """
     values = values[:_MOST_PREDICTED_ROWS]
-    if len(values) < _LEAST_ROWS:
+    if len(values) < _FEWEST_ROWS_WITH_NOISE:
         return 0.0
     sigma_by_second_differences = _sigma_of_differences(values, 2, 6)
     sigma_by_fourth_differences = _sigma_of_differences(values, 4, 70)
@@ -193,7 +194,7 @@ def sigma_of_noise(values: Array) -> float:
     ):
         return 0.0
     windows = np.lib.stride_tricks.sliding_window_view(
-        values - np.mean(values), _PREDICTING_ROWS + 1
+        values - np.mean(values), _N_PREDICTING_ROWS + 1
     )
     values_before = windows[:, :-1]
     value_after = windows[:, -1]
@@ -211,9 +212,9 @@ def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
     return 1.4826 * median / variance**0.5
 
 
-def _longest_means(rows: Array, noise_of_loads: tuple[float, float]) -> int:
+def _most_rows_per_mean(rows: Array, sigmas_of_loads: tuple[float, float]) -> int:
     """The largest number of neighbouring rows of a record over which means may be taken to remove
-    its noise without blurring the loads.
+    its noise without blurring the loads. It leaves at least 50 means.
 
     The means of a noisy load must still show noise. Those of a load without noise must keep its
     range to 0.1 %.
@@ -222,21 +223,21 @@ def _longest_means(rows: Array, noise_of_loads: tuple[float, float]) -> int:
     ----------
     rows
         (n, 3) time, P, Q
-    noise_of_loads
+    sigmas_of_loads
         standard deviation of the noise of P and of Q; 0 for a load without noise
     """
     load_columns = (_NORMAL, _TANGENTIAL)
     noisy_columns = [
-        column for column, sigma in zip(load_columns, noise_of_loads, strict=True) if sigma
+        column for column, sigma in zip(load_columns, sigmas_of_loads, strict=True) if sigma
     ]
     noiseless_columns = [column for column in load_columns if column not in noisy_columns]
     rows_per_mean = 1
-    while len(rows) // (rows_per_mean + 1) >= _LEAST_ROWS:
+    while len(rows) // (rows_per_mean + 1) >= _FEWEST_ROWS_WITH_NOISE:
         longer_means = means(rows, rows_per_mean + 1)
         if not all(sigma_of_noise(longer_means[:, column]) for column in noisy_columns):
             break
         if any(
-            np.ptp(longer_means[:, column]) < _LEAST_RANGE * np.ptp(rows[:, column])
+            np.ptp(longer_means[:, column]) < _LEAST_RANGE_RATIO_OF_MEANS * np.ptp(rows[:, column])
             for column in noiseless_columns
         ):
             break
@@ -248,7 +249,7 @@ class Sentence(NamedTuple):
     """A sentence, and whether it is a warning."""
 
     text: str
-    warns: bool
+    is_warning: bool
 
 
 def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentence]:
@@ -261,19 +262,21 @@ def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentenc
     assert isinstance(load, TimeSeriesLoad)
     yield from _rows_in_words(scene, load)
     for text in parts_in_words(scene):
-        yield Sentence(text, warns=False)
+        yield Sentence(text, is_warning=False)
     if load.reduce is not None:
         yield _reduction_in_words(scene, load, record_check)
     if record_check.work_at_half_threshold is not None and record_check.work_of_path:
-        relative_change = _change(record_check.work_at_half_threshold, record_check.work_of_path)
+        relative_change = _relative_change(
+            record_check.work_at_half_threshold, record_check.work_of_path
+        )
         text = f"With half the threshold W changes by {_per_cent(relative_change)}."
-        yield Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
+        yield Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
     if any(record_check.noise):
         yield _noise_in_words(scene, load, record_check)
 
 
-def _change(value: float | None, value_before: float | None) -> float:
-    """Relative change of a value; 0 where either is unknown, or the value before is 0."""
+def _relative_change(value: float | None, value_before: float | None) -> float:
+    """Relative change from the value before; 0 where either is None, or that before is 0."""
     return value / value_before - 1 if value is not None and value_before else 0.0
 
 
@@ -290,7 +293,7 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
         yield Sentence(
             f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load.rows):,} count, by the keys"
             " start and end.",
-            warns=False,
+            is_warning=False,
         )
     if load.least_normal_load is not None:
         is_below = load.rows.values[first_row:row_beyond, _NORMAL] < load.least_normal_load
@@ -300,7 +303,7 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
             f"P is below least_normal_load = {number(load.least_normal_load)} {load_unit(scene)} in"
             f" {np.count_nonzero(is_below):,} of the rows: Q counts as 0 there. Of these the first"
             f" {int(np.argmin(is_below)):,} are initial loading at Q = 0.",
-            warns=False,
+            is_warning=False,
         )
 
 
@@ -313,20 +316,24 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: Record
     )
     rows_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
     if record_check.work_of_path is None and record_check.work_without_reduction is None:
-        return Sentence(f"{path_in_words}; what that changes in W was not computed.", warns=False)
+        return Sentence(
+            f"{path_in_words}; what that changes in W was not computed.", is_warning=False
+        )
     if record_check.work_without_reduction is None:
         text = (
             f"{path_in_words}; {rows_in_words} have no solution, so the change of W is not known."
         )
-        return Sentence(text, warns=True)
-    relative_change = _change(record_check.work_of_path, record_check.work_without_reduction)
+        return Sentence(text, is_warning=True)
+    relative_change = _relative_change(
+        record_check.work_of_path, record_check.work_without_reduction
+    )
     text = (
         f"{path_in_words}: by half-plane theory W = {number(record_check.work_of_path or 0.0)}"
         f" {energy_unit(scene)}, and {number(record_check.work_without_reduction)} with"
         f" {rows_in_words}"
         f" ({_per_cent(relative_change)})."
     )
-    return Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
+    return Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
 
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
@@ -345,11 +352,11 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
         f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
     )
     if load.average > 1:
-        relative_change = _change(
+        relative_change = _relative_change(
             record_check.work_without_reduction, record_check.work_of_all_rows
         )
         cause = ""
-        if abs(relative_change) > _CHANGE_WITH_WARNING:
+        if abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING:
             cause = (
                 ": by noise, or because means of so many rows blur the loads; compare with a"
                 " smaller load.average"
@@ -358,21 +365,21 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
             f"{noise_in_words}. The means of {load.average} rows change W by"
             f" {_per_cent(relative_change)}{cause}."
         )
-        return Sentence(text, warns=False)
+        return Sentence(text, is_warning=False)
     if record_check.noise_share is None:
         text = (
             f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
             " cycle, or the record repeats."
         )
-        return Sentence(text, warns=False)
-    relative_change = _change(record_check.work_of_means, record_check.work_of_all_rows)
-    warns = abs(relative_change) > _CHANGE_WITH_WARNING
-    cure = f"; load.average = {record_check.rows_per_mean} takes it out" if warns else ""
+        return Sentence(text, is_warning=False)
+    relative_change = _relative_change(record_check.work_of_means, record_check.work_of_all_rows)
+    is_warning = abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING
+    cure = f"; load.average = {record_check.rows_per_mean} takes it out" if is_warning else ""
     text = (
         f"{noise_in_words}. Means of {record_check.rows_per_mean} rows change W by"
         f" {_per_cent(relative_change)}{cure}."
     )
-    return Sentence(text, warns)
+    return Sentence(text, is_warning)
 
 
 # ---------------------------------------------------------------------------- cycles and their work
@@ -466,10 +473,10 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         rows = rows[1:]  # without the unloaded row before the first period
         period = float(rows[-1, _TIME] - rows[0, _TIME])
         shift_to_last = period * (len(solution.cycle_dissipation) - 1)
-    work_of_rows = _work_since_first_row(solution, rows, shift_to_last)
-    if work_of_rows is None:
+    times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last)
+    if times_and_work is None:
         return None
-    time, work_so_far = work_of_rows
+    time, work_so_far = times_and_work
     solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
     row_cycles = _cycles_of_rows(solved_rows, repeats=load.repeats)
     if not load.repeats:
@@ -497,7 +504,7 @@ def _time_tolerance(rows: Array) -> float:
     return 1e-9 * float(rows[-1, _TIME] - rows[0, _TIME])
 
 
-def _work_since_first_row(
+def _times_and_work_since_first_row(
     solution: ContactSolution, rows: Array, shift_to_last: float
 ) -> tuple[Array, Array] | None:
     """Times of a solution within those of the rows (n, 3: time, P, Q), (m,), and the dissipation
@@ -507,7 +514,7 @@ def _work_since_first_row(
     The work is that of the last period of a record that repeats: `shift_to_last` later than `rows`.
     """
     if solution.engine == "semi_analytic":
-        time, work = _work_at_rows(solution.scene, rows, shift_to_last)
+        time, work = _times_and_work_of_steps(solution.scene, rows, shift_to_last)
     else:
         time = solution.time - shift_to_last
         work = solution.record.energy.get("dissipation", np.empty(0))
@@ -573,7 +580,9 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     )
 
 
-def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Array, Array]:
+def _times_and_work_of_steps(
+    scene: Scene, rows: Array, shift_of_time: float
+) -> tuple[Array, Array]:
     """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, (m,), and the
     dissipation in the step that ends at each, (m,), by half-plane theory; 0 at the first time.
 

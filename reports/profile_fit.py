@@ -28,18 +28,18 @@ from scenes.profiles import Fitted
 
 # Number of simulated measurements. They give twice the standard deviation to 7 %, within which 95 %
 # of normal values lie.
-_RESAMPLES = 100
+_N_RESAMPLES = 100
 # Fewer where W takes a march along the load path for each; no W for records of more rows.
 _MOST_MARCHED_RESAMPLES = 30
-_MOST_ROWS = 2_000
+_MOST_ROWS_FOR_WORK = 2_000
 # A test value of white noise exceeds its expectation by so many of its standard deviations in one
 # case of 1,000.
-_LARGEST_BY_CHANCE = 3.3
+_MOST_SIGMAS_BY_CHANCE = 3.3
 # Factor on the change by a smoothing spline, which follows other shapes to some per cent only.
-_SPLINE_FACTOR = 1.25
+_FACTOR_ON_SPLINE_CHANGE = 1.25
 # Residuals over the range of h below which they are round-off error of the fit, which has a pattern
 # of its own.
-_ROUND_OFF = 1e-9
+_LEAST_RELATIVE_RESIDUAL = 1e-9
 # Spikes, rows that stand out from the fit, that a sentence names.
 _MOST_SHOWN_SPIKES = 5
 
@@ -84,7 +84,7 @@ def fit_of(scene: Scene) -> Fitted | None:
     return getattr(scene.profile, "fitted", None)
 
 
-def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) -> FitUncertainty:
+def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) -> FitUncertainty:
     """Dissipation W, half-width a and peak pressure p0 under a profile that was fitted to measured
     rows, each with the 95 % uncertainty that the noise of the rows leaves.
 
@@ -129,8 +129,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     # The mean change is the error that the fit makes by itself at this noise: a curve that may not
     # bend down, or is smoothed, has one.
     bias = np.abs(np.mean(changes, axis=0))
-    is_smoothing_spline = bool(fit.weight)
-    if is_smoothing_spline:
+    was_smoothed = bool(fit.weight)
+    if was_smoothed:
         less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
         values_less_smoothed = _values_under_other_fit(scene, less_smoothed_profile, work_method)
         if values_less_smoothed is not None:
@@ -146,7 +146,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
                 " rows carries the load: state another kind of fit, or fewer rows by its key"
                 " extent"
             )
-        uncertainty += _SPLINE_FACTOR * np.abs(values_of_spline - values_of_fit)
+        uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
         dissipation=None if work_method is _WorkMethod.LEFT_OUT else work,
@@ -173,7 +173,7 @@ def _work_method_of(scene: Scene) -> _WorkMethod:
     load = scene.load
     if isinstance(load, EllipseLoad) and not load.has_bulk_or_tilt:
         return _WorkMethod.IN_BATCH
-    if isinstance(load, TimeSeriesLoad) and len(load.rows) > _MOST_ROWS:
+    if isinstance(load, TimeSeriesLoad) and len(load.rows) > _MOST_ROWS_FOR_WORK:
         return _WorkMethod.LEFT_OUT
     return _WorkMethod.MARCHED
 
@@ -253,7 +253,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     residuals = residuals - np.mean(residuals)
     sum_of_squares = float(residuals @ residuals)
     range_of_heights = float(np.ptp(fit.rows.values[used_rows, 1]))
-    if np.sqrt(sum_of_squares / len(residuals)) <= _ROUND_OFF * range_of_heights:
+    if np.sqrt(sum_of_squares / len(residuals)) <= _LEAST_RELATIVE_RESIDUAL * range_of_heights:
         return None
     n_rows = len(residuals)
     correlation = float(residuals[1:] @ residuals[:-1]) / sum_of_squares
@@ -262,8 +262,8 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     block_means = residuals[: n_blocks * block_size].reshape(n_blocks, block_size).mean(axis=1)
     # variance of the means of blocks over that of white noise, minus 1
     excess_variance = block_size * float(np.mean(block_means**2)) / (sum_of_squares / n_rows) - 1
-    is_correlated = correlation * np.sqrt(n_rows) > _LARGEST_BY_CHANCE
-    varies_over_blocks = excess_variance > _LARGEST_BY_CHANCE * np.sqrt(2 / n_blocks)
+    is_correlated = correlation * np.sqrt(n_rows) > _MOST_SIGMAS_BY_CHANCE
+    varies_over_blocks = excess_variance > _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / n_blocks)
     has_pattern = is_correlated or varies_over_blocks
     return residuals if has_pattern else None
 
@@ -410,7 +410,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
     # with standard deviation sqrt(2/freedom).
     variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
-    largest_by_chance = _LARGEST_BY_CHANCE * np.sqrt(2 / fit.freedom)
+    largest_by_chance = _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / fit.freedom)
     if fit.noise_stated and abs(variance_ratio - 1) > largest_by_chance:
         cause = "the noise is smaller than stated, or the rows were smoothed before"
         if variance_ratio > 1:

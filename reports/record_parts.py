@@ -23,20 +23,20 @@ from scenes.measured import turning_points
 
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 # A smaller P, over the largest P, counts as no load: it is not measured well.
-_LEAST_LOAD = 0.05
+_LEAST_SHARE_OF_LOAD = 0.05
 # Smaller swings, over the range of Q, do not count.
-_LEAST_SWING = 0.2
+_LEAST_SHARE_OF_RANGE = 0.2
 # A load that moves less over the rows of a cycle, over its range in the record, is at rest.
 _LARGEST_MOTION_AT_REST = 0.05
 # Ranges of Q that differ by more from the median of the last half, over that median, are of other
 # cycles. Noise of a per cent makes less.
 _LARGEST_DIFFERENCE_OF_ALIKE = 0.1
 # A mean of Q that moves by more over alike cycles, over their range of Q, drifts.
-_LEAST_DRIFT = 0.05
+_LEAST_DRIFT_SHARE = 0.05
 # Fewer cycles do not show which of them are alike.
 _FEWEST_CYCLES = 3
-_MOST_ROWS = 200_000
-_NEARLY_ALL_ROWS = 0.9  # of the rows
+_MOST_ROWS_LOOKED_THROUGH = 200_000
+_LEAST_SHARE_OF_NEARLY_ALL = 0.9  # of the rows
 
 Mask = NDArray[np.bool_]
 
@@ -111,21 +111,22 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
         return ()
     first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
-    if len(rows) > _MOST_ROWS:
+    if len(rows) > _MOST_ROWS_LOOKED_THROUGH:
         return ()
     unit = load_unit(scene)
-    has_no_load = rows[:, _NORMAL] < _LEAST_LOAD * float(np.max(rows[:, _NORMAL]))
+    has_no_load = rows[:, _NORMAL] < _LEAST_SHARE_OF_LOAD * float(np.max(rows[:, _NORMAL]))
     swings = _swings_of(rows, ~has_no_load)
     parts: list[RecordPart] = []
-    words_of_no_load = f"no load: P is below {100 * _LEAST_LOAD:g} % of its largest"
-    # of each part the first row, and the row after its last one
-    for begin, end in _runs(has_no_load):
-        if end - begin > 2:
-            parts.append(RecordPart("no load", begin + 1, end, words_of_no_load))
+    words_of_no_load = f"no load: P is below {100 * _LEAST_SHARE_OF_LOAD:g} % of its largest"
+    # Indices begin at 0, numbers of rows at 1: `index_beyond` is the number of the last row.
+    for first_index, index_beyond in _bounds_of_runs(has_no_load):
+        if index_beyond - first_index > 2:
+            parts.append(RecordPart("no load", first_index + 1, index_beyond, words_of_no_load))
     if swings is not None:
         is_at_rest = _is_at_rest(rows, swings.n_rows_of_cycle) & ~has_no_load
-        for begin, end in _runs(is_at_rest):
-            parts.append(RecordPart("rest", begin + 1, end, "at rest: neither P nor Q moves"))
+        words_of_rest = "at rest: neither P nor Q moves"
+        for first_index, index_beyond in _bounds_of_runs(is_at_rest):
+            parts.append(RecordPart("rest", first_index + 1, index_beyond, words_of_rest))
         parts += _parts_of_swings(swings, unit)
     ordered_parts = sorted(parts, key=lambda part: (part.first_row, part.last_row))
     return tuple(
@@ -156,7 +157,7 @@ def rows_of_turns(force: Array) -> NDArray[np.int64]:
     >>> rows_of_turns(np.array([0.0, 1.0, -1.0, -0.9, -1.0, 1.0, 0.0])).tolist()
     [1, 2, 5]
     """
-    least_swing = _LEAST_SWING * float(np.ptp(force))
+    least_swing = _LEAST_SHARE_OF_RANGE * float(np.ptp(force))
     # without the first one, where the first swing begins: the force need not turn there
     return turning_points(force, least_swing)[1:]
 
@@ -188,10 +189,10 @@ def _is_at_rest(rows: Array, window_size: int) -> Mask:
     return np.asarray(n_begun > n_ended)
 
 
-def _runs(mask: Mask) -> Iterator[tuple[int, int]]:
+def _bounds_of_runs(mask: Mask) -> Iterator[tuple[int, int]]:
     """Index of the first row, and of the row after the last, of each run of rows that are True.
 
-    >>> list(_runs(np.array([True, True, False, True])))
+    >>> list(_bounds_of_runs(np.array([True, True, False, True])))
     [(0, 2), (3, 4)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
@@ -206,42 +207,45 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
     """
     median_range = float(np.median(swings.ranges[len(swings.ranges) // 2 :]))
     is_alike = np.abs(swings.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
-    for begin, end in _runs(is_alike):
-        is_single_swing = end - begin < 2
+    for first_swing, swing_beyond in _bounds_of_runs(is_alike):
+        is_single_swing = swing_beyond - first_swing < 2
         if is_single_swing:
-            is_alike[begin:end] = False
+            is_alike[first_swing] = False
 
     parts = []
-    for begin, end in _runs(~is_alike):
-        first_row = int(swings.turns[begin]) + 1
-        last_row = int(swings.turns[end]) + 1
-        words_of_part = _other_cycles_in_words(swings.ranges[begin:end], begin, unit)
+    for first_swing, swing_beyond in _bounds_of_runs(~is_alike):
+        first_row = int(swings.turns[first_swing]) + 1
+        last_row = int(swings.turns[swing_beyond]) + 1
+        words_of_part = _other_cycles_in_words(
+            swings.ranges[first_swing:swing_beyond], first_swing, unit
+        )
         parts.append(RecordPart("other cycles", first_row, last_row, words_of_part))
-    for begin, end in _runs(is_alike):
-        first_row = int(swings.turns[begin]) + 1
-        last_row = int(swings.turns[end]) + 1
-        mean_range = number(float(np.mean(swings.ranges[begin:end])))
+    for first_swing, swing_beyond in _bounds_of_runs(is_alike):
+        first_row = int(swings.turns[first_swing]) + 1
+        last_row = int(swings.turns[swing_beyond]) + 1
+        mean_range = number(float(np.mean(swings.ranges[first_swing:swing_beyond])))
+        n_swings = swing_beyond - first_swing
         words_of_part = (
-            f"{_cycles_in_words(end - begin)} that are alike, range of Q {mean_range} {unit}"
+            f"{_cycles_in_words(n_swings)} that are alike, range of Q {mean_range} {unit}"
         )
         parts.append(RecordPart("alike", first_row, last_row, words_of_part))
-        means_of_part = swings.means[begin:end]
+        means_of_part = swings.means[first_swing:swing_beyond]
         drift_of_mean = float(means_of_part[-2:].mean() - means_of_part[:2].mean())
-        if end - begin > 4 and abs(drift_of_mean) > _LEAST_DRIFT * median_range:
+        if n_swings > 4 and abs(drift_of_mean) > _LEAST_DRIFT_SHARE * median_range:
             words_of_drift = f"drift: the mean of Q moves by {number(drift_of_mean)} {unit}"
             parts.append(RecordPart("drift", first_row, last_row, words_of_drift))
     return parts
 
 
-def _other_cycles_in_words(ranges: Array, begin: int, unit: str) -> str:
+def _other_cycles_in_words(ranges: Array, first_swing: int, unit: str) -> str:
     """Words on a run of swings that are not alike: how many cycles, and the range of Q of the first
-    and of the last swing. `ranges` (m,) are those of the swings, `begin` is the index of the first
-    among all swings of the record: the run is the run-in where it is 0.
+    and of the last swing. `ranges` (m,) are those of the swings, `first_swing` is the index of the
+    first among all swings of the record: the run is the run-in where it is 0.
     """
     ranges_in_words = f"of {number(float(ranges[0]))}"
     if len(ranges) > 1:
         ranges_in_words = f"from {number(float(ranges[0]))} to {number(float(ranges[-1]))}"
-    name = "run-in" if begin == 0 else "other cycles"
+    name = "run-in" if first_swing == 0 else "other cycles"
     return f"{name}, {_cycles_in_words(len(ranges))} with ranges of Q {ranges_in_words} {unit}"
 
 
@@ -277,7 +281,9 @@ def _is_nearly_all(scene: Scene, part: RecordPart) -> bool:
     """Whether a part holds more than nine tenths of the rows that the scene uses."""
     assert isinstance(scene.load, TimeSeriesLoad)
     first_row, row_beyond = scene.load.row_bounds()
-    return part.last_row - part.first_row + 1 > _NEARLY_ALL_ROWS * (row_beyond - first_row)
+    return part.last_row - part.first_row + 1 > _LEAST_SHARE_OF_NEARLY_ALL * (
+        row_beyond - first_row
+    )
 
 
 def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> str:
@@ -288,11 +294,11 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     rows = load.rows.values[first_row:row_beyond]
     normal_load = rows[:, _NORMAL]
     slides = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load
-    slides &= normal_load >= _LEAST_LOAD * float(np.max(normal_load))
+    slides &= normal_load >= _LEAST_SHARE_OF_LOAD * float(np.max(normal_load))
     if not np.any(slides):
         return ""
     first_sliding_row, last_sliding_row = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
-    n_strokes = sum(1 for _ in _runs(slides))
+    n_strokes = sum(1 for _ in _bounds_of_runs(slides))
     largest_ratio = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal_load[slides]))
     keys_that_leave_out = []
     if first_sliding_row - first_row > 2:

@@ -117,7 +117,7 @@ class Report:
         return tuple((name, words) for name, words in pairs)
 
     @property
-    def honest(self) -> str:
+    def coverage_in_words(self) -> str:
         """Whether the stated uncertainties cover the known errors, in words."""
         return (
             "not assessed: the run was made without a budget"
@@ -126,7 +126,7 @@ class Report:
         )
 
     @property
-    def opening(self) -> str:
+    def first_sentence(self) -> str:
         """The first sentence of a report: what differs and by how much. Of an external result also
         its likely causes, or that none was found, and then which metrics are within tolerance.
         """

@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 RESOLVED = "resolved"
 HIDDEN = "hidden"
 # Standard uncertainties that an error must exceed: 95 % of a normal distribution.
-_COVERAGE = 2.0
+_COVERAGE_FACTOR = 2.0
 _SIGMAS_OF_95_PERCENT = 1.96
 # Relative error of the area of a loop of theory by its number of instants.
-_ERROR_OF_THEORY = 1e-5
+_RELATIVE_ERROR_OF_AREA = 1e-5
 # Metric of an external result -> value whose uncertainty by the inputs is known, and its name.
-_QUANTITIES = {
+_INPUT_KEY_AND_WORDS_BY_METRIC = {
     "dissipation": (WORK, "W"),
     "largest_pressure": (PEAK, "the largest pressure"),
     "largest_half_width": ("half_width", "the largest half-width"),
@@ -54,32 +54,32 @@ class AgainstMeasurement:
         what it is, in a sentence
     model
         whose the computed value is
-    computed, measured
+    computed_value, measured_value
         S and D, in one unit
-    numerical, inputs, measurement
+    u_numerical, u_inputs, u_measurement
         u_num, u_input, u_D, in the same unit
-    not_stated
+    unstated_uncertainties
         what counts as 0 because nobody stated it, in words
     """
 
     words: str
     model: str
-    computed: float
-    measured: float
-    numerical: float
-    inputs: float
-    measurement: float
-    not_stated: tuple[str, ...] = ()
+    computed_value: float
+    measured_value: float
+    u_numerical: float
+    u_inputs: float
+    u_measurement: float
+    unstated_uncertainties: tuple[str, ...] = ()
 
     @property
     def error(self) -> float:
         """E = S - D."""
-        return self.computed - self.measured
+        return self.computed_value - self.measured_value
 
     @property
     def uncertainty(self) -> float:
         """u_val."""
-        return math.hypot(self.numerical, self.inputs, self.measurement)
+        return math.hypot(self.u_numerical, self.u_inputs, self.u_measurement)
 
     @property
     def verdict(self) -> str:
@@ -90,31 +90,31 @@ class AgainstMeasurement:
         >>> AgainstMeasurement("W", "theory", 1.11, 1.0, 0.0, 0.03, 0.04).verdict
         'resolved'
         """
-        return RESOLVED if abs(self.error) > _COVERAGE * self.uncertainty else HIDDEN
+        return RESOLVED if abs(self.error) > _COVERAGE_FACTOR * self.uncertainty else HIDDEN
 
     @property
     def sentence(self) -> str:
         """The difference computed − measured with its uncertainty u_val, in per cent of the
         measured value, what u_val is made of, and the verdict.
         """
-        percent_per_unit = 100 / abs(self.measured) if self.measured else math.nan
+        percent_per_unit = 100 / abs(self.measured_value) if self.measured_value else math.nan
         amount = with_uncertainty(
             percent_per_unit * self.error, percent_per_unit * self.uncertainty
         )
         parts_of_uncertainty = [
             f"{name} {significant(percent_per_unit * uncertainty, 2)} %"
             for name, uncertainty in (
-                ("numerical", self.numerical),
-                ("inputs", self.inputs),
-                ("measurement", self.measurement),
+                ("numerical", self.u_numerical),
+                ("inputs", self.u_inputs),
+                ("measurement", self.u_measurement),
             )
         ]
         sentence = (
             f"E of {self.words}, {self.model} minus measured, is {amount} % (u_val of"
             f" {', '.join(parts_of_uncertainty)}): {self.verdict}."
         )
-        if self.not_stated:
-            sentence += f" Not stated, and so taken as 0: {', '.join(self.not_stated)}."
+        if self.unstated_uncertainties:
+            sentence += f" Not stated, and so taken as 0: {', '.join(self.unstated_uncertainties)}."
         return sentence
 
     def content(self) -> dict[str, Any]:
@@ -124,15 +124,15 @@ class AgainstMeasurement:
         """
         return {
             "model": self.model,
-            "computed": self.computed,
-            "measured": self.measured,
+            "computed": self.computed_value,
+            "measured": self.measured_value,
             "error": self.error,
-            "u_num": self.numerical,
-            "u_input": self.inputs,
-            "u_D": self.measurement,
+            "u_num": self.u_numerical,
+            "u_input": self.u_inputs,
+            "u_D": self.u_measurement,
             "u_val": self.uncertainty,
             "verdict": self.verdict,
-            "not_stated": list(self.not_stated),
+            "not_stated": list(self.unstated_uncertainties),
         }
 
 
@@ -156,7 +156,7 @@ def result_against_theory(
     if effects is None or effects.reason_unknown:
         return ()
     entries = []
-    for key, (name, words) in _QUANTITIES.items():
+    for key, (name, words) in _INPUT_KEY_AND_WORDS_BY_METRIC.items():
         metric = comparison.metric(key)
         theory_value = effects.values.get(name)
         is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
@@ -169,12 +169,12 @@ def result_against_theory(
             AgainstMeasurement(
                 words=words,
                 model="theory",
-                computed=theory_value.value,
-                measured=measured_value,
-                numerical=0.0,
-                inputs=u_by_inputs * theory_value.value,
-                measurement=(u_of_result or 0.0) * measured_value,
-                not_stated=("u_D of the result",) if u_of_result is None else (),
+                computed_value=theory_value.value,
+                measured_value=measured_value,
+                u_numerical=0.0,
+                u_inputs=u_by_inputs * theory_value.value,
+                u_measurement=(u_of_result or 0.0) * measured_value,
+                unstated_uncertainties=("u_D of the result",) if u_of_result is None else (),
             )
         )
     return tuple(entries)
@@ -207,28 +207,30 @@ def loop_area_against_models(
     u_by_scatter = measured_loop.by_noise / _SIGMAS_OF_95_PERCENT
     u_of_rows = math.hypot(u_by_distance, u_by_scatter)
     u_of_rig = measured.relative_uncertainty("dissipation")
-    u_of_measurement = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
+    u_of_area = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
     entries = []
     # loops with the scene's friction; the others have the fitted one, and agree by design
     for computed_loop in score.loops[1:]:
         model, _, friction_in_words = computed_loop.name.partition(", ")
         if friction_in_words != OF_SCENE:
             continue
-        not_stated = [] if u_of_rig is not None else ["u_D of all but the rows' scatter"]
-        u_of_numerics = _ERROR_OF_THEORY * computed_loop.area
+        unstated_uncertainties = (
+            [] if u_of_rig is not None else ["u_D of all but the rows' scatter"]
+        )
+        u_of_numerics = _RELATIVE_ERROR_OF_AREA * computed_loop.area
         if model != "theory":
             u_of_numerics = 0.0
-            not_stated.append(f"u_num of the {model}")
+            unstated_uncertainties.append(f"u_num of the {model}")
         entries.append(
             AgainstMeasurement(
                 words="W",
                 model=model,
-                computed=computed_loop.area,
-                measured=measured_loop.area,
-                numerical=u_of_numerics,
-                inputs=effects.work_uncertainty * computed_loop.area,
-                measurement=u_of_measurement,
-                not_stated=tuple(not_stated),
+                computed_value=computed_loop.area,
+                measured_value=measured_loop.area,
+                u_numerical=u_of_numerics,
+                u_inputs=effects.work_uncertainty * computed_loop.area,
+                u_measurement=u_of_area,
+                unstated_uncertainties=tuple(unstated_uncertainties),
             )
         )
     return tuple(entries)

@@ -318,11 +318,11 @@ def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     budget = error_budget(comparison, refinements, refinements.cpu_seconds)
     report = with_budget(comparison, budget)
     assert report.budget is budget
-    assert report.honest.startswith(
+    assert report.coverage_in_words.startswith(
         f"{sum(b.is_covered for b in budget.budgets)} of {len(budget.budgets)} metrics"
     )
     assert budget.cost == pytest.approx(2.0)
-    assert Report(comparison).honest == "not assessed: the run was made without a budget"
+    assert Report(comparison).coverage_in_words == "not assessed: the run was made without a budget"
     page = render(report, (), "", {})
     assert all(f">{name}</th>" in page for name in ("mesh", "step", "far field", "unexplained"))
     assert "Run and budget took 2.00 times" in page

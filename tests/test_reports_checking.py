@@ -30,11 +30,11 @@ from reports import checking
 from reports.checking import (
     bulk_and_tilt,
     bulk_in_words,
-    engines_for,
+    engine_refusals,
     largest_contact,
     largest_normal_load,
     nearest_to_sliding,
-    remarks,
+    remarks_on_input,
     require_admissible,
 )
 from reports.measured import (
@@ -95,8 +95,8 @@ def test_the_library_is_admissible_has_room_and_is_remarked_on_where_it_is_odd(
         scene = load_scene(name)
         assert fault_of(scene) is None
         assert nearest_to_sliding(scene).ratio < 1
-        engines_for(scene, name)
-        if remarks(scene, largest_contact(scene, name)):
+        engine_refusals(scene, name)
+        if remarks_on_input(scene, largest_contact(scene, name)):
             remarked.append(name)
     assert remarked == ["large-pad-steep", "layer"]
 
@@ -185,7 +185,7 @@ def test_a_record_is_judged_as_the_legs_between_its_rows(
     """Rows of random loads, some outside the cone, some with P < 0: worst ratio, first instant and
     largest P of the legs.
     """
-    monkeypatch.setattr(checking, "_ROWS_OF_BLOCK", block)
+    monkeypatch.setattr(checking, "_ROWS_PER_BLOCK", block)
     chance = np.random.default_rng(16)
     for trial in range(30):
         normal = 100 + 60 * chance.standard_normal(30)
@@ -410,7 +410,7 @@ REMARKED = {
 def test_what_looks_like_a_slip_of_units_is_remarked_and_not_refused(case: str) -> None:
     changes, words = REMARKED[case]
     scene = pressed(8e-5 if case in ("rubber", "units of one's own") else 80.0, **changes)
-    remarks_made = remarks(scene, largest_contact(scene, "mine"))
+    remarks_made = remarks_on_input(scene, largest_contact(scene, "mine"))
     assert len(remarks_made) == bool(words), remarks_made
     assert all(word in remarks_made[0] for word in words)
 
@@ -1043,7 +1043,7 @@ def test_a_slip_of_units_beside_bodies_is_remarked_first_and_nothing_is_meshed(c
     meshed = []
     monkeypatch.setattr(halfplane_fe, "require_solvable", meshed.append)
     with pytest.raises(InputError) as fault:
-        engines_for(scene, "mine.toml")
+        engine_refusals(scene, "mine.toml")
     sentence = str(fault.value)
     assert not meshed
     assert sentence.startswith("mine.toml: ")
@@ -1055,8 +1055,8 @@ def test_a_slip_of_units_beside_bodies_is_remarked_first_and_nothing_is_meshed(c
 
 def test_a_friction_coefficient_in_per_cent_is_remarked():
     scene = pressed(80.0).vary(friction=60.0)
-    assert "60 % is 0.6" in remarks(scene, largest_contact(scene, ""))[0]
-    assert not remarks(scene.vary(friction=1.5), largest_contact(scene, ""))
+    assert "60 % is 0.6" in remarks_on_input(scene, largest_contact(scene, ""))[0]
+    assert not remarks_on_input(scene.vary(friction=1.5), largest_contact(scene, ""))
 
 
 # ------------------------------------------------------------------ room for the contact, estimated

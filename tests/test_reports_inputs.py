@@ -343,7 +343,7 @@ def test_heights_move_the_difference_and_not_theory() -> None:
     change = found.difference[WORK].changes["bodies.lower.height"]
     higher = BLOCKS.moved({"bodies.lower.height": 0.02})
     effects = halfplane_fe.body_effects(higher)
-    of_higher = difference_at(higher, effects, by_batch=False)[WORK]
+    of_higher = difference_at(higher, effects, by_quick_formula=False)[WORK]
     middle = found.difference[WORK].value
     assert change.value == pytest.approx(of_higher - middle, rel=0.1)
     assert change.value > 0
@@ -420,7 +420,7 @@ def test_a_rig_that_slides_two_uncertainties_away_is_told_from_one_that_does_not
 def test_draws_that_slide_are_in_no_mean() -> None:
     """By a tenth of the draws one by one: mean and spread are those of the others."""
     scene = load_scene("near-sliding").vary(uncertainty=NEAR)
-    samples = inputs.samples_of(scene, 40)
+    samples = inputs.drawn_changes_of(scene, 40)
     values, slides = inputs.values_one_by_one(scene, samples)
     in_one_call, slide_in_one_call = inputs.values_of_ellipses(scene, samples)
     assert slides.any()
@@ -464,7 +464,7 @@ def test_draws_of_shapes_and_materials_are_those_one_by_one() -> None:
         "material": {"young_modulus": "4 %", "poisson_ratio": "10 %"},
     }
     scene = load_scene("flat-rounded-paper").vary(uncertainty=stated)
-    samples = inputs.samples_of(scene, 5)
+    samples = inputs.drawn_changes_of(scene, 5)
     values, _ = inputs.values_one_by_one(scene, samples)
     in_one_call, _ = inputs.values_of_ellipses(scene, samples)
     assert set(in_one_call) == {WORK}
@@ -489,7 +489,7 @@ def test_a_record_has_the_uncertainty_of_its_scales() -> None:
 
 
 def test_a_long_record_says_what_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inputs, "_LONG_RECORD", 3)
+    monkeypatch.setattr(inputs, "_MOST_ROWS_FOR_SEARCH", 3)
     found = effects_of(load_scene("time-series"), {"tangential_load": "2 %"})
     assert set(found.values) == {WORK, "half_width", "permanent_stick"}
     assert any("left out" in note for note in found.notes)
@@ -647,16 +647,16 @@ def test_bodies_with_tilt_and_strain_have_a_term_too() -> None:
 
 # ---------------------------------------------------------------------------- against measurement
 def of_measurement(**given: float) -> AgainstMeasurement:
-    stated = {"computed": 1.1, "measured": 1.0, "numerical": 0.0, "inputs": 0.0, "measurement": 0.0}
-    return AgainstMeasurement("W", "theory", **(stated | given))
+    stated = {"u_numerical": 0.0, "u_inputs": 0.0, "u_measurement": 0.0} | given
+    return AgainstMeasurement("W", "theory", computed_value=1.1, measured_value=1.0, **stated)
 
 
 def test_an_error_is_resolved_where_it_exceeds_two_uncertainties_of_all_three_kinds() -> None:
     """0.1 against 2 sqrt(u_num^2 + u_input^2 + u_D^2)."""
-    for name in ("numerical", "inputs", "measurement"):
+    for name in ("u_numerical", "u_inputs", "u_measurement"):
         assert of_measurement(**{name: 0.049}).verdict == "resolved"
         assert of_measurement(**{name: 0.051}).verdict == "hidden"
-    together = of_measurement(numerical=0.02, inputs=0.03, measurement=0.036)
+    together = of_measurement(u_numerical=0.02, u_inputs=0.03, u_measurement=0.036)
     assert together.uncertainty == pytest.approx(math.sqrt(0.02**2 + 0.03**2 + 0.036**2))
     assert together.verdict == "hidden"
     assert "E of W, theory minus measured, is 10 ± 5 %" in together.sentence

@@ -47,4 +47,4 @@ def test_pressures_of_corner_and_mid_side_nodes_are_no_matter_of_loads(
     alternating: Report,
 ) -> None:
     assert [diagnosis.fault for diagnosis in alternating.diagnoses] == ["alternating"]
-    assert "corner and mid-side nodes" in alternating.opening
+    assert "corner and mid-side nodes" in alternating.first_sentence

@@ -361,7 +361,7 @@ def test_a_factor_of_the_shear_is_told_from_another_friction(factor: float) -> N
     true = semi_analytic.solve(CATTANEO, x=x, time=[4.5])
     factored = score(x, true.pressure, factor * true.shear, scene=CATTANEO, time=[4.5])
     assert [diagnosis.fault for diagnosis in factored.diagnoses] == ["shear_factor"]
-    assert f"a factor of the shear alone ({factor} times)" in factored.opening
+    assert f"a factor of the shear alone ({factor} times)" in factored.first_sentence
     friction = 1.05 * CATTANEO.friction.coefficient
     rougher = semi_analytic.solve(CATTANEO.vary(friction=friction), x=x, time=[4.5])
     other = score(x, rougher.pressure, rougher.shear, scene=CATTANEO, time=[4.5])
@@ -380,7 +380,7 @@ def test_a_scale_of_x_is_found_behind_an_offset() -> None:
     for diagnosis in report.diagnoses:
         assert not [words for words in diagnosis.evidence if "just this fault" in words]
         assert any(words.startswith("both causes together leave") for words in diagnosis.evidence)
-    outside, _, last = report.opening.partition("; cause: ")
+    outside, _, last = report.first_sentence.partition("; cause: ")
     assert "is outside tolerance against half-plane theory in" in outside
     assert "the scale of x (0.8 times)" in last
     assert "the origin of x (0.35 a_ref off)" in last

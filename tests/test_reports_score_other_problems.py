@@ -171,7 +171,7 @@ def test_a_score_says_that_the_suite_does_not_solve_it(key: str, noise: float) -
     p, q = PROBLEMS[key]()
     report = score(X, noisy(p, noise, 1), noisy(q, noise, 2), scene=CATTANEO, time=TIME)
     assert [diagnosis.fault for diagnosis in report.diagnoses] == [key]
-    assert "which the suite does not solve" in report.opening
+    assert "which the suite does not solve" in report.first_sentence
 
 
 # ----------------------------------------------------------------------------- what is none of them

@@ -639,7 +639,7 @@ def test_fields_of_layers_four_half_widths_high(history: str, kind: str) -> None
     theory = semi_analytic.solve(scene, x=0.0)
     change = corrected_solution.dissipation / theory.dissipation - 1
     assert advice.work.value == pytest.approx(change, abs=1e-5)
-    of_half_width = advice.changes["half_width"].change.value
+    of_half_width = advice.changes["half_width"].relative_change.value
     largest = np.max(corrected_solution.contact_half_width)
     change = float(largest / np.max(theory.contact_half_width)) - 1
     assert of_half_width == pytest.approx(change, abs=1e-5)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import halfplane_fe
-from reports.checking import engines_for
+from reports.checking import engine_refusals
 from scenes import InadmissibleLoadError, Scene
 from semi_analytic import solve
 from semi_analytic.load_series import check_rows, follow
@@ -109,7 +109,7 @@ def test_each_engine_says_whether_it_takes_full_unloading():
         InadmissibleLoadError, match=r"finite elements need P > 0 .* theory takes full unloading"
     ):
         halfplane_fe.require_solvable(scene)
-    engines = engines_for(scene, "unload.toml")
+    engines = engine_refusals(scene, "unload.toml")
     assert not engines.refusal_of_theory
     assert "finite elements need P > 0" in engines.refusal_of_elements
 

@@ -138,10 +138,10 @@ def check(source: str, options: Options) -> Answer:
     from reports.checking import (
         bulk_and_tilt,
         bulk_in_words,
-        engines_for,
+        engine_refusals,
         largest_contact,
         nearest_to_sliding,
-        remarks,
+        remarks_on_input,
         rows_of_contact,
         rows_of_sliding,
     )
@@ -160,7 +160,7 @@ def check(source: str, options: Options) -> Answer:
     if isinstance(scene.load, TimeSeriesLoad):
         n_rows = len(scene.load.kept_rows())
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
-    engines = engines_for(scene, source, finite_elements=n_rows <= _MOST_ROWS)
+    engines = engine_refusals(scene, source, finite_elements=n_rows <= _MOST_ROWS)
     nearest_instant = nearest_to_sliding(scene)
     bulk = bulk_and_tilt(scene)
     # by half-plane theory; None where it does not take the scene
@@ -168,7 +168,7 @@ def check(source: str, options: Options) -> Answer:
     remarks_on_scene: list[str] = []
     with suppress(InputError):  # theory's refusal, where finite elements alone take the scene
         contact = largest_contact(scene, source)
-        remarks_on_scene += remarks(scene, contact)
+        remarks_on_scene += remarks_on_input(scene, contact)
     if refusals_in_words := engines.in_words(source):
         remarks_on_scene.append(f"{refusals_in_words}.")
     elif n_rows > _MOST_ROWS:
@@ -224,7 +224,7 @@ def _notes_and_remarks(
     """
     from reports.comparison.words import read_in_words
     from reports.input_words import sliding_in_words, stated_in_words
-    from reports.inputs import omissions_in_words, sliding_of_loads
+    from reports.inputs import nearness_to_sliding, omissions_in_words
     from reports.measured import check_record, record_in_words
     from reports.profile_fit import findings_on_fit, fit_warnings
 
@@ -237,7 +237,7 @@ def _notes_and_remarks(
                 remarks.append(sentence)
             else:
                 notes.append(sentence)
-    sliding = sliding_in_words(sliding_of_loads(scene))
+    sliding = sliding_in_words(nearness_to_sliding(scene))
     remarks += filter(None, [sliding, omissions_in_words(scene)])
     remarks += fit_warnings(scene, half_width)
     sentences_on_fit, _ = findings_on_fit(scene)
@@ -298,7 +298,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     source
         file or name of the scene, for messages
     """
-    from reports.checking import engines_for
+    from reports.checking import engine_refusals
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
     from reports.inputs import omissions_in_words
@@ -310,7 +310,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "--loop: it goes with given loads, and this scene prescribes U; leave it out"
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
-    engines = engines_for(scene, source)
+    engines = engine_refusals(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]

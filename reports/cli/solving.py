@@ -26,7 +26,7 @@ from reports.console import Part, Sheet, Stages, complain
 
 # All else is heavy, and imported in the functions: `halfplane run --help` waits for nothing.
 if TYPE_CHECKING:
-    from reports.checking import Engines
+    from reports.checking import EngineRefusals
     from reports.comparison import Comparison
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.laws import Finding
@@ -275,7 +275,7 @@ def run(job: Job) -> Answer:
     A scene that one of the two alone takes gets the answer of the command `exact` or `fe`. One
     that prescribes displacements gets the answers of both, without a comparison.
     """
-    from reports.checking import engines_for
+    from reports.checking import engine_refusals
 
     options = job.options
     tolerances = requested_tolerances(options.tolerance)
@@ -285,7 +285,7 @@ def run(job: Job) -> Answer:
         require_drawing(job.stages)
     load_engines(job.stages)
     # What theory refuses is known before the finite elements are solved.
-    engines = engines_for(job.scene, job.source)
+    engines = engine_refusals(job.scene, job.source)
     options.settings()  # values out of range are refused before anything is solved
     if no_comparison := engines.in_words(job.source):  # the reason, in a sentence
         _require_no_option_of_both(job, no_comparison)
@@ -607,7 +607,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     scene = comparison.scene
     # rows without a value in both solutions are left out
     heads, rows = first_cells(comparison, "label" if verbose else "short", with_empty=False)
-    yield report.opening, "bold"
+    yield report.first_sentence, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     if metrics_without_value := sentences_on_missing_values(comparison):
         yield metrics_without_value
@@ -698,7 +698,7 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
     if negligible_sources:
         names = ", ".join(negligible_sources)
         yield f"Below a thousandth of every difference, and not shown: {names}."
-    yield f"Covered by the stated uncertainty: {report.honest}"
+    yield f"Covered by the stated uncertainty: {report.coverage_in_words}"
     yield cost_in_words(budget)
 
 
@@ -856,7 +856,7 @@ def _answer_of_one_engine(
     return Answer(code, parts(), json_content, scene.name)
 
 
-def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
+def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Answer:
     """The answer of `run` to a scene that prescribes displacements (a rig), whose loads are found.
 
     Theory is solved and saved first, or finite elements where theory refuses the bodies. Then

@@ -28,13 +28,13 @@ from scenes.body_effects import ZERO
 # least half of the sum of the sizes of all parts.
 _LARGEST_UNEXPLAINED_SHARE = 1 / 3
 _LEAST_SHARE_OF_MAIN_CAUSE = 1 / 2
-LEFT = "what is left"
-NUMERICAL = "mesh and steps"
+UNEXPLAINED = "what is left"
+MESH_AND_STEPS = "mesh and steps"
 
 
-def in_percent(share: float) -> str:
+def in_percent(relative_change: float) -> str:
     """A relative change in per cent with two decimals and its sign; "0.00" has no sign."""
-    digits = f"{100 * share:+.2f}"
+    digits = f"{100 * relative_change:+.2f}"
     return "0.00" if float(digits) == 0 else minus(digits)
 
 
@@ -52,22 +52,22 @@ def percent_of(change: Estimate) -> str:
     return f"{percent_in_words} ± {uncertainty:.2f} %"
 
 
-class Step(NamedTuple):
+class ErrorPart(NamedTuple):
     """One part of the difference of W between theory and finite elements, with its cause.
 
     Attributes
     ----------
-    words
-        the cause
+    cause
+        in words
     change
         the part over theory's W, with its uncertainty
-    start
-        sum of the parts before, where its bar in the figure starts
+    sum_before
+        sum of the parts before it, where its bar in the figure starts
     """
 
-    words: str
+    cause: str
     change: Estimate
-    start: float
+    sum_before: float
 
 
 @dataclass(frozen=True)
@@ -76,63 +76,67 @@ class Why(PythonNumbers):
 
     Attributes
     ----------
-    total
+    difference
         E = finite elements/theory − 1 in W, and its uncertainty
     parts
         cause, a property of the bodies -> its part of E, in the order in which they are taken;
         empty where the difference is not split
-    numerical
+    numerical_part
         the part of mesh and load steps by the error budget; its uncertainty is in that of E
-    not_split
+    reason_not_split
         why the difference is not split; empty where it is
     """
 
-    total: Estimate
+    difference: Estimate
     parts: Mapping[str, Estimate] = field(default_factory=dict)
-    numerical: Estimate = ZERO
-    not_split: str = ""
+    numerical_part: Estimate = ZERO
+    reason_not_split: str = ""
 
     @property
     def unexplained(self) -> Estimate:
         """The part of the difference that no cause explains. Its uncertainty is that of all causes
         and of the difference, which has that of mesh and steps.
         """
-        explained = sum(part.value for part in self.parts.values())
-        uncertainty = sum(part.uncertainty for part in self.parts.values())
+        explained_part = sum(part.value for part in self.parts.values())
+        uncertainty_of_parts = sum(part.uncertainty for part in self.parts.values())
         return Estimate(
-            self.total.value - explained - self.numerical.value,
-            self.total.uncertainty + uncertainty,
+            self.difference.value - explained_part - self.numerical_part.value,
+            self.difference.uncertainty + uncertainty_of_parts,
         )
 
     @property
-    def explains(self) -> bool | None:
+    def is_explained(self) -> bool | None:
         """Whether the unexplained part is within its uncertainty; None where that is not known."""
         if math.isnan(self.unexplained.uncertainty):
             return None
         return abs(self.unexplained.value) <= self.unexplained.uncertainty
 
     @property
-    def steps(self) -> list[Step]:
+    def all_parts(self) -> list[ErrorPart]:
         """The parts of the bodies, the unexplained part, and that of mesh and steps; their sum is
         E. Empty where the difference is not split.
         """
         if not self.parts:
             return []
-        changes = {**self.parts, LEFT: self.unexplained, NUMERICAL: self.numerical}
-        steps = []
-        start = 0.0
-        for words, change in changes.items():
-            steps.append(Step(words, change, start))
-            start += change.value
-        return steps
+        change_by_cause = {
+            **self.parts,
+            UNEXPLAINED: self.unexplained,
+            MESH_AND_STEPS: self.numerical_part,
+        }
+        all_parts = []
+        sum_before = 0.0
+        for cause, change in change_by_cause.items():
+            all_parts.append(ErrorPart(cause, change, sum_before))
+            sum_before += change.value
+        return all_parts
 
     @property
     def main_cause(self) -> str:
         """In words, the cause of most of the difference of W between finite elements and theory.
 
         "" where the difference is not split or not resolved, where the largest part has the other
-        sign or is not resolved, where it is less than half of all parts, or where more than a third
-        of it is unexplained.
+        sign or is not resolved, where it is less than half of the sum of the sizes of all parts, or
+        where more than a third of it is unexplained. Resolved: larger than two uncertainties.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause
@@ -146,14 +150,16 @@ class Why(PythonNumbers):
         change = self.parts[cause]
         size = abs(change.value)
         all_sizes = sum(abs(part.value) for part in self.parts.values())
-        is_resolved = abs(self.total.value) > 2 * self.total.uncertainty
-        has_same_sign = math.copysign(1.0, change.value) == math.copysign(1.0, self.total.value)
+        is_resolved = abs(self.difference.value) > 2 * self.difference.uncertainty
+        has_same_sign = math.copysign(1.0, change.value) == math.copysign(
+            1.0, self.difference.value
+        )
         is_main = size >= _LEAST_SHARE_OF_MAIN_CAUSE * all_sizes and size > 2 * change.uncertainty
-        is_explained = abs(self.unexplained.value) <= _LARGEST_UNEXPLAINED_SHARE * size
-        return cause if is_resolved and has_same_sign and is_main and is_explained else ""
+        is_mostly_explained = abs(self.unexplained.value) <= _LARGEST_UNEXPLAINED_SHARE * size
+        return cause if is_resolved and has_same_sign and is_main and is_mostly_explained else ""
 
     @property
-    def left_in_percent(self) -> str:
+    def unexplained_in_percent(self) -> str:
         """The part of the difference that no cause explains, in per cent with its uncertainty."""
         return percent_of(self.unexplained)
 
@@ -166,29 +172,29 @@ class Why(PythonNumbers):
     def sentence(self) -> str:
         """A sentence: the parts in per cent, or why the difference is not split."""
         if not self.parts:
-            return f"Why theory errs is not split: {self.not_split}."
-        cells = [f"{words} {percent_of(change)}" for words, change, _ in self.steps]
+            return f"Why theory errs is not split: {self.reason_not_split}."
+        cells = [f"{cause} {percent_of(change)}" for cause, change, _ in self.all_parts]
         return f"Why (finite elements/theory − 1 in W): {', '.join(cells)}."
 
     def rows(self) -> list[tuple[str, str]]:
         """Rows (cause, part in per cent of theory's W) of a table, with E in the last row."""
-        rows = [(words, percent_of(change)) for words, change, _ in self.steps]
-        return [*rows, ("finite elements/theory − 1", percent_of(self.total))]
+        rows = [(cause, percent_of(change)) for cause, change, _ in self.all_parts]
+        return [*rows, ("finite elements/theory − 1", percent_of(self.difference))]
 
     def content(self) -> dict[str, Any]:
         """The entry "why" of comparison.json: the difference of the dissipation W between finite
         elements and theory and the part of each cause, over theory's W; the main cause; and why the
         difference was not split, if so.
         """
-        steps = [
+        steps_from_theory = [
             {"cause": cause, "value": change.value, "uncertainty": change.uncertainty}
-            for cause, change, _ in self.steps
+            for cause, change, _ in self.all_parts
         ]
         return {
-            "total": self.total.value,
-            "uncertainty": self.total.uncertainty,
-            "steps": steps,
+            "total": self.difference.value,
+            "uncertainty": self.difference.uncertainty,
+            "steps": steps_from_theory,
             "main_cause": self.main_cause or None,
-            "explained": self.explains if steps else None,
-            "not_split": self.not_split or None,
+            "explained": self.is_explained if steps_from_theory else None,
+            "not_split": self.reason_not_split or None,
         }

@@ -104,12 +104,12 @@ def waterfall(why: Why) -> Plate | None:
     cause of the difference leads to the finite elements, in per cent of theory's W. None where the
     difference is not split into causes.
     """
-    causes = why.steps
-    if not causes:
+    parts = why.all_parts
+    if not parts:
         return None
-    ends_of_bars = [100 * (cause.start + cause.change.value) for cause in causes]
-    total_change = 100 * why.total.value
-    uncertainty = 100 * why.total.uncertainty
+    ends_of_bars = [100 * (part.sum_before + part.change.value) for part in parts]
+    total_change = 100 * why.difference.value
+    uncertainty = 100 * why.difference.uncertainty
     if not math.isfinite(uncertainty):
         uncertainty = 0.0
     least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
@@ -118,16 +118,16 @@ def waterfall(why: Why) -> Plate | None:
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines
-    n_rows = len(causes) + 1
-    for cause_number, cause in enumerate(causes):
-        lower_edge = float(n_rows - cause_number - 1)
-        label = f"{cause.words}: {percent_of(cause.change)}"
-        ends_of_bar = (100 * cause.start, ends_of_bars[cause_number])
-        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{cause_number} edge", label)
+    n_rows = len(parts) + 1
+    for part_number, part in enumerate(parts):
+        lower_edge = float(n_rows - part_number - 1)
+        label = f"{part.cause}: {percent_of(part.change)}"
+        ends_of_bar = (100 * part.sum_before, ends_of_bars[part_number])
+        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{part_number} edge", label)
         labels.append(Note(axis.low, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
-    label_of_total = f"finite elements/theory − 1: {percent_of(why.total)}"
+    label_of_total = f"finite elements/theory − 1: {percent_of(why.difference)}"
     labels.append(Note(axis.low, 0.7, label_of_total, "tick over", shift=(6.0, 0.0)))
     marks += labels
     panel = broad_panel(
@@ -140,9 +140,9 @@ def waterfall(why: Why) -> Plate | None:
         room=(20.0, 12.0, 20.0, 46.0),
     )
     table: Table = {
-        "cause": [cause.words for cause in causes],
-        "change of W": [cause.change.value for cause in causes],
-        "u": [cause.change.uncertainty for cause in causes],
+        "cause": [part.cause for part in parts],
+        "change of W": [part.change.value for part in parts],
+        "u": [part.change.uncertainty for part in parts],
     }
     return figure_with_texts("waterfall", [panel], table, columns=1)
 

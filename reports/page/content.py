@@ -47,7 +47,7 @@ def common_content(report: Report) -> dict[str, Any]:
     scene = comparison.scene
     _, table_rows = first_table(comparison)
     return {
-        "headline": report.opening,
+        "headline": report.first_sentence,
         "table": table_rows,
         "claim": in_template("claim"),
         "question": question(scene),
@@ -82,7 +82,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             **verdicts,
             "unscored": unscored_keys,
             "judged": sentence_on_judging(comparison, has_budget=budget is not None),
-            "honest": report.honest,
+            "honest": report.coverage_in_words,
             "sentence": verdict(comparison),
         },
         "scales": {

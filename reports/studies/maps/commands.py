@@ -220,7 +220,7 @@ def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> di
         "limit": advice.limit,
         "verdict": advice.verdict,
         "changes": {
-            name: {"theory": change.theory, **_pair(change.change)}
+            name: {"theory": change.theory_value, **_pair(change.relative_change)}
             for name, change in advice.changes.items()
         },
     }

@@ -97,7 +97,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
     """
     changes = changes_of(halfplane_fe.solve(scene, MESH, bodies="kernel"))
     tension = changes.get("edge_tension")
-    if tension is None or tension.change.uncertainty <= _LARGEST_UNCERTAINTY:
+    if tension is None or tension.relative_change.uncertainty <= _LARGEST_UNCERTAINTY:
         return changes
     return changes_of(halfplane_fe.solve(scene, bodies="kernel"))
 
@@ -105,7 +105,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
 def _errors(changes: Mapping[str, Change]) -> dict[str, Estimate]:
     """The error of every quantity of a map's row; NaN for those that are not known."""
     return {
-        quantity: changes[quantity].change if quantity in changes else _UNKNOWN
+        quantity: changes[quantity].relative_change if quantity in changes else _UNKNOWN
         for quantity in QUANTITIES
     }
 
