@@ -432,6 +432,22 @@ def test_penalty_is_a_term_of_its_own():
     assert abs(penalty.value - (layered - bare)) < penalty.uncertainty < 2 * abs(penalty.value)
 
 
+def test_an_edge_without_an_estimate_leaves_that_of_the_other_one(paper):
+    """Runs agree to the last digit; the left contact edge has no estimate, the right one 0.01 a."""
+    comparison, refinements = paper
+    metric = replace(comparison.metric("contact_edge"), uncertainty=None)
+    half_width = comparison.scales.half_width
+    uncertainties = np.tile([np.nan, 0.01 * half_width], (len(comparison.result.time), 1))
+    result = replace(comparison.result, contact_edge_uncertainty=uncertainties)
+    runs = tuple(Run(f"{h:g}h", h, {metric.key: metric.value}) for h in (1.0, 2.0, 4.0))
+    line = error_budget(
+        replace(comparison, metrics=(metric,), result=result),
+        replace(refinements, mesh_runs=runs),
+        1.0,
+    ).budget(metric.key)
+    assert line.terms[0].uncertainty == pytest.approx(0.01)
+
+
 def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_as_the_run_states():
     """Of a pair of layers an error of 1.4e-4 was stated as 4e-6."""
     comparison = compared("blocks", MeshSettings.coarse(), replace(STEPS, steps_per_cycle=8))

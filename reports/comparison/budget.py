@@ -696,11 +696,13 @@ def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Compariso
     states of the metric, of its contact or stick edge, or of its pressure peak. An infinite one
     raises nothing.
     """
-    least_uncertainty = max(
+    stated_uncertainties = (
         metric.uncertainty or 0.0,
         _uncertainty_of_edge(metric, comparison),
         _uncertainty_of_peak(metric, comparison),
     )
+    # one that is not known, NaN, hides none of the others
+    least_uncertainty = float(np.fmax.reduce(stated_uncertainties))
     if (term.uncertainty or 0.0) < least_uncertainty < math.inf:
         return replace(
             term, uncertainty=least_uncertainty, how=f"{term.how}; {_STATED_BY_RUN_IN_WORDS}"
@@ -720,7 +722,8 @@ def _uncertainty_of_value(metric: Metric, comparison: Comparison) -> float | Non
 def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that a result itself states of a contact or stick edge at the instant of the
     metric, the larger of left and right, over the reference half-width. 0 for metrics of no edge,
-    and where none is stated.
+    and where none is stated. An edge without an estimate, NaN, leaves that of the other one; NaN
+    where neither has one.
     """
     result = comparison.result
     # (n_instants, 2), left and right edge [length], as `contact_edge_uncertainty`
@@ -729,7 +732,7 @@ def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     if metric.key in _PEAK_METRICS or edge_uncertainties is None or metric.time is None:
         return 0.0
     instant = int(abs(result.time - metric.time).argmin())
-    return float(max(edge_uncertainties[instant])) / comparison.scales.half_width
+    return float(np.fmax.reduce(edge_uncertainties[instant])) / comparison.scales.half_width
 
 
 def _uncertainty_of_peak(metric: Metric, comparison: Comparison) -> float:
