@@ -55,6 +55,7 @@ _GOOD_REFERENCE = 1 / 3
 # Instants of the last cycle, and points, at which fields are compared.
 _INSTANTS = 5
 _POINTS = 9
+_POINTS_ON_GRIDS = 181
 # Points nearer to an edge of contact or of stick than this share of a: "at the edge", where a last
 # digit of the edge counts for more.
 _NEAR = 0.01
@@ -280,15 +281,20 @@ def beside_closed_form(scene: Scene) -> dict[str, Errors | None]:
 
 
 def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
-    """Root mean squares over the points, over the largest value, as the statements are."""
-    x = np.linspace(-1.1, 1.1, 45)
+    """Root mean squares over the points, over the largest value, as the statements are; the edge
+    tension at instants of the last cycle.
+    """
+    x = np.linspace(-1.1, 1.1, _POINTS_ON_GRIDS)
     fields = (*_FIELDS, "dissipation_density")
     answer = semi_analytic.solve(scene, x=x, fields=fields)
     finer = functools.partial(
         GridRequest, cells=_CELLS * CELLS, increments=_INCREMENTS * INCREMENTS
     )
+    time = answer.time[answer.last_cycle[:: len(answer.last_cycle) // _INSTANTS]]
+    tension, stated_of_tension = semi_analytic.edge_tension(answer, time)
     with mock.patch.object(answer_on_grids, "GridRequest", finer):
         true = semi_analytic.solve(scene, x=x, time=answer.time, fields=fields)
+        tension_of_finer, _ = semi_analytic.edge_tension(true, time)
     errors: dict[str, Errors | None] = {}
     for name in ("shear", "slip", "dissipation", "dissipation_density"):
         true_values = np.asarray(getattr(true, name))
@@ -298,6 +304,12 @@ def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
         stated = _stated(answer, name)
         judges = _stated(true, name) <= _GOOD_REFERENCE * stated
         errors[_WORDS[name]] = _errors(error, stated) if judges else None
+    # of first order: what is left in the finer grids is a share of the difference
+    error_of_tension = np.abs(tension - tension_of_finer) * _CELLS / (_CELLS - 1)
+    is_in_contact = stated_of_tension > 0
+    errors["edge tension"] = Errors(
+        error_of_tension[is_in_contact], stated_of_tension[is_in_contact]
+    )
     return errors
 
 

@@ -40,6 +40,7 @@ from scenes.array_types import Array, Complex, Indices
 from semi_analytic.answer import checked_numbers
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
+from semi_analytic.grid import CELLS, INCREMENTS, GridRequest, follow_on_grid
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
@@ -65,6 +66,11 @@ _FEWEST_PLACES_IN_CONTACT = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
 # load has turned.
 _SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
+# Places across a contact at which the pressure is taken for a tension.
+_PLACES_OF_TENSION = 512
+# Error of a tension on grids that its change by coarse grids does not show, over the error of the
+# shear, each as share of its largest value: measured up to 0.7, most below 0.05.
+_TENSION_BY_SHEAR = 0.25
 # What straight lines of q/p between places leave of the tension, as share of f times the largest
 # pressure: measured 5e-4.
 _ERROR_BETWEEN_PLACES = 1e-3
@@ -224,8 +230,12 @@ def edge_tension(
     sign_of_body = np.array([[1.0], [-1.0]])  # lower, upper
     if scene.unsymmetric:
         answers = _answers_with_tractions(source, times)
+        _, profile = path_loads_and_contact(scene)
+        coarse_shears = _shears_on_coarse_grids(answers)
         for k, (answer, row) in enumerate(answers):
-            tension, uncertainties[k] = _edge_tensions_of_answer(answer, row)
+            tension, uncertainties[k] = _edge_tensions_of_answer(
+                answer, row, profile, coarse_shears[k]
+            )
             values[k] = sign_of_body * tension
         return values + _bulk_stresses(answers)[..., None], uncertainties
     contact, snapshot = memory_at(scene, times)
@@ -414,51 +424,105 @@ def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
     return stresses
 
 
-def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, float]:
+def _shears_on_coarse_grids(answers: list[tuple[ContactSolution, int]]) -> list[Array | None]:
+    """For each answer and number of its instant the shear (k,) at its points by grids of half as
+    many cells and increments [stress]; None where the answer is not from grids.
+    """
+    coarse_shears: list[Array | None] = [None] * len(answers)
+    numbers_by_answer: dict[int, list[int]] = {}
+    for number, (answer, _) in enumerate(answers):
+        if "grids" in answer.work.counts:
+            numbers_by_answer.setdefault(id(answer), []).append(number)
+    for numbers in numbers_by_answer.values():
+        answer = answers[numbers[0]][0]
+        rows = [answers[number][1] for number in numbers]
+        scene = answer.scene
+        path_loads, tilted_contact = path_loads_and_contact(scene)
+        coarse_path = follow_on_grid(
+            path_loads,
+            tilted_contact,
+            scene.profile.height,
+            scene.friction.coefficient,
+            answer.x,
+            answer.time[rows],
+            GridRequest(
+                most_cycles=max(scene.cycles, 2), cells=CELLS // 2, increments=INCREMENTS // 2
+            ),
+        )
+        for number, shear in zip(numbers, coarse_path.shear, strict=True):
+            coarse_shears[number] = shear
+    return coarse_shears
+
+
+def _edge_tensions_of_answer(
+    answer: ContactSolution, row: int, profile: TiltedProfile, coarse_shear: Array | None = None
+) -> tuple[Array, Array]:
     """Stress s_xx of the lower face at the left and the right edge of contact, without the bulk
-    stress, (2,), and its uncertainty [stress].
+    stress, and its uncertainty, (2,) each [stress].
 
-    `row` is the number of the answer's instant. The stress is +-(2/pi) int q/|x - edge| dx; tension
-    is positive. With the distance to the edge = width sin^2(phi/2) it is int q cot(phi/2) d phi, by
-    the trapezoidal rule between the points; the integrand is constant from the outermost point to
-    the edge.
+    The stress is +-(2/pi) int q/|x - edge| dx; tension is positive. With x = middle - half_width
+    cos(phi) that is the mean over phi of 2 q cot(phi/2) at the left edge, of -2 q tan(phi/2) at the
+    right one.
 
-    The uncertainty is a sum: three times the change by half of the points, four times the stated
-    error of the shear, and the error of straight lines between points. The last two are shares of f
-    times the largest pressure. All are 0 where no point is in contact.
+    The uncertainty is a sum of the change by half of the points, the error of straight lines of q/p
+    between points, and of an answer from grids the change by coarse grids and a share of the stated
+    error of the shear. Both values are 0 where no point is in contact.
+
+    Parameters
+    ----------
+    answer, row
+        half-plane solution, and the number of its instant
+    profile
+        the gap, as a contact under load and tilt
+    coarse_shear
+        (k,) shear at the points of the answer by coarse grids [stress]; None of other answers
+    """
+    pressure_at_points = answer.pressure[row]
+    points_in_contact = np.flatnonzero(pressure_at_points > 0)
+    if not len(points_in_contact):
+        return np.zeros(2), np.zeros(2)
+    phi, places = _places_across(answer, row, _PLACES_OF_TENSION)
+    pressure = _pressure_across(answer, row, profile, places)
+    weighted_pressures = 2 * pressure * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
+
+    def tensions_by(shear: Array, points: Indices) -> Array:
+        """The stress at both edges from the shear at some of the points, (2,) [stress]."""
+        shear_ratio = np.interp(
+            places, answer.x[points], shear[points] / pressure_at_points[points]
+        )
+        return np.mean(weighted_pressures * shear_ratio, axis=1)
+
+    tension = tensions_by(answer.shear[row], points_in_contact)
+    largest_friction = answer.scene.friction.coefficient * float(pressure_at_points.max())
+    uncertainty = np.full(2, _ERROR_BETWEEN_PLACES * largest_friction)
+    changes_by_points = [
+        np.abs(tensions_by(answer.shear[row], half_of_points) - tension)
+        for half_of_points in (points_in_contact[::2], points_in_contact[1::2])
+        if len(half_of_points)
+    ]
+    uncertainty += np.max(changes_by_points, axis=0)
+    if coarse_shear is not None:
+        error_of_shear = answer.record.errors.get("shear", 0.0)
+        uncertainty += np.abs(tensions_by(coarse_shear, points_in_contact) - tension)
+        uncertainty += _TENSION_BY_SHEAR * error_of_shear * largest_friction
+    return tension, uncertainty
+
+
+def _places_across(answer: ContactSolution, row: int, count: int) -> tuple[Array, Array]:
+    """Angles phi between 0 and pi, and places middle - half_width cos(phi) [length] across the
+    contact of an answer at the instant number `row`, (count,) each, from the left edge on.
     """
     left_edge, right_edge = answer.contact_edges[row]
-    points_in_contact = np.flatnonzero(
-        (answer.pressure[row] > 0) & (answer.x > left_edge) & (answer.x < right_edge)
-    )
-    if not len(points_in_contact):
-        return np.zeros(2), 0.0
+    phi = math.pi * (np.arange(count) + 0.5) / count
+    return phi, (left_edge + right_edge) / 2 - (right_edge - left_edge) / 2 * np.cos(phi)
 
-    def integral_from_edge(distance_to_edge: Array, shear: Array) -> float:
-        """int q/|x - edge| dx [stress], from shear q at distances that ascend."""
-        phi = 2 * np.arcsin(np.sqrt(distance_to_edge / (right_edge - left_edge)))
-        weighted_shear = shear / np.tan(phi / 2)
-        return float(
-            np.trapezoid(np.append(weighted_shear[0], weighted_shear), np.append(0.0, phi))
-        )
 
-    def tensions_by(points: NDArray[np.intp]) -> Array:
-        """The stress at both edges from the shear at some of the points, (2,) [stress]."""
-        x = answer.x[points]
-        shear = answer.shear[row, points]
-        left_integral = integral_from_edge(x - left_edge, shear)
-        right_integral = integral_from_edge((right_edge - x)[::-1], shear[::-1])
-        return 2 / math.pi * np.array([left_integral, -right_integral])
-
-    tension = tensions_by(points_in_contact)
-    largest_change = 0.0
-    for half_of_points in (points_in_contact[::2], points_in_contact[1::2]):
-        if len(half_of_points):
-            changes = np.abs(tensions_by(half_of_points) - tension)
-            largest_change = max(largest_change, float(changes.max()))
-    largest_friction = answer.scene.friction.coefficient * float(answer.pressure[row].max())
-    share_of_error = 4 * answer.record.errors.get("shear", 0.0) + _ERROR_BETWEEN_PLACES
-    return tension, 3 * largest_change + share_of_error * largest_friction
+def _pressure_across(
+    answer: ContactSolution, row: int, profile: TiltedProfile, places: Array
+) -> Array:
+    """Pressure (n,) at places in the contact of an answer at the instant number `row` [stress]."""
+    edges = answer.contact_edges[row]
+    return profile.pressure_over(places, edges.mean(keepdims=True), np.diff(edges) / 2)[0]
 
 
 def _stress_by_sine_series(
@@ -480,15 +544,12 @@ def _stress_by_sine_series(
     left_edge, right_edge = answer.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
-    places = middle + half_width * np.cos(
-        math.pi * (np.arange(_SERIES_TERMS) + 0.5) / _SERIES_TERMS
-    )
-    pressure = profile.pressure_over(places, np.atleast_1d(middle), np.atleast_1d(half_width))[0]
+    _, places = _places_across(answer, row, _SERIES_TERMS)
+    pressure = _pressure_across(answer, row, profile, places)
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
-    shear_ratio = np.interp(places, answer.x[is_in_contact], ratio_at_points)
-    sine_series = (
-        scipy.fft.dst(np.stack([pressure, side * shear_ratio * pressure]), 2) / _SERIES_TERMS
-    )
+    shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
+    # phi of the sine series is counted from the right edge
+    sine_series = scipy.fft.dst(np.stack([pressure, side * shear])[:, ::-1], 2) / _SERIES_TERMS
     # Summed at the mirror image x - i y, above the cut of the root. The coefficients are real, so
     # that the conjugate of the sum is its value at x + i y.
     zeta = (x - middle + 0j) / half_width
