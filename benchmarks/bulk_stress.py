@@ -45,8 +45,8 @@ from semi_analytic.bulk_and_tilt import path_loads_and_contact
 A0 = math.sqrt(12 / math.pi)
 STUCK = math.sqrt(4.8 / math.pi)
 # of the grid; increments a segment of the load path (an ellipse: four times as many)
-CELLS = 240
-INCREMENTS = 24
+CELLS_ACROSS_CONTACT = 240
+INCREMENTS_PER_CYCLE = 24
 CYCLES = 4
 Values = dict[str, float]
 
@@ -231,7 +231,7 @@ def on_grid(scene: Scene) -> Values:
     columns = []
     per_cycle = 0
     for leg in path.segments(CYCLES):
-        count = INCREMENTS * (
+        count = INCREMENTS_PER_CYCLE * (
             4 if scene.load.kind == "ellipse" and leg.start >= path.cycle_start else 1
         )
         times = np.linspace(leg.start, leg.end, count + 1)[1:]
@@ -246,7 +246,7 @@ def on_grid(scene: Scene) -> Values:
         )
     loads = np.concatenate(columns, axis=1)
     answer = dense_grid.follow_instants(
-        scene.profile.height, (-2.8, 2.8), CELLS, scene.friction.coefficient, *loads
+        scene.profile.height, (-2.8, 2.8), CELLS_ACROSS_CONTACT, scene.friction.coefficient, *loads
     )
     always = (
         answer.permanent_stick_edges(len(loads[0]) - per_cycle, 1e-3)
@@ -319,7 +319,9 @@ def loops() -> int:
         for n in (1, 2):
             begin = time.process_time()
             request = dense_grid.GridRequest(
-                most_cycles=2, cells=n * dense_grid.CELLS, increments=n * dense_grid.INCREMENTS
+                most_cycles=2,
+                cells=n * dense_grid.CELLS_ACROSS_CONTACT,
+                increments=n * dense_grid.INCREMENTS_PER_CYCLE,
             )
             answers.append(dense_grid.follow_on_grid(*arguments, request))
             seconds.append(time.process_time() - begin)

@@ -40,8 +40,7 @@ from scenes import (
     uncertainty,
 )
 from semi_analytic import driven
-from semi_analytic.corrected_memory import MemoryCurve, Row, State
-from semi_analytic.corrected_memory import Step as MemoryStep
+from semi_analytic.corrected_memory import FrictionMemory, MemoryState, MemoryStep, Row
 from semi_analytic.driven import DrivenPath
 
 SOLVE = import_module("halfplane_fe.solution")
@@ -244,29 +243,31 @@ def slide_not_counted() -> Planted:
 
 def spring_left_in() -> Planted:
     """U of the contact is taken for that of the actuator."""
-    return mock.patch.object(DrivenPath, "displacement", property(lambda self: self.actuator))
+    return mock.patch.object(
+        DrivenPath, "displacement", property(lambda self: self.actuator_displacement)
+    )
 
 
 def limit_of_the_wrong_sign() -> Planted:
     """What slides as a whole slides against Q."""
-    step = driven._Stepper.step
+    step = driven._StepSolver.solved_step
 
-    def planted(self: driven._Stepper, *arguments: Any) -> driven._SolvedStep:
+    def planted(self: driven._StepSolver, *arguments: Any) -> driven._SolvedStep:
         found = step(self, *arguments)
         return found._replace(slide_distance=-found.slide_distance)
 
-    return mock.patch.object(driven._Stepper, "step", planted)
+    return mock.patch.object(driven._StepSolver, "solved_step", planted)
 
 
 def memory_kept() -> Planted:
     """Bodies that part remember their shear."""
-    step = MemoryCurve.step
+    step = FrictionMemory.step
 
-    def planted(self: MemoryCurve, state: State, row: Row) -> MemoryStep:
+    def planted(self: FrictionMemory, state: MemoryState, row: Row) -> MemoryStep:
         found = step(self, state, row)
         return found._replace(state=state) if self.is_unloaded(row.normal_load) else found
 
-    return mock.patch.object(MemoryCurve, "step", planted)
+    return mock.patch.object(FrictionMemory, "step", planted)
 
 
 # Of prescribed displacements, which half-plane theory follows: tests/test_semi_analytic_rig.py

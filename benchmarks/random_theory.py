@@ -38,7 +38,7 @@ from scenes import (
     Scene,
 )
 from semi_analytic import answer_on_grids
-from semi_analytic.grid import CELLS, INCREMENTS, GridRequest
+from semi_analytic.grid import CELLS_ACROSS_CONTACT, INCREMENTS_PER_CYCLE, GridRequest
 from semi_analytic.memory import PROMISED_ERROR
 from semi_analytic.profiles import contact_of
 
@@ -288,7 +288,9 @@ def beside_finer_grids(scene: Scene) -> dict[str, Errors | None]:
     fields = (*_FIELDS, "dissipation_density")
     answer = semi_analytic.solve(scene, x=x, fields=fields)
     finer = functools.partial(
-        GridRequest, cells=_CELLS * CELLS, increments=_INCREMENTS * INCREMENTS
+        GridRequest,
+        cells=_CELLS * CELLS_ACROSS_CONTACT,
+        increments=_INCREMENTS * INCREMENTS_PER_CYCLE,
     )
     time = answer.time[answer.last_cycle[:: len(answer.last_cycle) // _INSTANTS]]
     tension, stated_of_tension = semi_analytic.edge_tension(answer, time)

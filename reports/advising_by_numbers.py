@@ -317,10 +317,10 @@ def _change_of_stick(
         of that relative change by the curvatures of the faces alone
     """
     import semi_analytic
-    from semi_analytic.odd_memory import DeclinedError, odd_answer
+    from semi_analytic.odd_memory import DeclinedError, second_order_answer
 
     try:
-        odd_answer(scene, effects)
+        second_order_answer(scene, effects)
     except DeclinedError:
         return Estimate(math.nan, math.nan)
     # the edges alone are needed, not the dissipation

@@ -229,13 +229,13 @@ def _require_admissible_loads(scene: Scene) -> None:
     """Follow the loads of a scene from its start; InadmissibleLoadError where P is negative or |Q|
     reaches f P.
     """
-    from semi_analytic.history import check
-    from semi_analytic.load_series import check_rows
+    from semi_analytic.history import require_admissible
+    from semi_analytic.load_series import require_admissible_rows
 
     if isinstance(scene.load, TimeSeriesLoad):
-        return check_rows(scene.load.series(), scene.friction.coefficient)
+        return require_admissible_rows(scene.load.series(), scene.friction.coefficient)
     path = scene.load.path()
-    return check([*path.initial_loading, *path.cycle], scene.friction.coefficient)
+    return require_admissible([*path.initial_loading, *path.cycle], scene.friction.coefficient)
 
 
 def largest_normal_load(scene: Scene) -> float:

@@ -15,7 +15,7 @@ class Estimate(NamedTuple):
     uncertainty: float = 0.0
 
 
-ZERO = Estimate(0.0)
+ZERO_ESTIMATE = Estimate(0.0)
 
 
 @dataclass(frozen=True)
@@ -68,20 +68,20 @@ class BodyEffects:
     """
 
     datum_length: float
-    normal_compliance: Estimate = ZERO
-    tangential_compliance: Estimate = ZERO
-    normal_curvature: Estimate = ZERO
-    tangential_curvature: Estimate = ZERO
-    normal_curvature_under_shear: Estimate = ZERO
-    tangential_curvature_under_pressure: Estimate = ZERO
-    tilt_under_pressure: Estimate = ZERO
-    tilt_under_shear: Estimate = ZERO
-    strain_under_pressure: Estimate = ZERO
-    strain_under_shear: Estimate = ZERO
-    normal_fourth: Estimate = ZERO
-    tangential_fourth: Estimate = ZERO
-    normal_mixed: Estimate = ZERO
-    tangential_mixed: Estimate = ZERO
+    normal_compliance: Estimate = ZERO_ESTIMATE
+    tangential_compliance: Estimate = ZERO_ESTIMATE
+    normal_curvature: Estimate = ZERO_ESTIMATE
+    tangential_curvature: Estimate = ZERO_ESTIMATE
+    normal_curvature_under_shear: Estimate = ZERO_ESTIMATE
+    tangential_curvature_under_pressure: Estimate = ZERO_ESTIMATE
+    tilt_under_pressure: Estimate = ZERO_ESTIMATE
+    tilt_under_shear: Estimate = ZERO_ESTIMATE
+    strain_under_pressure: Estimate = ZERO_ESTIMATE
+    strain_under_shear: Estimate = ZERO_ESTIMATE
+    normal_fourth: Estimate = ZERO_ESTIMATE
+    tangential_fourth: Estimate = ZERO_ESTIMATE
+    normal_mixed: Estimate = ZERO_ESTIMATE
+    tangential_mixed: Estimate = ZERO_ESTIMATE
     dundurs_beta: float = 0.0
     unknowns: int = 0
     factorisations: int = 0

@@ -26,19 +26,19 @@ from semi_analytic.answer import Findings, Question, mirrored_points, neglected_
 from semi_analytic.answer_by_memory import distances_and_indices
 from semi_analytic.corrected import (
     WORDS_UNDER_RIG,
-    OddPart,
     PathRows,
     PathSeries,
     PointFields,
-    certificates_of,
+    TiltAndStrainPart,
+    admissibility_checks_of,
     curvatures_of,
     fields_at,
     instants_and_row_numbers,
     notes_of_effects,
-    odd_part_on_grids,
     permanent_stick_half_width,
-    series_at,
-    table_of,
+    punch_table_of,
+    tilt_and_strain_part_on_grids,
+    values_over_time_at,
     work_uncertainty_by_bodies,
 )
 from semi_analytic.corrected_memory import Curvatures, PunchTable, follow
@@ -58,20 +58,21 @@ from semi_analytic.next_order import (
     without_next_order,
 )
 from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError
-from semi_analytic.odd_part_of_rig import loads_of_cycle, odd_answer_of_rig
+from semi_analytic.odd_part_of_rig import loads_of_cycle, second_order_answer_of_rig
 from semi_analytic.profiles import SymmetricContact, contact_of
 
 # Points among which the largest pressure is sought.
 _SAMPLED_PLACES = 200
 # Rows on the two steps around the end of a slide, and ends that have them.
-_ROWS_AT_END = 33
-_MOST_ENDS = 200
+_ROWS_AT_SLIDE_END = 33
+_MOST_SLIDE_ENDS = 200
 # Sliding distances up to this share of the actuator's range are round-off.
 _ROUND_OFF_SLIDE_SHARE = 1e-9
 # Straight steps of a cycle on grids, which take few.
 _STEPS_ON_GRIDS = 55
-# Index of a steady cycle in a repeated path of `odd_answer_of_rig`: the second, if not the first.
-_STEADY_CYCLE = 1
+# Index of a steady cycle in a repeated path of `second_order_answer_of_rig`: the second, if not the
+# first.
+_INDEX_OF_STEADY_CYCLE = 1
 # Slides that a note names one by one.
 _MOST_SLIDES_NAMED = 4
 
@@ -97,14 +98,16 @@ class RiggedScene:
     effects: BodyEffects
     compliance: Compliance
 
-    def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> DrivenPath:
+    def driven_path(
+        self, cycles: int, refinement: int, extra_times: Array | None = None
+    ) -> DrivenPath:
         """Loads and gross sliding along the path of the actuators over so many cycles, by
         `refinement` times the least number of steps; also at `extra_times` (k,).
         """
         path = self.scene.load.path_of_actuators()
-        return self.follow_rows(actuator_rows(path, cycles, refinement, extra_times))
+        return self.driven_path_of_rows(actuator_rows(path, cycles, refinement, extra_times))
 
-    def follow_rows(self, rows: ActuatorRows) -> DrivenPath:
+    def driven_path_of_rows(self, rows: ActuatorRows) -> DrivenPath:
         """Loads and gross sliding along a path of given steps. InputError where the bodies never
         touch, or where the displacement of an actuator does not determine its load.
         """
@@ -114,12 +117,12 @@ class RiggedScene:
                 self.contact, self.modulus, self.compliance, rows.load_or_approach
             )
             rows = rows._replace(load_or_approach=loads)
-        table = self._table(rows)
+        table = self._punch_table(rows)
         largest_load = float(np.max(rows.load_or_approach))
-        self.compliance.require_unique(float(table.half_width(table.largest_s)), largest_load)
+        self.compliance.require_unique_force(float(table.half_width(table.largest_s)), largest_load)
         return follow_actuator(table, scene.friction.coefficient, self.compliance, rows)
 
-    def _table(self, rows: ActuatorRows) -> PunchTable:
+    def _punch_table(self, rows: ActuatorRows) -> PunchTable:
         """Table of the flat punches that make up the contact, up to its largest half-width for any
         Q within the Coulomb limit. InputError where P is never positive.
         """
@@ -130,8 +133,8 @@ class RiggedScene:
         curvatures = self.compliance.curvatures
         limit = self.scene.friction.coefficient * rows.load_or_approach
         widening_force = -np.sign(curvatures.normal_under_shear) * limit
-        loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.ends, None)
-        return table_of(self.contact, self.modulus, loads, curvatures)
+        loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.end_rows, None)
+        return punch_table_of(self.contact, self.modulus, loads, curvatures)
 
 
 def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
@@ -159,18 +162,18 @@ def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
     compliance = Compliance(
         unit_compliance=2 / (math.pi * modulus),
         datum_length=effects.datum_length,
-        normal=effects.normal_compliance.value,
-        tangential=effects.tangential_compliance.value,
-        normal_spring=1 / (rig.normal_stiffness or math.inf),
-        tangential_spring=1 / (rig.tangential_stiffness or math.inf),
+        normal_body_compliance=effects.normal_compliance.value,
+        tangential_body_compliance=effects.tangential_compliance.value,
+        normal_spring_compliance=1 / (rig.normal_stiffness or math.inf),
+        tangential_spring_compliance=1 / (rig.tangential_stiffness or math.inf),
         curvatures=curvatures_of(effects),
-        tilts=_tilts_of(scene, effects),
+        tilt_products=_tilt_products_of(scene, effects),
     )
     contact = contact_of(scene.profile, scene.material)
     return RiggedScene(scene, contact, modulus, effects, compliance)
 
 
-def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
+def _tilt_products_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
     """Effect of tilt on the displacement of a parabola of radius R: R alpha_P alpha_Q and R
     alpha_Q^2 [1 / (stress load)], alpha_P and alpha_Q the tilt of the faces by a unit of P and Q.
 
@@ -202,7 +205,7 @@ def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
     below 1e-9 of the actuator's range is round-off.
     """
     row_numbers = np.arange(len(driven_path.time))[rows]
-    actuator_range = float(np.ptp(driven_path.actuator)) or 1.0
+    actuator_range = float(np.ptp(driven_path.actuator_displacement)) or 1.0
     slide_direction = np.sign(driven_path.slide_distance)
     largest_round_off = _ROUND_OFF_SLIDE_SHARE * actuator_range
     slide_direction[np.abs(driven_path.slide_distance) <= largest_round_off] = 0
@@ -255,7 +258,7 @@ def findings_of_rig(question: Question) -> Findings:
             " prescribed"
         )
     rig = rigged_scene(question.scene, question.effects)
-    fine_path, coarse_path, steady_from = _followed_paths(rig, question.time)
+    fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
     history_done = clock.perf_counter()
@@ -273,7 +276,7 @@ def findings_of_rig(question: Question) -> Findings:
     if question.wants("dissipation_density"):
         density = point_fields.work_density(last_cycle)
     wants_work = question.wants("dissipation")
-    values_over_time = series_at(question, corrected_path, row_numbers)
+    values_over_time = values_over_time_at(question, corrected_path, row_numbers)
     # The rig prescribes displacements at its own datum length, the answer counts from another.
     compliance_to_datum = _compliance_to_answer_datum(rig)
     for displacement, load in (
@@ -302,11 +305,11 @@ def findings_of_rig(question: Question) -> Findings:
         message=_message(steady_from, question.scene),
         notes=tuple(_notes(rig, fine_path, last_cycle, errors, cycle_energy.tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=certificates_of(corrected_path, fields, row_numbers),
+        certificates=admissibility_checks_of(corrected_path, fields, row_numbers),
         counts={
             "points_evaluated": len(distance),
             "rows": len(fine_path.time),
-            "pieces": len(fine_path.followed_path.pieces.top),
+            "pieces": len(fine_path.followed_path.pieces.top_s),
         },
         seconds={
             "history": history_done - clock_at_start,
@@ -333,7 +336,7 @@ class _Energy(NamedTuple):
 
     work: float
     loop_work: float
-    tilt_and_strain: OddPart
+    tilt_and_strain: TiltAndStrainPart
     errors: dict[str, float]
 
 
@@ -360,28 +363,24 @@ def _energy_of(
         index of the first steady cycle, None without one
     """
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, rig.scene, steady_from)
-    bodies_and_half_planes = _BodiesAtSameLoads.of(rig, fine_path, last_cycle)
-    tilt_and_strain = _tilt_and_strain_of(
-        rig, fine_path, last_cycle, steady_from, bodies_and_half_planes
-    )
-    work_of_tilt_and_strain = tilt_and_strain.work(_STEADY_CYCLE)
+    change_by_bodies = _ChangeByBodies.of_driven_path(rig, fine_path, last_cycle)
+    tilt_and_strain = _tilt_and_strain_of(rig, fine_path, last_cycle, steady_from, change_by_bodies)
+    work_of_tilt_and_strain = tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
         fine_path.work(last_cycle)
         + work_of_tilt_and_strain.value
-        + bodies_and_half_planes.work_of_next_order
+        + change_by_bodies.work_of_next_order
     )
     errors = _errors_of_steps(fine_path, coarse_path, steady_from)
     if work > 0:
-        error_of_bodies = (
-            work_of_tilt_and_strain.uncertainty + bodies_and_half_planes.work_uncertainty
-        )
+        error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
-    is_mirrored = tilt_and_strain == OddPart()
+    is_mirrored = tilt_and_strain == TiltAndStrainPart()
     if steady_from is not None and loads_up_to_end.period is not None and is_mirrored:
         loop_work = corrected_path.loop_work(last_cycle)
         coarse_cycle, _ = _rows_of_answer(coarse_path, rig.scene, steady_from)
@@ -391,7 +390,7 @@ def _energy_of(
     return _Energy(work, loop_work, tilt_and_strain, errors)
 
 
-class _BodiesAtSameLoads(NamedTuple):
+class _ChangeByBodies(NamedTuple):
     """Change of the friction work of slip in a cycle by finite bodies, against half-planes, under
     the loads that were found for the bodies.
 
@@ -411,7 +410,9 @@ class _BodiesAtSameLoads(NamedTuple):
     work_uncertainty: float = 0.0
 
     @classmethod
-    def of(cls, rig: RiggedScene, driven_path: DrivenPath, rows: slice) -> _BodiesAtSameLoads:
+    def of_driven_path(
+        cls, rig: RiggedScene, driven_path: DrivenPath, rows: slice
+    ) -> _ChangeByBodies:
         """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
         path, against half-planes under the same P and Q.
 
@@ -424,20 +425,22 @@ class _BodiesAtSameLoads(NamedTuple):
         followed_path = driven_path.followed_path
         loads = (followed_path.normal_load, followed_path.tangential_load)
         table_and_loads = (followed_path.table, followed_path.friction, *loads)
-        half_planes = PathSeries(
+        path_of_half_planes = PathSeries(
             follow(*table_and_loads, Curvatures()), rig.contact, rig.modulus, None
         )
-        work_of_half_planes = half_planes.work(rows)
+        work_of_half_planes = path_of_half_planes.work(rows)
         if not work_of_half_planes > 0:
             return cls()
         memory_of_bodies = follow(
-            *table_and_loads, curvatures_of(rig.effects), half_planes.followed_path
+            *table_and_loads, curvatures_of(rig.effects), path_of_half_planes.followed_path
         )
-        bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
-        work_of_bodies = bodies.work(rows)
+        path_with_bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
+        work_of_bodies = path_with_bodies.work(rows)
         # The first of the rows ends the step before them.
         work_with_curvatures_alone = float(np.sum(driven_path.slip_work[rows][1:]))
-        relative_uncertainty = work_uncertainty_by_bodies(bodies, half_planes, rows, rig.effects)
+        relative_uncertainty = work_uncertainty_by_bodies(
+            path_with_bodies, path_of_half_planes, rows, rig.effects
+        )
         return cls(
             relative_change=work_of_bodies / work_of_half_planes - 1,
             work_of_next_order=work_of_bodies - work_with_curvatures_alone,
@@ -450,8 +453,8 @@ def _tilt_and_strain_of(
     driven_path: DrivenPath,
     last_cycle: slice,
     steady_from: int | None,
-    bodies_and_half_planes: _BodiesAtSameLoads,
-) -> OddPart:
+    change_by_bodies: _ChangeByBodies,
+) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
     [energy per thickness].
 
@@ -467,16 +470,16 @@ def _tilt_and_strain_of(
         the rows of the last cycle
     steady_from
         index of the first steady cycle, None without one
-    bodies_and_half_planes
+    change_by_bodies
         what curvatures change of the work, which makes that of tilt and strain uncertain
     """
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
-        return OddPart()
+        return TiltAndStrainPart()
     if steady_from is None:
-        return OddPart(left_out="no cycle is steady")
+        return TiltAndStrainPart(left_out="no cycle is steady")
     try:
-        tilt_and_strain = OddPart(
-            odd_answer_of_rig(rig.scene, rig.effects, driven_path, last_cycle)
+        tilt_and_strain = TiltAndStrainPart(
+            second_order_answer_of_rig(rig.scene, rig.effects, driven_path, last_cycle)
         )
     except DeclinedError as reason:
         tilt_and_strain = _tilt_and_strain_on_grids(rig, driven_path, last_cycle, str(reason))
@@ -484,14 +487,14 @@ def _tilt_and_strain_of(
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
-            bodies_and_half_planes.relative_change, ratio_of_orders
+            change_by_bodies.relative_change, ratio_of_orders
         )
     )
 
 
 def _tilt_and_strain_on_grids(
     rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice, reason: str
-) -> OddPart:
+) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
     [energy per thickness]: a numerical solution on grids under the loads that were found.
 
@@ -500,12 +503,16 @@ def _tilt_and_strain_on_grids(
     the result states why.
     """
     if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
-        return OddPart(left_out=reason)
+        return TiltAndStrainPart(left_out=reason)
     try:
         scene_of_loads = loads_of_cycle(rig.scene, driven_path, last_cycle, _STEPS_ON_GRIDS)
     except (DeclinedError, InputError) as fault:
-        return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    return odd_part_on_grids(scene_of_loads, rig.effects, driven_path.work(last_cycle), reason)
+        return TiltAndStrainPart(
+            left_out=f"{reason}, and grids do not take it: {first_line(fault)}"
+        )
+    return tilt_and_strain_part_on_grids(
+        scene_of_loads, rig.effects, driven_path.work(last_cycle), reason
+    )
 
 
 def _reason_without_next_order(driven_path: DrivenPath, last_cycle: slice) -> str:
@@ -540,7 +547,7 @@ def _corrected_path(rig: RiggedScene, driven_path: DrivenPath) -> PathSeries:
     )
 
 
-def _followed_paths(
+def _fine_and_coarse_paths(
     rig: RiggedScene, time: Array | None
 ) -> tuple[DrivenPath, DrivenPath, int | None]:
     """Loads and gross sliding of a rig by fine steps and by steps twice as long, and the index of
@@ -554,17 +561,17 @@ def _followed_paths(
     has_cycle = scene.load.path_of_actuators().period is not None
     most_cycles = max(scene.cycles, 2) if has_cycle else 0
     for cycles in range(min(2, most_cycles), most_cycles + 1):
-        coarse_path = rig.follow(cycles, refinement=1)
+        coarse_path = rig.driven_path(cycles, refinement=1)
         is_last_try = cycles == most_cycles
         if coarse_path.first_steady_cycle is None and not is_last_try:
             continue
         times_near_ends = _times_near_slide_ends(coarse_path)
         further_times = _times_in_all_cycles(scene, times_near_ends, cycles)
         if len(times_near_ends):
-            coarse_path = rig.follow(cycles, 1, further_times)
+            coarse_path = rig.driven_path(cycles, 1, further_times)
         if time is not None:
             further_times = np.append(further_times, _times_in_all_cycles(scene, time, cycles))
-        fine_path = rig.follow(cycles, 2, further_times)
+        fine_path = rig.driven_path(cycles, 2, further_times)
         # A cycle that is steady by the coarse steps may not be so by the fine ones: at the end of a
         # stroke these may lock in a little force that slip takes away in the next cycle.
         steady_from = _steady_in_both(fine_path, coarse_path)
@@ -586,7 +593,7 @@ def _steady_in_both(fine_path: DrivenPath, coarse_path: DrivenPath) -> int | Non
 
 def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     """Times (k,) around each end of gross sliding while P varies, which the path needs as further
-    rows: `_ROWS_AT_END` of them over the last step with a slide and the step after it.
+    rows: `_ROWS_AT_SLIDE_END` of them over the last step with a slide and the step after it.
 
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
     f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
@@ -595,10 +602,10 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     load = driven_path.followed_path.normal_load
     last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
     load_varies = load[last_sliding_rows + 1] != load[last_sliding_rows]
-    last_sliding_rows = last_sliding_rows[load_varies][:_MOST_ENDS]
+    last_sliding_rows = last_sliding_rows[load_varies][:_MOST_SLIDE_ENDS]
     begin_times = driven_path.time[last_sliding_rows - 1]
     end_times = driven_path.time[last_sliding_rows + 1]
-    shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
+    shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_SLIDE_END)[:, None]
     return (begin_times + shares_of_two_steps * (end_times - begin_times)).ravel()
 
 
@@ -635,9 +642,9 @@ def _rows_of_answer(
     if steady_from is None:
         period = None
     else:
-        # `ends` are the rows at which the initial loading ends, and each cycle.
-        first_row = driven_path.ends[steady_from]
-        last_row = driven_path.ends[steady_from + 1]
+        # `end_rows` are the rows at which the initial loading ends, and each cycle.
+        first_row = driven_path.end_rows[steady_from]
+        last_row = driven_path.end_rows[steady_from + 1]
         rows_at_ends = (first_row, last_row)
     loads_up_to_end = PathRows(
         driven_path.time[: last_row + 1],
@@ -678,8 +685,10 @@ def _errors_of_steps(
     fine_rows = slice(0, None)
     coarse_rows = slice(0, None)
     if steady_from is not None:
-        fine_rows = slice(fine_path.ends[steady_from], fine_path.ends[steady_from + 1] + 1)
-        coarse_rows = slice(coarse_path.ends[steady_from], coarse_path.ends[steady_from + 1] + 1)
+        fine_rows = slice(fine_path.end_rows[steady_from], fine_path.end_rows[steady_from + 1] + 1)
+        coarse_rows = slice(
+            coarse_path.end_rows[steady_from], coarse_path.end_rows[steady_from + 1] + 1
+        )
     work = fine_path.work(fine_rows)
     if work > 0:
         errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work - 1)
@@ -713,7 +722,7 @@ def _notes(
     driven_path: DrivenPath,
     last_cycle: slice,
     errors: dict[str, float],
-    tilt_and_strain: OddPart,
+    tilt_and_strain: TiltAndStrainPart,
 ) -> Iterator[str]:
     """Sentences for the notes of the answer to a rig: where displacements are prescribed, which
     effects are left out, how much of the way the spring takes, gross sliding and separation.
@@ -750,9 +759,9 @@ def _notes(
         yield from notes_of_effects(
             rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
         )
-    spring = rig.compliance.tangential_spring
+    spring = rig.compliance.tangential_spring_compliance
     if spring:
-        actuator_range = float(np.ptp(driven_path.actuator[last_cycle]))
+        actuator_range = float(np.ptp(driven_path.actuator_displacement[last_cycle]))
         contact_range = float(np.ptp(driven_path.displacement[last_cycle]))
         yield (
             f"rig: of the range {actuator_range:.6g} {length_unit} of the actuator the contact"

@@ -23,7 +23,13 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.grid import INCREMENTS, GridRequest, PathOnGrids, edges_along, follow_on_grid
+from semi_analytic.grid import (
+    INCREMENTS_PER_CYCLE,
+    GridRequest,
+    PathOnGrids,
+    contact_edges_along,
+    follow_on_grid,
+)
 
 WORK_FIELDS = frozenset(("dissipation", "dissipation_density"))
 """Fields that are taken from a method without grids where one holds for the steady cycle."""
@@ -60,7 +66,7 @@ class GridAnswer:
         self._path_loads, self._tilted_contact = path_loads_and_contact(scene)
         x = question.x
         if x is None:
-            contact_edges = edges_along(self._path_loads, self._tilted_contact)
+            contact_edges = contact_edges_along(self._path_loads, self._tilted_contact)
             x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
         self.question = question
         self.x = x
@@ -164,8 +170,9 @@ class GridAnswer:
             )
         # A cell is 2/cells of the largest half-width a.
         return (
-            f"no one memory curve: half-plane theory on grids of {cells} cells and {INCREMENTS}"
-            f" increments a cycle, {error_of_work}edges of stick to about {2 / cells:.2g} a"
+            f"no one memory curve: half-plane theory on grids of {cells} cells and"
+            f" {INCREMENTS_PER_CYCLE} increments a cycle,"
+            f" {error_of_work}edges of stick to about {2 / cells:.2g} a"
             f"{note_of_zones}{note_of_work}"
         )
 

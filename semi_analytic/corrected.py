@@ -58,7 +58,7 @@ from scenes import (
     Scene,
 )
 from scenes.array_types import Array, Indices
-from scenes.body_effects import ZERO
+from scenes.body_effects import ZERO_ESTIMATE
 from scenes.errors import first_line
 from semi_analytic.answer import (
     Findings,
@@ -93,7 +93,12 @@ from semi_analytic.next_order import (
     uncertain_fraction_of_tilt_and_strain,
     with_one_group_alone,
 )
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, OddAnswer, odd_answer
+from semi_analytic.odd_memory import (
+    TILT_AND_STRAIN_NAMES,
+    DeclinedError,
+    SecondOrderAnswer,
+    second_order_answer,
+)
 from semi_analytic.profiles import SymmetricContact, contact_of
 from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_half_planes
 
@@ -101,16 +106,16 @@ _FIELDS_OF_WORK = frozenset(("dissipation", "dissipation_density"))
 # Instants that are followed at most: each takes some 30 us and two pieces of memory curve.
 _MOST_ROWS = 200_000
 # Half-width of the table of punches over that of the largest contact; and how often it is widened.
-_TABLE_MARGIN = 1.02
+_TABLE_WIDTH_FACTOR = 1.02
 _MOST_WIDENINGS = 60
 # Punches at which the table is checked.
 _PUNCHES_CHECKED = 200
 # Two instants nearer than this fraction of the path's duration are one.
-_SAME_INSTANT = 1e-12
+_SAME_INSTANT_SHARE = 1e-12
 # Punches at whose turning points the path is cut, by their G over that of the largest.
 _PARABOLA_FRACTIONS = np.linspace(0.0, 1.0, 6)
 # Fraction of a step within which a turning point is at its end: a step as short would hold no slip.
-_NEAR_ROW = 0.02
+_STEP_SHARE_AT_ROW = 0.02
 # Of the error that the steps make of W of half-planes, what they leave in the change by the bodies:
 # 0.14 at most on three ellipses with each of the curvatures, by steps that were ten times shorter.
 _FACTOR_ON_STEP_ERROR = 0.5
@@ -118,18 +123,18 @@ _FACTOR_ON_STEP_ERROR = 0.5
 _FACTOR_ON_HALVING = 2.0
 # Fraction of the largest P up to which growth in stick is short: chords of 0.5 % of it leave 5e-8
 # of W at most of six library scenes with the numbers of `blocks`.
-_SHORT_CHORD = 0.01
+_SHORT_CHORD_LOAD_SHARE = 0.01
 # The largest relative change of the dissipation by tilt and bulk strain that is added, on grids.
-_MOST_ON_GRIDS = 0.3
+_LARGEST_CHANGE_ON_GRIDS = 0.3
 # Instants and places at which the error of the steps is measured, and the fraction of a half-width
 # within which a point is at an edge.
 _INSTANTS_COMPARED = 9
 _PLACES_COMPARED = 36
-_NEAR_EDGE = 0.01
+_EDGE_DISTANCE_SHARE = 0.01
 # Places at which |q| is compared with f p, and the fraction of the largest f p by which it is
 # beyond: a third of what breaks a law of an answer by steps.
 _PLACES_CHECKED_FIRST, _PLACES_CHECKED = 30, 100
-_EXCESS_TOLERANCE = 3e-7
+_EXCESS_TOLERANCE_SHARE = 3e-7
 # Instants of which this is done at once: 2 MB.
 _ROWS_AT_ONCE = 2000
 
@@ -167,7 +172,7 @@ def dimensionless_tilt_and_strain(
     return tuple(getattr(effects, name).value * load_over_slope for name in TILT_AND_STRAIN_NAMES)
 
 
-class OddPart(NamedTuple):
+class TiltAndStrainPart(NamedTuple):
     """Friction work and shift of the edges that tilt and bulk strain of finite bodies cause: the
     part of the bodies' effects that is odd in x.
 
@@ -185,7 +190,7 @@ class OddPart(NamedTuple):
         of either work: what curvatures and next order of the bodies make uncertain
     """
 
-    second_order: OddAnswer | None = None
+    second_order: SecondOrderAnswer | None = None
     left_out: str = ""
     work_on_grids: Estimate | None = None
     relative_uncertainty: float = 0.0
@@ -200,7 +205,7 @@ class OddPart(NamedTuple):
         thickness]; in the last known one where the index is beyond it, 0 where none is known.
         """
         if not self.has_work:
-            return ZERO
+            return ZERO_ESTIMATE
         added_work = self.work_on_grids
         if self.second_order is not None:
             works = self.second_order.works
@@ -252,7 +257,7 @@ def notes_of_effects(
     effects: BodyEffects,
     half_width: float,
     modulus: float,
-    tilt_and_strain: OddPart,
+    tilt_and_strain: TiltAndStrainPart,
     words: TiltAndStrainWords = WORDS_UNDER_LOADS,
 ) -> Iterator[str]:
     """Sentences for the notes of an answer: which effects of the finite bodies its values contain.
@@ -333,7 +338,7 @@ class PathRows:
     ----------
     time, normal_load, tangential_load
         (n,) t, P and Q of each row [force per thickness]; P is 0 where the bodies are apart
-    ends
+    end_rows
         number of the row at which the initial loading ends, and of that at which each cycle ends;
         of the last row where there is no cycle
     period
@@ -343,7 +348,7 @@ class PathRows:
     time: Array
     normal_load: Array
     tangential_load: Array
-    ends: tuple[int, ...]
+    end_rows: tuple[int, ...]
     period: float | None
 
     @property
@@ -353,11 +358,13 @@ class PathRows:
         """
         if self.period is None:
             return [slice(0, len(self.time))]
-        return [slice(self.ends[k], self.ends[k + 1] + 1) for k in range(len(self.ends) - 1)]
+        return [
+            slice(self.end_rows[k], self.end_rows[k + 1] + 1) for k in range(len(self.end_rows) - 1)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
-class _Route:
+class _HalfPlanePath:
     """A load path that was followed by half-plane theory: ends of its cycles, and P and Q at any
     instant.
 
@@ -416,9 +423,9 @@ class _Route:
         time_to_nearest_end = np.min(
             np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
         )
-        times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT * duration]
+        times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
         instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
-        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT * duration]
+        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
         if len(instants) > _MOST_ROWS:
             raise InputError(
                 f"effects: the load path has {len(instants):,} rows and corrected theory follows"
@@ -484,8 +491,8 @@ class _Route:
             return rows
         normal_load = rows.normal_load
         tangential_load = rows.tangential_load
-        gap_curvature = curvatures.of_gap(normal_load, tangential_load)
-        face_curvature = curvatures.of_faces(normal_load, tangential_load)
+        gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
+        face_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
         turning_times_of_punches = []
         for direction in (1, -1):
             load_term = tangential_load - direction * friction * normal_load
@@ -497,7 +504,9 @@ class _Route:
         row_after = np.clip(np.searchsorted(rows.time, turning_times), 1, len(rows.time) - 1)
         step_duration = rows.time[row_after] - rows.time[row_after - 1]
         fraction_of_step = (turning_times - rows.time[row_after - 1]) / step_duration
-        is_inside_step = (fraction_of_step > _NEAR_ROW) & (fraction_of_step < 1 - _NEAR_ROW)
+        is_inside_step = (fraction_of_step > _STEP_SHARE_AT_ROW) & (
+            fraction_of_step < 1 - _STEP_SHARE_AT_ROW
+        )
         return self.rows(np.concatenate([rows.time, turning_times[is_inside_step]]))
 
 
@@ -524,7 +533,9 @@ def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
     time_in_path = time
     if series.period is not None:
         path_end = float(rows[-1, 0])
-        periods_beyond = np.maximum(np.ceil((time - path_end) / series.period - _SAME_INSTANT), 0.0)
+        periods_beyond = np.maximum(
+            np.ceil((time - path_end) / series.period - _SAME_INSTANT_SHARE), 0.0
+        )
         time_in_path = time - periods_beyond * series.period
     return np.interp(time_in_path, rows[:, 0], rows[:, 1]), np.interp(
         time_in_path, rows[:, 0], rows[:, 2]
@@ -677,7 +688,7 @@ class PathSeries:
         datum_length = (
             self.contact.datum_length if self.effects is None else self.effects.datum_length
         )
-        at_tops = followed_path.table.logarithm_integrals(followed_path.pieces.top, datum_length)
+        at_tops = followed_path.table.logarithm_integrals(followed_path.pieces.top_s, datum_length)
         at_edge = followed_path.table.logarithm_integrals(followed_path.edge_s, datum_length)
         return followed_path.pressure_integral(at_edge), followed_path.shear_integral(
             at_tops, at_edge
@@ -705,7 +716,7 @@ class PathSeries:
             return directions
         row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
         largest_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
-        tolerance = _EXCESS_TOLERANCE * followed_path.friction * largest_pressure
+        tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * largest_pressure
         # A few places may miss the largest excess: a hundredth of it is suspect.
         all_rows = np.arange(len(directions))
         excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
@@ -819,7 +830,7 @@ class PointFields:
     def pressure(self, rows: Indices) -> Array:
         """Pressure p at instants `rows`, at the points, (n, k) [stress]."""
         followed_path = self._followed_path
-        profile_load = followed_path.table.load(followed_path.edge_s[rows])[:, None]
+        profile_load = followed_path.table.profile_load(followed_path.edge_s[rows])[:, None]
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
         curvature = followed_path.normal_curvature[rows]
         fourth_coefficient = followed_path.normal_fourth[rows]
@@ -859,14 +870,18 @@ class PointFields:
         followed_path = self._followed_path
         pieces = followed_path.pieces
         # The first one is the empty curve, which has no punches.
-        chain = pieces.chain(int(followed_path.uppermost_piece[row]))
-        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
-        parabola_pressures, fourth_pressures = self._pressures_of_curvature(
-            followed_path.table.half_width(pieces.top[chain])
+        piece_numbers = pieces.piece_numbers_of_curve(int(followed_path.uppermost_piece[row]))
+        profile_pressures = self.series.contact.pressure_rise(
+            self._x, pieces.profile_load[piece_numbers, None]
         )
-        shear = pieces.slope[chain[1:]] @ np.diff(profile_pressures, axis=0)
-        shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(parabola_pressures, axis=0)
-        shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(fourth_pressures, axis=0)
+        parabola_pressures, fourth_pressures = self._pressures_of_curvature(
+            followed_path.table.half_width(pieces.top_s[piece_numbers])
+        )
+        shear = pieces.profile_slope[piece_numbers[1:]] @ np.diff(profile_pressures, axis=0)
+        shear = shear + pieces.parabola_slope[piece_numbers[1:]] @ np.diff(
+            parabola_pressures, axis=0
+        )
+        shear = shear + pieces.fourth_slope[piece_numbers[1:]] @ np.diff(fourth_pressures, axis=0)
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[[row]],
             followed_path.tangential_curvature[[row]],
@@ -947,19 +962,19 @@ class PointFields:
         [stress].
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
-        On each of its pieces dF = slope d eta + parabola_slope dG + fourth_slope dG_4. The shear is
-        the integral of the same with the pressure of each punch: of the profile, of x^2/2 and of
-        x^4/24.
+        On each of its pieces dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4. The
+        shear is the integral of the same with the pressure of each punch: of the profile, of x^2/2
+        and of x^4/24.
         """
         followed_path = self._followed_path
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[rows]
         )
-        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
-        slopes_and_pressures = [(pieces.slope, profile_pressures)]
+        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.profile_load[:, None])
+        slopes_and_pressures = [(pieces.profile_slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_pressures, fourth_pressures = self._pressures_of_curvature(
-                followed_path.table.half_width(pieces.top)
+                followed_path.table.half_width(pieces.top_s)
             )
             slopes_and_pressures += [
                 (pieces.parabola_slope, parabola_pressures),
@@ -978,11 +993,13 @@ class PointFields:
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[rows]
         )
-        profile_integrals = self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        slopes_and_integrals = [(self.series.unit_compliance * pieces.slope, profile_integrals)]
+        profile_integrals = self.series.contact.slip_integral(self._x, pieces.profile_load[:, None])
+        slopes_and_integrals = [
+            (self.series.unit_compliance * pieces.profile_slope, profile_integrals)
+        ]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_integrals, fourth_integrals = self._slip_integrals(
-                followed_path.table.half_width(pieces.top)
+                followed_path.table.half_width(pieces.top_s)
             )
             slopes_and_integrals += [
                 (pieces.parabola_slope, parabola_integrals),
@@ -1056,7 +1073,7 @@ class _Paths:
         request that is answered
     rows
         instants between the steps, with the loads there
-    bodies, half_planes
+    path_with_bodies, path_of_half_planes
         the path with finite bodies, and with half-planes
     steady_from
         index of the first cycle that ends in the state it started from, None if none does
@@ -1066,8 +1083,8 @@ class _Paths:
 
     question: Question
     rows: PathRows
-    bodies: PathSeries
-    half_planes: PathSeries
+    path_with_bodies: PathSeries
+    path_of_half_planes: PathSeries
     steady_from: int | None
     covered_cycles: tuple[int, ...]
 
@@ -1079,7 +1096,7 @@ class _Paths:
     @property
     def largest_half_width(self) -> float:
         """Largest contact half-width of half-planes in the last covered cycle [length]."""
-        return float(np.max(self.half_planes.half_width[self.last_cycle]))
+        return float(np.max(self.path_of_half_planes.half_width[self.last_cycle]))
 
     @property
     def is_steady(self) -> bool:
@@ -1113,29 +1130,29 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     """
     clock_at_start = clock.perf_counter()
     paths = _followed_paths(question)
-    bodies = paths.bodies
+    path_with_bodies = paths.path_with_bodies
     history_done = clock.perf_counter()
 
     x = question.x
     if x is None:
-        x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
+        x = mirrored_points(1.05 * float(np.max(path_with_bodies.half_width)))
     # Fields are even or odd in x: they are evaluated once at each |x|.
     distance, index_of_distance = distances_and_indices(x)
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
-    points = PointFields(bodies, distance)
-    fields_at_distances = fields_at(question, points, distance, row_numbers)
+    point_fields = PointFields(path_with_bodies, distance)
+    fields_at_distances = fields_at(question, point_fields, distance, row_numbers)
     tilt_and_strain = _tilt_and_strain_of(paths)
-    series_of_instants = series_at(question, bodies, row_numbers)
+    values_over_time = values_over_time_at(question, path_with_bodies, row_numbers)
     contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
-    series_of_instants["contact_edges"] = (
-        series_of_instants["contact_edges"] + contact_centres[row_numbers, None]
+    values_over_time["contact_edges"] = (
+        values_over_time["contact_edges"] + contact_centres[row_numbers, None]
     )
-    series_of_instants["stick_edges"] = (
-        series_of_instants["stick_edges"] + stick_centres[row_numbers, None]
+    values_over_time["stick_edges"] = (
+        values_over_time["stick_edges"] + stick_centres[row_numbers, None]
     )
     fields_done = clock.perf_counter()
 
-    friction_work = _works_and_density(paths, points, distance, tilt_and_strain)
+    friction_work = _works_and_density(paths, point_fields, distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     seconds = {"history": history_done - clock_at_start, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
@@ -1145,10 +1162,10 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         for name, field in fields_at_distances.items()
     }
     stick_half_width = permanent_stick_half_width(
-        bodies, paths.last_cycle, stick_centres[paths.last_cycle]
+        path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
     values: dict[str, Any] = {
-        **series_of_instants,
+        **values_over_time,
         **fields_at_points,
         "permanent_stick_half_width": stick_half_width,
         "dissipation": float(friction_work.work_of_cycles[-1]),
@@ -1165,11 +1182,11 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
         message=message,
         notes=tuple(_notes_of(paths, tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=certificates_of(bodies, fields_at_distances, row_numbers),
+        certificates=admissibility_checks_of(path_with_bodies, fields_at_distances, row_numbers),
         counts={
             "points_evaluated": len(distance),
             "rows": len(paths.rows.time),
-            "pieces": len(bodies.followed_path.pieces.top),
+            "pieces": len(path_with_bodies.followed_path.pieces.top_s),
             "cycles_solved": len(paths.rows.cycles),
         },
         seconds=seconds,
@@ -1186,15 +1203,17 @@ def _followed_paths(question: Question) -> _Paths:
     effects = question.effects
     assert effects is not None  # for the type checker
     path = path_of_question(replace(question, effects=None), None)
-    route = _Route(scene, path)
-    rows = route.first_rows(question.time)
+    half_plane_path = _HalfPlanePath(scene, path)
+    rows = half_plane_path.first_rows(question.time)
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures = curvatures_of(effects)
-    table = table_of(contact, modulus, rows, curvatures)
+    table = punch_table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
     largest_parabola_load = float(table.parabola_load(table.largest_s))
-    rows = route.rows_with_turning_points(rows, friction, curvatures, largest_parabola_load)
+    rows = half_plane_path.rows_with_turning_points(
+        rows, friction, curvatures, largest_parabola_load
+    )
     loads = (rows.normal_load, rows.tangential_load)
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
     # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
@@ -1203,10 +1222,10 @@ def _followed_paths(question: Question) -> _Paths:
     return _Paths(
         question=question,
         rows=rows,
-        bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
-        half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
+        path_with_bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
+        path_of_half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
         steady_from=steady_from,
-        covered_cycles=_covered_cycles(question, route, steady_from),
+        covered_cycles=_covered_cycles(question, half_plane_path, steady_from),
     )
 
 
@@ -1226,7 +1245,7 @@ def _require_symmetric(question: Question) -> None:
         )
 
 
-def table_of(
+def punch_table_of(
     contact: SymmetricContact, modulus: float, rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
     """Table of the flat punches that make up the contact, wide enough for the largest contact of a
@@ -1254,16 +1273,16 @@ def table_of(
         each other so that the contact would split.
     """
     largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
-    gap_curvature = curvatures.of_gap(rows.normal_load, rows.tangential_load)
+    gap_curvature = curvatures.gap_curvature_under(rows.normal_load, rows.tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
     for _ in range(_MOST_WIDENINGS):
         table = PunchTable(
-            contact, modulus, min(largest_half_width * _TABLE_MARGIN, contact.extent)
+            contact, modulus, min(largest_half_width * _TABLE_WIDTH_FACTOR, contact.extent)
         )
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
-        load_at_table_end = float(table.load(table.largest_s)) + least_curvature * float(
+        load_at_table_end = float(table.profile_load(table.largest_s)) + least_curvature * float(
             table.parabola_load(table.largest_s)
         )
         load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
@@ -1276,9 +1295,9 @@ def table_of(
                 "profile: with the curvature of the bodies the contact is wider than the profile,"
                 f" {contact.extent:.6g}: state a wider profile or smaller loads"
             )
-        largest_half_width *= _TABLE_MARGIN
+        largest_half_width *= _TABLE_WIDTH_FACTOR
     else:
-        raise split_error()
+        raise contact_splits_error()
     _require_one_contact(table, contact, gap_curvature, least_curvature, gap_fourth_coefficient)
     return table
 
@@ -1307,20 +1326,20 @@ def _require_one_contact(
     """
     first_s = 1.0 if contact.least_half_width else 0.0
     s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
-    profile_load = table.load(s)
+    profile_load = table.profile_load(s)
     parabola_load = table.parabola_load(s)
     fourth_load = table.fourth_load(s)
     least_curvature_of_path = min(float(np.min(gap_curvature)), 0.0)
     if np.any(np.diff(profile_load + least_curvature_of_path * parabola_load) < 0):
-        raise split_error()
+        raise contact_splits_error()
     for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth_coefficient))}:
         carried_load = profile_load + least_curvature[row] * parabola_load
         carried_load = carried_load + gap_fourth_coefficient[row] * fourth_load
         if np.any(np.diff(carried_load) < 0):
-            raise split_error()
+            raise contact_splits_error()
 
 
-def split_error() -> InputError:
+def contact_splits_error() -> InputError:
     """Error where bodies bend the faces away from each other, so that the contact would split."""
     return InputError(
         "effects: the normal curvature is negative and larger than that of the profile: the contact"
@@ -1336,10 +1355,12 @@ def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | No
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
-    return followed_path.first_steady_cycle(rows.ends)
+    return followed_path.first_steady_cycle(rows.end_rows)
 
 
-def _covered_cycles(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
+def _covered_cycles(
+    question: Question, half_plane_path: _HalfPlanePath, steady_from: int | None
+) -> tuple[int, ...]:
     """For each whole cycle of the answer, the index of the followed cycle that it equals.
 
     Only two cycles are followed: index 0 or 1. Later cycles are taken to equal the second.
@@ -1348,16 +1369,18 @@ def _covered_cycles(question: Question, route: _Route, steady_from: int | None) 
     ----------
     question
         how many cycles are wanted, or at which instants
-    route
+    half_plane_path
         the load path
     steady_from
         index of the first cycle that repeats; None where none was seen to
     """
-    if route.period is None:
+    if half_plane_path.period is None:
         return (0,)
     cycles = question.scene.cycles
     n_cycles_to_steady = 2 if steady_from is None else steady_from + 1
-    _, n_whole_cycles = cycles_to_follow(route.cycle_ends[0], route.period, cycles, question.time)
+    _, n_whole_cycles = cycles_to_follow(
+        half_plane_path.cycle_ends[0], half_plane_path.period, cycles, question.time
+    )
     n_cycles = n_whole_cycles or min(cycles, n_cycles_to_steady)
     followed_cycles = tuple(min(cycle, 1) for cycle in range(n_cycles))
     if question.wants_last_cycle_alone:
@@ -1386,7 +1409,9 @@ def instants_and_row_numbers(
     return question.time, row_after - row_before_is_nearer
 
 
-def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> dict[str, Array]:
+def values_over_time_at(
+    question: Question, path_with_bodies: PathSeries, row_numbers: Indices
+) -> dict[str, Array]:
     """Values of the answer that have one number per instant, or one per edge, by their names.
 
     They are loads, displacements, contact and stick half-width (n,) and the edges (n, 2), left then
@@ -1394,7 +1419,7 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
 
     Parameters
     ----------
-    bodies
+    path_with_bodies
         the followed path with the finite bodies
     row_numbers
         (n,) numbers of its instants
@@ -1403,15 +1428,15 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
     tangential_displacement = not_a_number
     normal_approach = not_a_number
     if question.wants("tangential_displacement"):
-        tangential_displacement = bodies.tangential_displacement[row_numbers]
+        tangential_displacement = path_with_bodies.tangential_displacement[row_numbers]
     if question.wants("normal_approach"):
-        normal_approach = bodies.normal_approach[row_numbers]
-    half_width = bodies.half_width[row_numbers]
-    stick_half_width = bodies.stick_half_width[row_numbers]
+        normal_approach = path_with_bodies.normal_approach[row_numbers]
+    half_width = path_with_bodies.half_width[row_numbers]
+    stick_half_width = path_with_bodies.stick_half_width[row_numbers]
     sides = np.array([-1.0, 1.0])
     return {
-        "normal_load": bodies.followed_path.normal_load[row_numbers],
-        "tangential_load": bodies.followed_path.tangential_load[row_numbers],
+        "normal_load": path_with_bodies.followed_path.normal_load[row_numbers],
+        "tangential_load": path_with_bodies.followed_path.tangential_load[row_numbers],
         "tangential_displacement": tangential_displacement,
         "normal_approach": normal_approach,
         "contact_half_width": half_width,
@@ -1451,7 +1476,7 @@ def fields_at(
     if question.wants("pressure"):
         fields["pressure"] = point_fields.pressure(row_numbers)
         if np.any(fields["pressure"] < 0):
-            raise split_error()
+            raise contact_splits_error()
     if question.wants("shear"):
         fields["shear"] = point_fields.shear(row_numbers)
     if question.wants("slip"):
@@ -1461,7 +1486,7 @@ def fields_at(
     return fields
 
 
-def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
+def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
     A point slips in the zone at the edge of contact, or in an inner zone of the memory curve (the
@@ -1471,17 +1496,17 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
 
     Parameters
     ----------
-    points
+    point_fields
         fields of the followed path at `distance`
     distance
         (k,) |x| [length] from the middle
     row_numbers
         (n,) numbers of the instants
     """
-    bodies = points.series
-    followed_path = bodies.followed_path
+    path_with_bodies = point_fields.series
+    followed_path = path_with_bodies.followed_path
     sides = np.array([-1.0, 1.0])
-    half_width = bodies.half_width[row_numbers, None]
+    half_width = path_with_bodies.half_width[row_numbers, None]
     stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
         :, None
     ]
@@ -1499,7 +1524,7 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
     states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
-    for index, extra_slip in points.inner_slips(row_numbers):
+    for index, extra_slip in point_fields.inner_slips(row_numbers):
         state_of_extra_slip = states_by_direction[extra_slip.sense + 1]
         states[index] = np.where(
             extra_slip.slips, state_of_extra_slip, states_without_inner_zone[index]
@@ -1509,7 +1534,7 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
     return np.where(is_in_contact, states, np.int8(OPEN))
 
 
-class _Work(NamedTuple):
+class _WorkOfAnswer(NamedTuple):
     """Friction work of the cycles of the answer (c,) [energy per thickness], and of the last one
     the work of the loads, closed-int Q dU + P d(approach), and W(x) (k,) [energy per area].
 
@@ -1523,8 +1548,8 @@ class _Work(NamedTuple):
 
 
 def _works_and_density(
-    paths: _Paths, points: PointFields, distance: Array, tilt_and_strain: OddPart
-) -> _Work:
+    paths: _Paths, point_fields: PointFields, distance: Array, tilt_and_strain: TiltAndStrainPart
+) -> _WorkOfAnswer:
     """Friction work of the cycles of the answer, its density W(x), and their relative errors.
 
     Each is that of exact half-plane theory plus a difference: the path with the finite bodies minus
@@ -1532,7 +1557,7 @@ def _works_and_density(
 
     Parameters
     ----------
-    points
+    point_fields
         fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
@@ -1541,7 +1566,7 @@ def _works_and_density(
 
     Returns
     -------
-    _Work
+    _WorkOfAnswer
         NaN for what the question does not ask for
     """
     question = paths.question
@@ -1551,8 +1576,8 @@ def _works_and_density(
     wanted_fields = question.fields & _FIELDS_OF_WORK
     errors: dict[str, float] = {}
     if not wanted_fields:
-        return _Work(work_of_cycles, loop_work, density, errors)
-    end_times = paths.rows.time[list(paths.rows.ends)]
+        return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
+    end_times = paths.rows.time[list(paths.rows.end_rows)]
     question_of_half_planes = replace(
         question,
         effects=None,
@@ -1571,14 +1596,14 @@ def _works_and_density(
             errors["dissipation"] += exact_theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
         exact_density = np.asarray(exact_theory.values["dissipation_density"])
-        density, density_error = _density_and_error(paths, points, distance, exact_density)
+        density, density_error = _density_and_error(paths, point_fields, distance, exact_density)
         if density_error is not None:
             errors["dissipation_density"] = density_error
-    return _Work(work_of_cycles, loop_work, density, errors)
+    return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
 
 
 def _density_and_error(
-    paths: _Paths, points: PointFields, distance: Array, exact_density: Array
+    paths: _Paths, point_fields: PointFields, distance: Array, exact_density: Array
 ) -> tuple[Array, float | None]:
     """Friction work per area W(x) of the last cycle, (k,) [energy per area], and its error over the
     largest W(x), None where half-planes do not slip.
@@ -1588,34 +1613,34 @@ def _density_and_error(
 
     Parameters
     ----------
-    points
+    point_fields
         fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
     exact_density
         (k,) W(x) of half-planes by exact theory
     """
-    half_planes = paths.half_planes
+    path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
-    density_by_steps = PointFields(half_planes, distance).work_density(last_cycle)
-    density_of_bodies = points.work_density(last_cycle)
+    density_by_steps = PointFields(path_of_half_planes, distance).work_density(last_cycle)
+    density_of_bodies = point_fields.work_density(last_cycle)
     density = np.maximum(exact_density + density_of_bodies - density_by_steps, 0.0)
     density = np.where(density_of_bodies > 0, density, 0.0)
     largest_density = float(np.max(exact_density, initial=0.0))
     if not largest_density > 0:
         return density, None
     step_error = float(np.max(np.abs(density_by_steps - exact_density))) / largest_density
-    if not half_planes.work(last_cycle) > 0:
+    if not path_of_half_planes.work(last_cycle) > 0:
         return density, step_error
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     return density, step_error + work_uncertainty_by_bodies(
-        paths.bodies, half_planes, last_cycle, effects
+        paths.path_with_bodies, path_of_half_planes, last_cycle, effects
     )
 
 
 def _works_and_errors(
-    paths: _Paths, exact_works: Array, tilt_and_strain: OddPart
+    paths: _Paths, exact_works: Array, tilt_and_strain: TiltAndStrainPart
 ) -> tuple[Array, float, dict[str, float]]:
     """Friction work of each cycle of the answer (c,), the work of the loads in the last cycle, and
     the relative errors of both by name.
@@ -1633,11 +1658,11 @@ def _works_and_errors(
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     """
-    half_planes = paths.half_planes
-    bodies = paths.bodies
+    path_of_half_planes = paths.path_of_half_planes
+    path_with_bodies = paths.path_with_bodies
     rows_of_cycles = [paths.rows.cycles[cycle] for cycle in paths.covered_cycles]
-    works_of_half_planes = np.array([half_planes.work(rows) for rows in rows_of_cycles])
-    works_of_bodies = np.array([bodies.work(rows) for rows in rows_of_cycles])
+    works_of_half_planes = np.array([path_of_half_planes.work(rows) for rows in rows_of_cycles])
+    works_of_bodies = np.array([path_with_bodies.work(rows) for rows in rows_of_cycles])
     works_of_tilt_and_strain = [tilt_and_strain.work(cycle) for cycle in paths.covered_cycles]
     # Both paths by the same steps: their errors nearly cancel.
     friction_works = exact_works + (works_of_bodies - works_of_half_planes)
@@ -1650,7 +1675,7 @@ def _works_and_errors(
         and paths.is_steady
         and paths.rows.period is not None
     )
-    loop_work = bodies.loop_work(paths.last_cycle) if has_loop_work else math.nan
+    loop_work = path_with_bodies.loop_work(paths.last_cycle) if has_loop_work else math.nan
     last_work = float(exact_works[-1])
     if last_work <= 0:
         return friction_works, loop_work, {}
@@ -1661,19 +1686,19 @@ def _works_and_errors(
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     uncertainty_by_bodies = work_uncertainty_by_bodies(
-        bodies, half_planes, paths.last_cycle, effects
+        path_with_bodies, path_of_half_planes, paths.last_cycle, effects
     )
     errors = {"dissipation": step_error + error_of_tilt_and_strain + uncertainty_by_bodies}
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop_work:
-        loop_work_of_half_planes = half_planes.loop_work(paths.last_cycle)
+        loop_work_of_half_planes = path_of_half_planes.loop_work(paths.last_cycle)
         errors["loop_work"] = abs(loop_work_of_half_planes / last_work - 1) + uncertainty_by_bodies
     return friction_works, loop_work, errors
 
 
 def work_uncertainty_by_bodies(
-    bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
+    path_with_bodies: PathSeries, path_of_half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
     """Uncertainty of the friction work of a cycle that the effects of finite bodies leave, relative
     to the work of half-planes.
@@ -1685,7 +1710,7 @@ def work_uncertainty_by_bodies(
 
     Parameters
     ----------
-    bodies, half_planes
+    path_with_bodies, path_of_half_planes
         the path followed with the finite bodies, and with half-planes
     rows
         instants of the cycle, in which half-planes must do friction work
@@ -1693,15 +1718,15 @@ def work_uncertainty_by_bodies(
         curvatures of the bodies
     """
     uncertain_fractions = uncertain_fraction_of_curvatures(
-        effects, float(np.max(half_planes.half_width[rows]))
+        effects, float(np.max(path_of_half_planes.half_width[rows]))
     )
-    work_of_half_planes = half_planes.work(rows)
-    change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
+    work_of_half_planes = path_of_half_planes.work(rows)
+    change_by_bodies = path_with_bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both kinds change W in one direction: nothing cancels.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
-    followed_path = bodies.followed_path
+    followed_path = path_with_bodies.followed_path
     loads = (followed_path.normal_load, followed_path.tangential_load)
     uncertainty = LEAST_UNCERTAIN_FRACTION
     # What the bodies change beyond the sum of the changes by each kind alone.
@@ -1713,9 +1738,9 @@ def work_uncertainty_by_bodies(
             followed_path.friction,
             *loads,
             curvatures_of_kind,
-            half_planes.followed_path,
+            path_of_half_planes.followed_path,
         )
-        work = bodies.unit_compliance * float(np.sum(memory.step_work[rows][1:]))
+        work = path_with_bodies.unit_compliance * float(np.sum(memory.step_work[rows][1:]))
         change_by_kind = work / work_of_half_planes - 1
         uncertainty += abs(change_by_kind) * uncertain_fractions[kind]
         change_by_interaction -= change_by_kind
@@ -1732,22 +1757,22 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    bodies = paths.bodies
-    half_planes = paths.half_planes
+    path_with_bodies = paths.path_with_bodies
+    path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
-    largest_half_width = float(np.max(half_planes.half_width[last_cycle]))
+    largest_half_width = float(np.max(path_of_half_planes.half_width[last_cycle]))
     if not largest_half_width > 0:
         return {}
-    row = last_cycle.start + int(np.argmax(bodies.followed_path.normal_load[last_cycle]))
+    row = last_cycle.start + int(np.argmax(path_with_bodies.followed_path.normal_load[last_cycle]))
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
         float(np.max(PointFields(series, places).pressure(np.array([row]))))
-        for series in (bodies, half_planes)
+        for series in (path_with_bodies, path_of_half_planes)
     )
     pressure_change = 0.0
     if pressure_of_half_planes:
         pressure_change = abs(pressure_of_bodies / pressure_of_half_planes - 1)
-    half_width_ratio = bodies.half_width[row] / half_planes.half_width[row]
+    half_width_ratio = path_with_bodies.half_width[row] / path_of_half_planes.half_width[row]
     half_width_change = abs(float(half_width_ratio) - 1)
     uncertain_fraction = max(uncertain_fraction_of_curvatures(effects, largest_half_width).values())
     return {
@@ -1764,15 +1789,15 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     grows by a straight chord, which is an approximation. All other steps are exact however long
     they are. Long is a step in which P grows by more than 1 % of its largest value.
     """
-    followed_path = paths.bodies.followed_path
+    followed_path = paths.path_with_bodies.followed_path
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     n_rows = len(followed_path.normal_load)
     grows_in_stick = (np.diff(followed_path.edge_s) > 0) & (followed_path.direction[1:] == 0)
     load_growth = np.diff(followed_path.normal_load) / np.max(followed_path.normal_load)
-    long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD))
+    long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD_LOAD_SHARE))
     if not len(long_chords):
-        return paths.bodies.work(paths.last_cycle)
+        return paths.path_with_bodies.work(paths.last_cycle)
     # Whole numbers are rows, halves are the middles of steps.
     row_numbers = np.union1d(np.arange(n_rows), long_chords + 0.5)
     memory_of_halved_steps = follow(
@@ -1784,12 +1809,12 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     )
     first_row, row_after_last, _ = paths.last_cycle.indices(n_rows)
     is_in_cycle = (row_numbers > first_row) & (row_numbers <= row_after_last - 1)
-    return paths.bodies.unit_compliance * float(
+    return paths.path_with_bodies.unit_compliance * float(
         np.sum(memory_of_halved_steps.step_work[is_in_cycle])
     )
 
 
-def _tilt_and_strain_of(paths: _Paths) -> OddPart:
+def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
     """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause,
     with the uncertainty that the curvatures of the bodies leave in that work.
 
@@ -1801,19 +1826,21 @@ def _tilt_and_strain_of(paths: _Paths) -> OddPart:
     effects = question.effects
     assert effects is not None  # for the type checker
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
-        return OddPart()
+        return TiltAndStrainPart()
     try:
-        tilt_and_strain = OddPart(odd_answer(question.scene, effects))
+        tilt_and_strain = TiltAndStrainPart(second_order_answer(question.scene, effects))
     except DeclinedError as reason:
         if not question.wants("dissipation"):
-            return OddPart(left_out=str(reason))
-        work_of_bodies = paths.bodies.work(paths.last_cycle)
-        tilt_and_strain = odd_part_on_grids(question.scene, effects, work_of_bodies, str(reason))
-    work_of_half_planes = paths.half_planes.work(paths.last_cycle)
+            return TiltAndStrainPart(left_out=str(reason))
+        work_of_bodies = paths.path_with_bodies.work(paths.last_cycle)
+        tilt_and_strain = tilt_and_strain_part_on_grids(
+            question.scene, effects, work_of_bodies, str(reason)
+        )
+    work_of_half_planes = paths.path_of_half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
         return tilt_and_strain
     # Both sources of odd work are of half-planes without curvatures.
-    change_by_curvatures = paths.bodies.work(paths.last_cycle) / work_of_half_planes - 1
+    change_by_curvatures = paths.path_with_bodies.work(paths.last_cycle) / work_of_half_planes - 1
     ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)
     return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
@@ -1822,7 +1849,9 @@ def _tilt_and_strain_of(paths: _Paths) -> OddPart:
     )
 
 
-def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
+def tilt_and_strain_part_on_grids(
+    scene: Scene, effects: BodyEffects, work: float, reason: str
+) -> TiltAndStrainPart:
     """Friction work that tilt and bulk strain of the finite bodies add in a cycle, by a numerical
     solution of half-planes on grids [energy per thickness].
 
@@ -1833,17 +1862,19 @@ def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: s
     try:
         half_plane_work = work_of_half_planes(scene)
         if not half_plane_work > 0:
-            return OddPart(left_out=reason)  # nothing slips that could change
+            return TiltAndStrainPart(left_out=reason)  # nothing slips that could change
         relative_change = change_by_tilt_and_strain(scene, effects)
     except InputError as fault:
-        return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    if abs(relative_change.value) > _MOST_ON_GRIDS:
-        return OddPart(
+        return TiltAndStrainPart(
+            left_out=f"{reason}, and grids do not take it: {first_line(fault)}"
+        )
+    if abs(relative_change.value) > _LARGEST_CHANGE_ON_GRIDS:
+        return TiltAndStrainPart(
             left_out=f"{reason}, and grids make them {100 * relative_change.value:+.0f} % of the"
             " dissipation, which curvatures change too much"
         )
     added_work = Estimate(relative_change.value * work, relative_change.uncertainty * work)
-    return OddPart(work_on_grids=added_work)
+    return TiltAndStrainPart(work_on_grids=added_work)
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
@@ -1855,18 +1886,18 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     throughout has no error here, nor has any without friction.
     """
     question = paths.question
-    half_planes = paths.half_planes
+    path_of_half_planes = paths.path_of_half_planes
     field_names = tuple(name for name in ("shear", "slip") if question.wants(name))
-    friction = half_planes.followed_path.friction
+    friction = path_of_half_planes.followed_path.friction
     if not field_names or not friction:
         return {}
     last_cycle = paths.last_cycle
     row_numbers = np.unique(
         np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
     )
-    places = np.linspace(0.0, float(np.max(half_planes.half_width[row_numbers])), _PLACES_COMPARED)[
-        1:
-    ]
+    places = np.linspace(
+        0.0, float(np.max(path_of_half_planes.half_width[row_numbers])), _PLACES_COMPARED
+    )[1:]
     question_of_half_planes = replace(
         question,
         effects=None,
@@ -1876,15 +1907,15 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         cycles="all",
     )
     exact_theory = findings_by_memory(question_of_half_planes, None)
-    points = PointFields(half_planes, places)
-    pressure = points.pressure(row_numbers)
+    point_fields = PointFields(path_of_half_planes, places)
+    pressure = point_fields.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-    half_width = half_planes.half_width[row_numbers, None]
-    stick_half_width = np.nan_to_num(half_planes.stick_half_width[row_numbers, None])
-    is_off_contact_edge = np.abs(places - half_width) > _NEAR_EDGE * half_width
-    is_off_stick_edge = np.abs(places - stick_half_width) > _NEAR_EDGE * half_width
+    half_width = path_of_half_planes.half_width[row_numbers, None]
+    stick_half_width = np.nan_to_num(path_of_half_planes.stick_half_width[row_numbers, None])
+    is_off_contact_edge = np.abs(places - half_width) > _EDGE_DISTANCE_SHARE * half_width
+    is_off_stick_edge = np.abs(places - stick_half_width) > _EDGE_DISTANCE_SHARE * half_width
     is_compared = is_off_contact_edge & is_off_stick_edge
-    fields_by_steps = {"shear": points.shear, "slip": points.slip}
+    fields_by_steps = {"shear": point_fields.shear, "slip": point_fields.slip}
     errors = {}
     for name in field_names:
         exact_values = exact_theory.values[name]
@@ -1899,21 +1930,23 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
 
 def permanent_stick_half_width(
-    bodies: PathSeries, rows: slice, centre: Array | float = 0.0
+    path_with_bodies: PathSeries, rows: slice, centre: Array | float = 0.0
 ) -> float:
     """Half-width of the permanent stick zone, which sticks all through a cycle [length]; NaN where
     no point does.
 
     Parameters
     ----------
-    bodies
+    path_with_bodies
         the followed path with the finite bodies
     rows
         instants of the cycle
     centre
         (n,) centre x of the stick zone at these instants [length]
     """
-    stick_half_width = np.nan_to_num(np.minimum(bodies.stick_half_width, bodies.half_width)[rows])
+    stick_half_width = np.nan_to_num(
+        np.minimum(path_with_bodies.stick_half_width, path_with_bodies.half_width)[rows]
+    )
     least_right_edge = np.min(centre + stick_half_width)
     largest_left_edge = np.max(centre - stick_half_width)
     permanent_half_width = float(least_right_edge - largest_left_edge) / 2
@@ -1943,7 +1976,7 @@ def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
-def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
+def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str]:
     """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
     it, what is left out, and why the work of the loads is not compared with the friction work.
 
@@ -1954,7 +1987,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
     assert question.effects is not None  # for the type checker
     yield from neglected_coupling(scene.material)
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
-    half_width = float(paths.bodies.contact.half_width(load))
+    half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
     yield from notes_of_effects(question.effects, half_width, modulus, tilt_and_strain)
     if tilt_and_strain.has_work:
@@ -1969,8 +2002,8 @@ def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
         )
 
 
-def certificates_of(
-    bodies: PathSeries, fields: Mapping[str, NDArray[Any]], row_numbers: Indices
+def admissibility_checks_of(
+    path_with_bodies: PathSeries, fields: Mapping[str, NDArray[Any]], row_numbers: Indices
 ) -> dict[str, Array]:
     """Checks of the laws of contact along a followed path, by name, (n,) each, 0 where satisfied.
 
@@ -1984,14 +2017,14 @@ def certificates_of(
 
     Parameters
     ----------
-    bodies
+    path_with_bodies
         the path followed with the finite bodies
     fields
         pressure and shear at instants and points, (n, k) each
     row_numbers
         (n,) numbers of those instants
     """
-    followed_path = bodies.followed_path
+    followed_path = path_with_bodies.followed_path
     friction = followed_path.friction
     largest_friction_force = max(
         friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny
@@ -2000,7 +2033,7 @@ def certificates_of(
     parabola_load = followed_path.table.parabola_load(edge_s)
     fourth_load = followed_path.table.fourth_load(edge_s)
     # F, then kt G and t4 G_4, all at the edge of contact.
-    carried_force = followed_path.pieces.force[followed_path.uppermost_piece[row_numbers]]
+    carried_force = followed_path.pieces.locked_in_force[followed_path.uppermost_piece[row_numbers]]
     carried_force = carried_force + followed_path.tangential_curvature[row_numbers] * parabola_load
     carried_force = carried_force + followed_path.tangential_fourth[row_numbers] * fourth_load
     missing_force = np.abs(carried_force - followed_path.tangential_load[row_numbers])

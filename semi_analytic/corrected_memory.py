@@ -66,7 +66,7 @@ from semi_analytic.profiles import SymmetricContact
 # at 64.
 _CELLS_PER_INTERVAL, _FEWEST_CELLS_PER_INTERVAL = 512, 64
 _MOST_CELLS = 4096
-_BISECTIONS = 60
+_BISECTION_COUNT = 60
 # Of many edges of contact at once: bisection to an eighth of a cell, then Newton's method, which
 # halves the error four times at worst before it squares it.
 _FIRST_BISECTIONS, _NEWTON_STEPS_AFTER_BISECTION = 12, 6
@@ -76,17 +76,17 @@ _MOST_NEWTON_STEPS = 60
 # Fraction of f P below which a difference of forces is round-off. A steady cycle slips along the
 # line of the cycle before: differences of the two are sums over all pieces of the curve, and reach
 # a few 1e-13. Taken for slip they move the edge of stick to an older piece.
-_ROUND_OFF_SHARE = 1e-11
+_ROUND_OFF_FORCE_SHARE = 1e-11
 # Punches at which the memory curves of two instants are compared, and the fraction of f P by which
 # they may differ and be the same state.
 _PUNCHES_COMPARED = 200
-_STEADY_TOLERANCE = 1e-9
+_STEADY_FORCE_SHARE = 1e-9
 # Fraction of the largest half-width that stands for 0 in a logarithm.
 _LEAST_HALF_WIDTH_SHARE = 1e-9
 # Iterations of p_2 and the edge of contact: at most, and until the load that they still move is
 # this fraction of P. p_2 changes by a per cent in all.
 _MOST_MOMENT_ITERATIONS = 8
-_LOAD_MOVED_BY_MOMENT = 1e-12
+_LOAD_SHARE_MOVED_BY_MOMENT = 1e-12
 _GAUSS_RULE_OF_CELL = np.polynomial.legendre.leggauss(3)
 # Between two tops of a memory curve: |dF| is a cubic in s there for Hertz.
 _GAUSS_RULE_OF_WORK = np.polynomial.legendre.leggauss(8)
@@ -110,7 +110,7 @@ class PunchLoads(NamedTuple):
     with respect to s; eta of the profile, G of x^2/2, G_4 of x^4/24.
     """
 
-    load: float
+    profile_load: float
     parabola_load: float
     fourth_load: float
     load_rate: float
@@ -120,7 +120,7 @@ class PunchLoads(NamedTuple):
     @property
     def loads(self) -> LoadTriple:
         """eta, G and G_4."""
-        return self.load, self.parabola_load, self.fourth_load
+        return self.profile_load, self.parabola_load, self.fourth_load
 
 
 class PunchSums(NamedTuple):
@@ -235,9 +235,9 @@ class PunchTable:
     def _integral_cubics(self, power: int) -> Array:
         """Coefficients (cells, 4), constant first, of cubics for int eta G^power dc/c from 0 to c.
 
-        eta(c) (`load`) and G(c) (`parabola_load`) are the loads that flat punches of half-width up
-        to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0 to 1 along its
-        cell; cells are equal steps of the punch coordinate s.
+        eta(c) (`profile_load`) and G(c) (`parabola_load`) are the loads that flat punches of
+        half-width up to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0
+        to 1 along its cell; cells are equal steps of the punch coordinate s.
         """
         n_cells = len(self._load_cubics)
         nodes, weights = _GAUSS_RULE_OF_CELL
@@ -249,7 +249,7 @@ class PunchTable:
             half_width = self.half_width(s)
             half_width_rate = self.half_width_rate(s)
             load_per_width = (
-                self.load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
+                self.profile_load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
             )
             return load_per_width * self.parabola_load(s) ** power if power else load_per_width
 
@@ -292,7 +292,7 @@ class PunchTable:
         length = np.diff(self._interval_ends)[interval]
         return np.asarray(2 * length * (s_of_punches - interval))
 
-    def load(self, s: ArrayLike) -> Array:
+    def profile_load(self, s: ArrayLike) -> Array:
         """eta(c): load of the profile's punches up to c [force per thickness]."""
         return self._values_of_cubics(self._load_cubics, s)
 
@@ -314,7 +314,7 @@ class PunchTable:
             / self._interval_lengths[interval]
         )
 
-    def loads_at(self, s: float) -> PunchLoads:
+    def punch_loads_at(self, s: float) -> PunchLoads:
         """Normal loads that flat punches of half-width up to c(s) carry, and their derivatives with
         respect to s, at one s.
 
@@ -340,7 +340,7 @@ class PunchTable:
             c1 + fraction_of_cell * (2 * c2 + 3 * fraction_of_cell * c3)
         ) * self._cells_per_interval
         return PunchLoads(
-            load=max(load, 0.0),
+            profile_load=max(load, 0.0),
             parabola_load=parabola_load,
             fourth_load=parabola_load * squared_width / 8,
             load_rate=load_rate,
@@ -348,7 +348,7 @@ class PunchTable:
             fourth_rate=parabola_load * half_width * half_width_rate / 2,
         )
 
-    def sums_at(self, s: float, datum_length: float) -> PunchSums:
+    def punch_sums_at(self, s: float, datum_length: float) -> PunchSums:
         """Integrals over the flat punches of half-width 0 to c(s): of ln(2 L/c), which gives
         displacements, and of c^2/2, which gives second moments.
 
@@ -385,7 +385,7 @@ class PunchTable:
             parabola_second_moment=squared_width * parabola_load / 4,
         )
 
-    def edge_of_contact_at(self, normal_load: float, curvature: float) -> float:
+    def edge_s_of_load(self, normal_load: float, curvature: float) -> float:
         """Coordinate s of the edge of contact a under one normal load P, from P = eta(a) + kn G(a)
         by bisection; of the widest punch of the table where its contact carries less than P.
 
@@ -394,10 +394,10 @@ class PunchTable:
         """
         low_s = 0.0
         high_s = self.largest_s
-        for _ in range(_BISECTIONS):
+        for _ in range(_BISECTION_COUNT):
             middle_s = (low_s + high_s) / 2
-            loads = self.loads_at(middle_s)
-            if loads.load + curvature * loads.parabola_load <= normal_load:
+            loads = self.punch_loads_at(middle_s)
+            if loads.profile_load + curvature * loads.parabola_load <= normal_load:
                 low_s = middle_s
             else:
                 high_s = middle_s
@@ -420,7 +420,8 @@ class PunchTable:
         """Second moments int x^2 p dx of the punches up to s (k,); w = c^2/2 under unit load."""
         square = np.square(self.half_width(s))
         of_profile = (
-            square * self.load(s) / 2 - self.load_parabola_integral(s) / self.parabola_stiffness
+            square * self.profile_load(s) / 2
+            - self.load_parabola_integral(s) / self.parabola_stiffness
         )
         return PunchMoments(
             of_profile, square * self.parabola_load(s) / 4, square * self.fourth_load(s) / 3
@@ -429,7 +430,7 @@ class PunchTable:
     def fourth_moments(self, s: ArrayLike) -> PunchMoments:
         """Fourth moments int x^4 p dx of the punches up to s (k,); w = 3 c^4/8 under unit load."""
         square = np.square(self.half_width(s))
-        of_profile = square**2 * self.load(s)
+        of_profile = square**2 * self.profile_load(s)
         of_profile -= (
             4
             * self._values_of_cubics(self._load_fourth_integral_cubics, s)
@@ -444,19 +445,19 @@ class PunchTable:
         """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
         c(s), (k,) each; times A/pi displacements of half-planes under these punches.
 
-        `sums_at` has the first two for one s. L is the datum length.
+        `punch_sums_at` has the first two for one s. L is the datum length.
         """
         half_width = np.maximum(
             self.half_width(s), _LEAST_HALF_WIDTH_SHARE * self._interval_ends[-1]
         )
         log_datum_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
-            profile_integral=self.load(s) * log_datum_ratio + self.load_integral(s),
+            profile_integral=self.profile_load(s) * log_datum_ratio + self.load_integral(s),
             parabola_integral=self.parabola_load(s) * (log_datum_ratio + 0.5),
             fourth_integral=self.fourth_load(s) * (log_datum_ratio + 0.25),
         )
 
-    def edges_of_contact(
+    def edge_s_of_loads(
         self,
         normal_load: Array,
         curvature: Array,
@@ -480,7 +481,7 @@ class PunchTable:
         """
 
         def carried_load(s: Array) -> Array:
-            load = self.load(s) + curvature * self.parabola_load(s)
+            load = self.profile_load(s) + curvature * self.parabola_load(s)
             return np.asarray(load + fourth_coefficient * self.fourth_load(s))
 
         lower_s = np.zeros(len(normal_load))
@@ -544,11 +545,11 @@ class Curvatures(NamedTuple):
         """Whether N_Q and T_P are 0."""
         return not (self.normal_under_shear or self.tangential_under_pressure)
 
-    def of_gap(self, normal_load: Array, tangential_load: Array) -> Array:
+    def gap_curvature_under(self, normal_load: Array, tangential_load: Array) -> Array:
         """kn = N P + N_Q Q [1 / length], without what p_2 adds."""
         return self.normal * normal_load + self.normal_under_shear * tangential_load
 
-    def of_faces(self, normal_load: Array, tangential_load: Array) -> Array:
+    def face_curvature_under(self, normal_load: Array, tangential_load: Array) -> Array:
         """kt = T Q + T_P P [1 / length], without what q_2 adds."""
         return self.tangential * tangential_load + self.tangential_under_pressure * normal_load
 
@@ -557,30 +558,31 @@ class Piece(NamedTuple):
     """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s:
     what they carry beyond the share that the curvature of the faces gives them.
 
-    It continues another piece outwards, number `parent`, from that one's `top` to its own, an s.
-    On it dF = `slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. `load`,
-    `parabola_load`, `fourth_load` and `force` are eta, G, G_4 and F at its top.
+    It continues another piece outwards, number `number_below`, from that one's `top_s` to its own,
+    an s. On it dF = `profile_slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4.
+    `profile_load`, `parabola_load`, `fourth_load` and `locked_in_force` are eta, G, G_4 and F at
+    its top.
     """
 
-    parent: int
-    top: float
-    load: float
+    number_below: int
+    top_s: float
+    profile_load: float
     parabola_load: float
     fourth_load: float
-    force: float
-    slope: float
+    locked_in_force: float
+    profile_slope: float
     parabola_slope: float
     fourth_slope: float
 
     @property
     def loads(self) -> LoadTriple:
         """eta, G and G_4 at the top."""
-        return self.load, self.parabola_load, self.fourth_load
+        return self.profile_load, self.parabola_load, self.fourth_load
 
     @property
     def slopes(self) -> LoadTriple:
         """dF per d eta, per dG and per dG_4."""
-        return self.slope, self.parabola_slope, self.fourth_slope
+        return self.profile_slope, self.parabola_slope, self.fourth_slope
 
 
 _EMPTY_CURVE = Piece(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -592,8 +594,10 @@ class Pieces(list[Piece]):
     def __init__(self) -> None:
         super().__init__([_EMPTY_CURVE])
 
-    def piece_above(self, parent: int, top: float, loads: LoadTriple, slopes: LoadTriple) -> Piece:
-        """A new piece of memory curve that continues piece number `parent` outwards; it is not yet
+    def piece_above(
+        self, number_below: int, top_s: float, loads: LoadTriple, slopes: LoadTriple
+    ) -> Piece:
+        """A new piece of memory curve that continues piece `number_below` outwards; it is not yet
         stored.
 
         A memory curve is F(s), the locked-in tangential force of the flat punches up to s. It is a
@@ -602,22 +606,22 @@ class Pieces(list[Piece]):
 
         Parameters
         ----------
-        top
+        top_s
             s of the outer end of the new piece
         loads
             eta, G and G_4 there
         slopes
             dF/d eta, dF/dG and dF/dG_4
         """
-        parent_piece = self[parent]
+        piece_below = self[number_below]
         load, parabola_load, fourth_load = loads
         slope, parabola_slope, fourth_slope = slopes
-        force = parent_piece.force + slope * (load - parent_piece.load)
-        force += parabola_slope * (parabola_load - parent_piece.parabola_load)
-        force += fourth_slope * (fourth_load - parent_piece.fourth_load)
+        force = piece_below.locked_in_force + slope * (load - piece_below.profile_load)
+        force += parabola_slope * (parabola_load - piece_below.parabola_load)
+        force += fourth_slope * (fourth_load - piece_below.fourth_load)
         return Piece(
-            parent,
-            top,
+            number_below,
+            top_s,
             load,
             parabola_load,
             fourth_load,
@@ -627,16 +631,18 @@ class Pieces(list[Piece]):
             fourth_slope,
         )
 
-    def append_numbered(self, piece: Piece) -> int:
+    def append_and_number(self, piece: Piece) -> int:
         """Store a piece and return its number."""
         self.append(piece)
         return len(self) - 1
 
-    def add(self, parent: int, top: float, loads: LoadTriple, slopes: LoadTriple) -> int:
+    def add_piece(
+        self, number_below: int, top_s: float, loads: LoadTriple, slopes: LoadTriple
+    ) -> int:
         """Store a new piece, as `piece_above` makes it, and return its number."""
-        return self.append_numbered(self.piece_above(parent, top, loads, slopes))
+        return self.append_and_number(self.piece_above(number_below, top_s, loads, slopes))
 
-    def forget_beyond(self, count: int) -> None:
+    def keep_first(self, count: int) -> None:
         """Keep the first `count` pieces: those of a trial that was rejected go."""
         del self[count:]
 
@@ -649,22 +655,22 @@ class _Bound(NamedTuple):
 
     direction: int
     constant: float
-    slope: float
+    profile_slope: float
     parabola_slope: float
     fourth_slope: float
 
     @property
     def slopes(self) -> LoadTriple:
         """dB per d eta, per dG and per dG_4."""
-        return self.slope, self.parabola_slope, self.fourth_slope
+        return self.profile_slope, self.parabola_slope, self.fourth_slope
 
-    def excess(self, piece: Piece) -> float:
+    def excess_at_top(self, piece: Piece) -> float:
         """How far F at the top of a piece is beyond the bound [force per thickness]; it slips where
         this is positive.
         """
-        at_top = self.constant + self.slope * piece.load
+        at_top = self.constant + self.profile_slope * piece.profile_load
         at_top += self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
-        return self.direction * (at_top - piece.force)
+        return self.direction * (at_top - piece.locked_in_force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -732,7 +738,7 @@ class FollowedPath:
     def shear_second_moment(self) -> Array:
         """q_2, (n,)."""
         moments = self.table.second_moments
-        return self.shear_integral(moments(self.pieces.top), moments(self.edge_s))
+        return self.shear_integral(moments(self.pieces.top_s), moments(self.edge_s))
 
     @cached_property
     def pressure_fourth_moment(self) -> Array:
@@ -743,7 +749,7 @@ class FollowedPath:
     def shear_fourth_moment(self) -> Array:
         """q_4 = int x^4 q dx, (n,)."""
         moments = self.table.fourth_moments
-        return self.shear_integral(moments(self.pieces.top), moments(self.edge_s))
+        return self.shear_integral(moments(self.pieces.top_s), moments(self.edge_s))
 
     def pressure_integral(self, at_edge: PunchMoments) -> Array:
         """An integral of the pressure over the contact at each instant, (n,), such as a moment; 0
@@ -771,7 +777,7 @@ class FollowedPath:
         """
         pieces = self.pieces
         integral = pieces.integrals_at_tops(
-            (pieces.slope, at_tops.profile_integral),
+            (pieces.profile_slope, at_tops.profile_integral),
             (pieces.parabola_slope, at_tops.parabola_integral),
             (pieces.fourth_slope, at_tops.fourth_integral),
         )[self.uppermost_piece]
@@ -811,7 +817,7 @@ class FollowedPath:
         length = (intervals.outer_s - intervals.inner_s)[:, None]
         s = intervals.inner_s[:, None] + length * (nodes + 1) / 2  # of the punches, (m, k)
         table = self.table
-        punches = _PunchArrays(table.load(s), table.parabola_load(s), table.fourth_load(s))
+        punches = _PunchArrays(table.profile_load(s), table.parabola_load(s), table.fourth_load(s))
         row = intervals.row
         direction = intervals.direction[:, None]
         load_before = self._load_beyond(punches, row - 1)
@@ -853,7 +859,7 @@ class FollowedPath:
 
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
         """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
-        load_beyond = self.normal_load[row][:, None] - punches.load
+        load_beyond = self.normal_load[row][:, None] - punches.profile_load
         load_beyond = load_beyond - self.normal_curvature[row][:, None] * punches.parabola_load
         return np.asarray(load_beyond - self.normal_fourth[row][:, None] * punches.fourth_load)
 
@@ -893,10 +899,10 @@ class FollowedPath:
         number 0, the empty curve.
         """
         pieces = self.pieces
-        number_below = pieces.parent[piece_number]
-        force = pieces.force[number_below][:, None]
-        load_rise = punches.load - pieces.load[number_below][:, None]
-        force = force + pieces.slope[piece_number][:, None] * load_rise
+        number_below = pieces.number_below[piece_number]
+        force = pieces.locked_in_force[number_below][:, None]
+        load_rise = punches.profile_load - pieces.profile_load[number_below][:, None]
+        force = force + pieces.profile_slope[piece_number][:, None] * load_rise
         parabola_rise = punches.parabola_load - pieces.parabola_load[number_below][:, None]
         force = force + pieces.parabola_slope[piece_number][:, None] * parabola_rise
         fourth_rise = punches.fourth_load - pieces.fourth_load[number_below][:, None]
@@ -957,7 +963,11 @@ class FollowedPath:
         """s of the tops of all pieces, numbers of the pieces below them, and number of the
         uppermost piece at each instant: loops over lists are faster than over arrays.
         """
-        return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.uppermost_piece.tolist()
+        return (
+            self.pieces.top_s.tolist(),
+            self.pieces.number_below.tolist(),
+            self.uppermost_piece.tolist(),
+        )
 
     def first_steady_cycle(self, ends: Sequence[int]) -> int | None:
         """Index, from 0, of the first cycle that ends in the friction state it started from; None
@@ -970,7 +980,7 @@ class FollowedPath:
         """
         # s is the coordinate of the half-width in the table of punches.
         s_of_punches = np.linspace(0.0, self.table.largest_s, _PUNCHES_COMPARED)
-        force_tolerance = _STEADY_TOLERANCE * self.friction * float(np.max(self.normal_load))
+        force_tolerance = _STEADY_FORCE_SHARE * self.friction * float(np.max(self.normal_load))
         forces_at_ends = [self.locked_in_force(row, s_of_punches) for row in ends]
         for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
             if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
@@ -986,21 +996,21 @@ class FollowedPath:
         the bodies are apart.
         """
         pieces = self.pieces
-        numbers_of_pieces = pieces.chain(int(self.uppermost_piece[row]))
-        top_s = pieces.top[numbers_of_pieces]
+        numbers_of_pieces = pieces.piece_numbers_of_curve(int(self.uppermost_piece[row]))
+        top_s = pieces.top_s[numbers_of_pieces]
         index_in_chain = np.clip(np.searchsorted(top_s, s), 1, max(len(numbers_of_pieces) - 1, 1))
         if len(numbers_of_pieces) == 1:
             return np.zeros(len(s))
         s_in_contact = np.minimum(s, top_s[-1])
         number_below = numbers_of_pieces[index_in_chain - 1]
         piece_number = numbers_of_pieces[index_in_chain]
-        load_rise = self.table.load(s_in_contact) - pieces.load[number_below]
+        load_rise = self.table.profile_load(s_in_contact) - pieces.profile_load[number_below]
         parabola_rise = self.table.parabola_load(s_in_contact) - pieces.parabola_load[number_below]
-        force_rise = pieces.slope[piece_number] * load_rise
+        force_rise = pieces.profile_slope[piece_number] * load_rise
         force_rise = force_rise + pieces.parabola_slope[piece_number] * parabola_rise
         fourth_rise = self.table.fourth_load(s_in_contact) - pieces.fourth_load[number_below]
         force_rise = force_rise + pieces.fourth_slope[piece_number] * fourth_rise
-        return np.asarray(pieces.force[number_below] + force_rise)
+        return np.asarray(pieces.locked_in_force[number_below] + force_rise)
 
 
 class _PunchArrays(NamedTuple):
@@ -1008,7 +1018,7 @@ class _PunchArrays(NamedTuple):
     parabola and of x^4/24.
     """
 
-    load: Array
+    profile_load: Array
     parabola_load: Array
     fourth_load: Array
 
@@ -1030,21 +1040,21 @@ class _SlipIntervals(NamedTuple):
 class PieceTable:
     """The pieces of all memory curves as arrays (k,), with the fields of a `Piece`."""
 
-    parent: Indices
-    top: Array
-    load: Array
+    number_below: Indices
+    top_s: Array
+    profile_load: Array
     parabola_load: Array
     fourth_load: Array
-    force: Array
-    slope: Array
+    locked_in_force: Array
+    profile_slope: Array
     parabola_slope: Array
     fourth_slope: Array
 
-    def chain(self, uppermost_piece: int) -> Indices:
+    def piece_numbers_of_curve(self, uppermost_piece: int) -> Indices:
         """Numbers of the pieces of one memory curve, from the empty one, 0, to the uppermost."""
         numbers = [uppermost_piece]
         while numbers[-1]:
-            numbers.append(int(self.parent[numbers[-1]]))
+            numbers.append(int(self.number_below[numbers[-1]]))
         return np.array(numbers[::-1])
 
     def pieces_of_curves(self, uppermost_pieces: Indices) -> tuple[PieceTable, Indices]:
@@ -1052,19 +1062,19 @@ class PieceTable:
         numbers in that table of their uppermost pieces, (n,).
 
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `uppermost_pieces` (n,) are the numbers in this table; `parent` leads down from there.
+        `uppermost_pieces` (n,) are the numbers in this table; `number_below` leads down from there.
         """
-        is_needed = np.zeros(len(self.parent), dtype=bool)
+        is_needed = np.zeros(len(self.number_below), dtype=bool)
         piece_numbers = np.unique(uppermost_pieces)
         while len(piece_numbers):
             is_needed[piece_numbers] = True
-            piece_numbers = np.unique(self.parent[piece_numbers])
+            piece_numbers = np.unique(self.number_below[piece_numbers])
             piece_numbers = piece_numbers[~is_needed[piece_numbers]]
         is_needed[0] = True  # the empty curve
         numbers_needed = np.flatnonzero(is_needed)
         new_number = np.cumsum(is_needed) - 1
         columns = {field.name: getattr(self, field.name)[numbers_needed] for field in fields(self)}
-        columns["parent"] = new_number[columns["parent"]]
+        columns["number_below"] = new_number[columns["number_below"]]
         return PieceTable(**columns), new_number[uppermost_pieces]
 
     @cached_property
@@ -1075,7 +1085,7 @@ class PieceTable:
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
         """
         depth_list = [0]
-        for number_below in self.parent[1:].tolist():
+        for number_below in self.number_below[1:].tolist():
             depth_list.append(depth_list[number_below] + 1)
         depth = np.array(depth_list)
         numbers_by_depth = np.argsort(depth, kind="stable")
@@ -1087,8 +1097,8 @@ class PieceTable:
         each of the k pieces, (k, ...).
 
         A memory curve is F, the locked-in tangential force over the half-width of the flat punches.
-        On a piece dF = slope d eta + parabola_slope dG + fourth_slope dG_4, with the loads eta, G
-        and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24.
+        On a piece dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4, with the loads
+        eta, G and G_4 that the punches carry of the profile, of x^2/2 and of x^4/24.
 
         Parameters
         ----------
@@ -1096,17 +1106,17 @@ class PieceTable:
             one of these slopes (k,), and int w d eta, int w dG or int w dG_4 from the middle to
             the tops (k, ...); more axes are those of w, such as places
         """
-        parent = self.parent
+        number_below = self.number_below
         integrals = np.zeros_like(terms[0][1])
         for slopes, primitives in terms:
             if np.any(slopes):
-                rise_on_piece = primitives - primitives[parent]
+                rise_on_piece = primitives - primitives[number_below]
                 slopes_as_column = slopes.reshape((-1,) + (1,) * (primitives.ndim - 1))
                 integrals += slopes_as_column * rise_on_piece
         integrals[0] = 0.0
         # To its own part each piece adds the integral up to the piece below: lower groups first.
         for piece_numbers in self._pieces_by_depth[1:]:
-            integrals[piece_numbers] += integrals[parent[piece_numbers]]
+            integrals[piece_numbers] += integrals[number_below[piece_numbers]]
         return integrals
 
 
@@ -1116,7 +1126,7 @@ def follow(
     normal_load: Array,
     tangential_load: Array,
     curvatures: Curvatures,
-    half_planes: FollowedPath | None = None,
+    path_of_half_planes: FollowedPath | None = None,
 ) -> FollowedPath:
     """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path,
     from the unloaded state, with the curvatures that finite bodies add to half-planes.
@@ -1134,7 +1144,7 @@ def follow(
         (n,) P and Q at the ends of the steps [force per thickness]
     curvatures
         what a unit of P and of Q adds to the gap and to the tangential displacement of the faces
-    half_planes
+    path_of_half_planes
         the same path without curvatures, if it is known; else it is followed here if needed
 
     Examples
@@ -1155,15 +1165,19 @@ def follow(
     # T_22: the second moment of the shear adds to the curvature of the faces under Q. The path of
     # half-planes gives that moment.
     if curvatures.tangential_mixed:
-        if half_planes is None:
-            half_planes = follow(table, friction, normal_load, tangential_load, Curvatures())
-        shear_second_moment = _estimated_shear_second_moment(table, rows, half_planes)
-        rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second_moment
+        if path_of_half_planes is None:
+            path_of_half_planes = follow(
+                table, friction, normal_load, tangential_load, Curvatures()
+            )
+        shear_second_moment = _estimated_shear_second_moment(table, rows, path_of_half_planes)
+        rows[_INDEX_OF_TANGENTIAL_CURVATURE] += (
+            2 * curvatures.tangential_mixed * shear_second_moment
+        )
     return _followed_rows(table, friction, rows)
 
 
 def _estimated_shear_second_moment(
-    table: PunchTable, rows: Array, half_planes: FollowedPath
+    table: PunchTable, rows: Array, path_of_half_planes: FollowedPath
 ) -> Array:
     """Second moment of the shear traction, q_2 = int x^2 q dx, at each instant of the path, (n,),
     estimated from that of half-planes.
@@ -1176,7 +1190,7 @@ def _estimated_shear_second_moment(
     ----------
     rows
         (10, n) loads, curvatures and edge of contact at the instants, a `Row` each
-    half_planes
+    path_of_half_planes
         the same path without curvatures
     """
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
@@ -1185,14 +1199,14 @@ def _estimated_shear_second_moment(
         columns_by_name["normal_curvature"],
         columns_by_name["normal_fourth"],
     )
-    moment_of_half_planes = half_planes.pressure_second_moment
+    moment_of_half_planes = path_of_half_planes.pressure_second_moment
     ratio = np.divide(
         pressure_moment,
         moment_of_half_planes,
         out=np.zeros_like(pressure_moment),
         where=moment_of_half_planes > 0,
     )
-    return half_planes.shear_second_moment * ratio
+    return path_of_half_planes.shear_second_moment * ratio
 
 
 def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient: Array) -> Array:
@@ -1220,23 +1234,23 @@ def _columns_of_path(
     kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated, at
     most eight times. In kt the part by the second moment of the shear traction is left out.
     """
-    curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
-    tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
+    curvature_without_p2 = curvatures.gap_curvature_under(normal_load, tangential_load)
+    tangential_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
     gap_fourth_order = curvatures.normal_fourth * normal_load
     faces_fourth_order = curvatures.tangential_fourth * tangential_load
     normal_curvature = curvature_without_p2
-    edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order)
+    edge_s = table.edge_s_of_loads(normal_load, normal_curvature, gap_fourth_order)
     if curvatures.normal_mixed:
         for _ in range(_MOST_MOMENT_ITERATIONS):
             moments_at_edge = table.second_moments(edge_s)
             pressure_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
             curvature_before = normal_curvature
             normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_moment
-            edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order, edge_s)
+            edge_s = table.edge_s_of_loads(normal_load, normal_curvature, gap_fourth_order, edge_s)
             load_change = np.max(
                 np.abs(normal_curvature - curvature_before) * table.parabola_load(edge_s)
             )
-            if load_change <= _LOAD_MOVED_BY_MOMENT * np.max(normal_load):
+            if load_change <= _LOAD_SHARE_MOVED_BY_MOMENT * np.max(normal_load):
                 break
     columns = [
         normal_load,
@@ -1246,7 +1260,7 @@ def _columns_of_path(
         gap_fourth_order,
         faces_fourth_order,
         edge_s,
-        table.load(edge_s),
+        table.profile_load(edge_s),
         table.parabola_load(edge_s),
         table.fourth_load(edge_s),
     ]
@@ -1257,8 +1271,8 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
     """Memory of friction along a path from the unloaded state; its n instants are `columns` (10,
     n), a `Row` each: loads, curvatures and edge of contact.
     """
-    memory = MemoryCurve(table, friction, float(np.max(columns[0])), Pieces())
-    state = UNLOADED
+    memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
+    state = UNLOADED_STATE
     steps = []
     for values in columns.T.tolist():
         step = memory.step(state, Row(*values))
@@ -1267,7 +1281,9 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
     return path_of_steps(memory, columns, steps)
 
 
-def path_of_steps(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> FollowedPath:
+def path_of_steps(
+    memory: FrictionMemory, columns: Array, steps: Sequence[MemoryStep]
+) -> FollowedPath:
     """Arrays over the n instants of a load path, from the single steps that were taken along it.
     Fields that end in `_s` are half-widths as the coordinate s of the table of flat punches.
 
@@ -1284,8 +1300,8 @@ def path_of_steps(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) ->
     pieces = memory.pieces
     # The fields of all pieces, one piece after another.
     flat_fields = np.fromiter(chain.from_iterable(pieces), float, len(pieces) * len(Piece._fields))
-    parent, *float_columns = flat_fields.reshape(len(pieces), -1).T
-    piece_table = PieceTable(parent.astype(np.int64), *float_columns)
+    number_below, *float_columns = flat_fields.reshape(len(pieces), -1).T
+    piece_table = PieceTable(number_below.astype(np.int64), *float_columns)
     columns_by_name = dict(zip(Row._fields, columns, strict=True))
     return FollowedPath(
         table=memory.table,
@@ -1330,7 +1346,7 @@ class Row(NamedTuple):
         return self.edge_load, self.edge_parabola_load, self.edge_fourth_load
 
 
-class State(NamedTuple):
+class MemoryState(NamedTuple):
     """What a contact remembers: number of the uppermost piece of its memory curve, and direction of
     its last slip, +1 or -1; 0 for none.
     """
@@ -1339,16 +1355,16 @@ class State(NamedTuple):
     last_direction: int = 0
 
 
-UNLOADED = State()
-_TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
+UNLOADED_STATE = MemoryState()
+_INDEX_OF_TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
-class Step(NamedTuple):
+class MemoryStep(NamedTuple):
     """Memory at the end of a step, and its slip zones as in `FollowedPath`: s of the stick edge and
     of both ends of the inner zone, directions of slip.
     """
 
-    state: State
+    state: MemoryState
     stick_edge_s: float
     direction: int = 0
     inner_zone_s: tuple[float, float] = (0.0, 0.0)
@@ -1356,7 +1372,7 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MemoryCurve:
+class FrictionMemory:
     """Memory of friction of a contact, which straight steps of the loads change; a step returns a
     new state and leaves the old one as it is.
 
@@ -1379,9 +1395,9 @@ class MemoryCurve:
 
     def is_unloaded(self, normal_load: float) -> bool:
         """Whether P is 0 but for round-off: the bodies are apart, and nothing is remembered."""
-        return normal_load <= _ROUND_OFF_SHARE * self.largest_load
+        return normal_load <= _ROUND_OFF_FORCE_SHARE * self.largest_load
 
-    def step(self, state: State, row: Row) -> Step:
+    def step(self, state: MemoryState, row: Row) -> MemoryStep:
         """Memory curve, stick edge and slip zones at the end of a straight step of the loads.
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
@@ -1398,14 +1414,14 @@ class MemoryCurve:
             loads, curvatures and edge of contact at the end of the step
         """
         if self.is_unloaded(row.normal_load):
-            return Step(UNLOADED, stick_edge_s=row.edge_s)
+            return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
         pieces = self.pieces
-        round_off = _ROUND_OFF_SHARE * self.friction * self.largest_load
+        round_off = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
         # The number is None as long as the piece is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
         stick_edge_s = row.edge_s
         direction = _slip_direction_at_edge(
-            outermost_piece, pieces[outermost_piece.parent], self.friction, row, round_off
+            outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
         )
         bound = None
         if direction:
@@ -1413,9 +1429,9 @@ class MemoryCurve:
             number_of_top = _cut_at_end_of_slip(
                 self.table, pieces, outermost_piece, number_of_top, bound, round_off
             )
-            stick_edge_s = pieces[number_of_top].top
+            stick_edge_s = pieces[number_of_top].top_s
         elif number_of_top is None:
-            number_of_top = pieces.append_numbered(outermost_piece)
+            number_of_top = pieces.append_and_number(outermost_piece)
         inner_zone_s = (0.0, 0.0)
         inner_zone_direction = 0
         if state.last_direction and direction != state.last_direction:
@@ -1429,9 +1445,11 @@ class MemoryCurve:
                 inner_zone_direction = state.last_direction
         if bound is not None:
             # The slip zone at the edge, where F is the bound.
-            number_of_top = pieces.add(number_of_top, row.edge_s, row.edge_loads, bound.slopes)
-        return Step(
-            State(number_of_top, inner_zone_direction or direction),
+            number_of_top = pieces.add_piece(
+                number_of_top, row.edge_s, row.edge_loads, bound.slopes
+            )
+        return MemoryStep(
+            MemoryState(number_of_top, inner_zone_direction or direction),
             stick_edge_s,
             direction,
             inner_zone_s,
@@ -1458,34 +1476,38 @@ class MemoryCurve:
         piece_number = uppermost_piece
         piece = pieces[piece_number]
         loads = row.edge_loads
-        if row.edge_s > piece.top:
+        if row.edge_s > piece.top_s:
             force_without_fourth = (
                 row.tangential_load - row.tangential_curvature * row.edge_parabola_load
             )
             force_rise = (
-                force_without_fourth - row.tangential_fourth * row.edge_fourth_load - piece.force
+                force_without_fourth
+                - row.tangential_fourth * row.edge_fourth_load
+                - piece.locked_in_force
             )
-            load_rise = row.edge_load - piece.load
+            load_rise = row.edge_load - piece.profile_load
             if load_rise > 0:
                 slopes = (force_rise / load_rise, 0.0, 0.0)
                 return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
             # The profile is still flat here: only the curvature of the bodies carries load.
             slopes = (0.0, force_rise / (row.edge_parabola_load - piece.parabola_load), 0.0)
             return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
-        while piece_number and pieces[piece.parent].top >= row.edge_s:
-            piece_number = piece.parent
+        while piece_number and pieces[piece.number_below].top_s >= row.edge_s:
+            piece_number = piece.number_below
             piece = pieces[piece_number]
-        if piece.top <= row.edge_s:
+        if piece.top_s <= row.edge_s:
             return piece, piece_number
-        return pieces.piece_above(piece.parent, row.edge_s, loads, piece.slopes), None
+        return pieces.piece_above(piece.number_below, row.edge_s, loads, piece.slopes), None
 
-    def slide(self, row: Row, direction: int) -> Step:
+    def step_of_gross_sliding(self, row: Row, direction: int) -> MemoryStep:
         """The state in which the contact slides as a whole in one direction, +1 or -1, whatever was
         before: F is the Coulomb bound of that direction at all punches.
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
-        piece_number = self.pieces.add(0, row.edge_s, row.edge_loads, bound.slopes)
-        return Step(State(piece_number, direction), stick_edge_s=0.0, direction=direction)
+        piece_number = self.pieces.add_piece(0, row.edge_s, row.edge_loads, bound.slopes)
+        return MemoryStep(
+            MemoryState(piece_number, direction), stick_edge_s=0.0, direction=direction
+        )
 
 
 def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
@@ -1496,7 +1518,7 @@ def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
     return _Bound(
         direction,
         constant=row.tangential_load - limit * row.normal_load,
-        slope=limit,
+        profile_slope=limit,
         parabola_slope=limit * row.normal_curvature - row.tangential_curvature,
         fourth_slope=limit * row.normal_fourth - row.tangential_fourth,
     )
@@ -1527,9 +1549,11 @@ def _slip_direction_at_edge(
     """
     for piece_end in (outermost_piece, piece_below):
         force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola_load
-        force_excess -= row.tangential_fourth * piece_end.fourth_load + piece_end.force
+        force_excess -= row.tangential_fourth * piece_end.fourth_load + piece_end.locked_in_force
         load_beyond = (
-            row.normal_load - piece_end.load - row.normal_curvature * piece_end.parabola_load
+            row.normal_load
+            - piece_end.profile_load
+            - row.normal_curvature * piece_end.parabola_load
         )
         load_beyond -= row.normal_fourth * piece_end.fourth_load
         if abs(force_excess) - friction * load_beyond > round_off:
@@ -1566,21 +1590,21 @@ def _cut_at_end_of_slip(
         excess of F over the bound that counts as 0
     """
     empty_curve = pieces[0]
-    piece_below = pieces[piece.parent]
-    while piece is not empty_curve and bound.excess(piece_below) > round_off:
-        piece_number = piece.parent
+    piece_below = pieces[piece.number_below]
+    while piece is not empty_curve and bound.excess_at_top(piece_below) > round_off:
+        piece_number = piece.number_below
         piece = piece_below
-        piece_below = pieces[piece.parent]
-    excess_below = bound.excess(piece_below)
+        piece_below = pieces[piece.number_below]
+    excess_below = bound.excess_at_top(piece_below)
     if excess_below >= 0:
-        return piece.parent
-    excess_at_top = bound.excess(piece)
+        return piece.number_below
+    excess_at_top = bound.excess_at_top(piece)
     if excess_at_top <= 0:
-        return pieces.append_numbered(piece) if piece_number is None else piece_number
+        return pieces.append_and_number(piece) if piece_number is None else piece_number
     crossing_s, loads_at_crossing = _crossing_of_bound(
         table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
     )
-    return pieces.add(piece.parent, crossing_s, loads_at_crossing.loads, piece.slopes)
+    return pieces.add_piece(piece.number_below, crossing_s, loads_at_crossing.loads, piece.slopes)
 
 
 def _add_inner_slip_zone(
@@ -1608,30 +1632,32 @@ def _add_inner_slip_zone(
     piece_number = uppermost_piece
     piece = pieces[piece_number]
     sticking_pieces_outside = []
-    while piece_number and bound.excess(pieces[piece.parent]) <= round_off:
+    while piece_number and bound.excess_at_top(pieces[piece.number_below]) <= round_off:
         sticking_pieces_outside.append(piece)
-        piece_number = piece.parent
+        piece_number = piece.number_below
         piece = pieces[piece_number]
-    excess_at_top = bound.excess(piece)
+    excess_at_top = bound.excess_at_top(piece)
     if not piece_number or excess_at_top > 0:
-        edge_s = pieces[uppermost_piece].top
+        edge_s = pieces[uppermost_piece].top_s
         return uppermost_piece, edge_s, edge_s
 
-    piece_below = pieces[piece.parent]
-    excesses_at_ends = (bound.excess(piece_below), excess_at_top)
+    piece_below = pieces[piece.number_below]
+    excesses_at_ends = (bound.excess_at_top(piece_below), excess_at_top)
     outer_end_s, loads_at_outer_end = _crossing_of_bound(
         table, (piece_below, piece), excesses_at_ends, bound, round_off
     )
     number_below_zone = _cut_at_end_of_slip(
-        table, pieces, piece_below, piece.parent, bound, round_off
+        table, pieces, piece_below, piece.number_below, bound, round_off
     )
-    top_number = pieces.add(number_below_zone, outer_end_s, loads_at_outer_end.loads, bound.slopes)
+    top_number = pieces.add_piece(
+        number_below_zone, outer_end_s, loads_at_outer_end.loads, bound.slopes
+    )
     # On top of the zone again what sticks outside of it.
     for sticking_piece in (piece, *reversed(sticking_pieces_outside)):
-        top_number = pieces.add(
-            top_number, sticking_piece.top, sticking_piece.loads, sticking_piece.slopes
+        top_number = pieces.add_piece(
+            top_number, sticking_piece.top_s, sticking_piece.loads, sticking_piece.slopes
         )
-    return top_number, pieces[number_below_zone].top, outer_end_s
+    return top_number, pieces[number_below_zone].top_s, outer_end_s
 
 
 def _crossing_of_bound(
@@ -1661,11 +1687,11 @@ def _crossing_of_bound(
         excess that counts as 0 [force per thickness]
     """
     piece_below, piece = ends
-    low_s = piece_below.top
-    high_s = piece.top
+    low_s = piece_below.top_s
+    high_s = piece.top_s
     excess_below, excess_above = excesses
     sign_of_rise = 1.0 if excess_above > excess_below else -1.0
-    slope = bound.direction * (bound.slope - piece.slope)
+    slope = bound.direction * (bound.profile_slope - piece.profile_slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
@@ -1676,10 +1702,10 @@ def _crossing_of_bound(
     )
     if not low_s < s < high_s:
         s = low_s + fraction_of_piece * (high_s - low_s)
-    loads_at_s = table.loads_at(s)
+    loads_at_s = table.punch_loads_at(s)
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
     for _ in range(_MOST_NEWTON_STEPS):
-        excess = excess_below + slope * (loads_at_s.load - piece_below.load)
+        excess = excess_below + slope * (loads_at_s.profile_load - piece_below.profile_load)
         excess += parabola_slope * (loads_at_s.parabola_load - piece_below.parabola_load)
         excess += fourth_slope * (loads_at_s.fourth_load - piece_below.fourth_load)
         if abs(excess) <= round_off:
@@ -1692,5 +1718,5 @@ def _crossing_of_bound(
         excess_rate += fourth_slope * loads_at_s.fourth_rate
         newton_s = s - excess / excess_rate if excess_rate * sign_of_rise > 0 else math.nan
         s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
-        loads_at_s = table.loads_at(s)
+        loads_at_s = table.punch_loads_at(s)
     return s, loads_at_s

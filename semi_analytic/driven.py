@@ -47,47 +47,47 @@ from scenes import InputError, LoadPath, LoadSegment, NotFoundError
 from scenes.array_types import Array
 from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD
 from semi_analytic.corrected_memory import (
-    UNLOADED,
+    UNLOADED_STATE,
     Curvatures,
     FollowedPath,
-    MemoryCurve,
+    FrictionMemory,
+    MemoryState,
+    MemoryStep,
     Pieces,
     PunchTable,
     Row,
-    State,
-    Step,
     area_of_loop,
     path_of_steps,
 )
 from semi_analytic.profiles import SymmetricContact
 
 # Of the largest f P: to which Q of a step is found. Round-off of the memory curve is 1e-11.
-_FORCE_TOLERANCE = 1e-13
+_FORCE_TOLERANCE_SHARE = 1e-13
 # Newton's steps with a bracket: about five are taken; bisection alone would take 45.
 _MOST_ITERATIONS = 200
 # Edges of contact that are kept.
 _CACHED_EDGES = 8
 # Share of f P within which Q is at the limit of sliding.
-_LIMIT_SHARE = 1e-9
+_FORCE_SHARE_AT_LIMIT = 1e-9
 # Share of a step within which sliding begins at one of its ends.
-_SHARE_AT_STEP_END = 1e-9
+_STEP_SHARE_AT_END = 1e-9
 # Steps of a cycle at least, and between two turning points.
 _STEPS_A_CYCLE = 200
 _FEWEST_STEPS_BETWEEN_TURNS = 16
 # Steps that are followed at most: each takes about half a millisecond.
 _MOST_ROWS = 100_000
 # Two instants of this share of the path are one.
-_EQUALITY_TOLERANCE = 1e-12
+_SAME_INSTANT_SHARE = 1e-12
 # Half-widths at which dU/dQ is looked at.
 _SAMPLED_HALF_WIDTHS = 400
-_BISECTIONS = 60
+_BISECTION_COUNT = 60
 # Share of the values at the ends of a bracket within which a function is 0.
 _RESIDUAL_OF_ROOT = 1e-14
 # Share of a displacement that is round-off.
-_ROUND_OFF_SHARE = 1e-12
+_ROUND_OFF_DISPLACEMENT_SHARE = 1e-12
 # Share of the largest approach by which it may fall: cubics of the table leave 1e-11, and a datum
 # that is too short much more than this.
-_ERROR_OF_TABLE = 1e-9
+_APPROACH_ERROR_OF_TABLE = 1e-9
 _MOST_WIDENINGS = 60
 
 
@@ -100,25 +100,26 @@ class Compliance(NamedTuple):
         A/pi [1 / stress]
     datum_length
         L [length]
-    normal, tangential
+    normal_body_compliance, tangential_body_compliance
         c_n, c_t of the bodies [1 / stress]
-    normal_spring, tangential_spring
+    normal_spring_compliance, tangential_spring_compliance
         1/k_n, 1/k_s of the rig [1 / stress]; 0 in a stiff rig
     curvatures
         N, T, N_Q, T_P of the bodies
-    tilts
+    tilt_products
         R alpha_P alpha_Q and R alpha_Q^2 of a parabola: the moment of the pressure, which sits
-        beside x = 0 by the tilt, moves the bodies along x by alpha_Q M = -tilts . (P^2, P Q)
+        beside x = 0 by the tilt, moves the bodies along x by alpha_Q M = -tilt_products . (P^2, P
+        Q)
     """
 
     unit_compliance: float
     datum_length: float
-    normal: float = 0.0
-    tangential: float = 0.0
-    normal_spring: float = 0.0
-    tangential_spring: float = 0.0
+    normal_body_compliance: float = 0.0
+    tangential_body_compliance: float = 0.0
+    normal_spring_compliance: float = 0.0
+    tangential_spring_compliance: float = 0.0
     curvatures: Curvatures = Curvatures()
-    tilts: tuple[float, float] = (0.0, 0.0)
+    tilt_products: tuple[float, float] = (0.0, 0.0)
 
     def displacement_by_tilt(
         self, normal_load: Array | float, tangential_load: Array | float
@@ -126,11 +127,11 @@ class Compliance(NamedTuple):
         """alpha_Q M, what the tilt adds to U under P and Q [length]; 0 unless the profile is a
         parabola.
         """
-        of_pressure, of_shear = self.tilts
+        of_pressure, of_shear = self.tilt_products
         load = np.asarray(normal_load)
         return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
 
-    def of_actuator(self, half_width: Array | float, normal_load: Array | float) -> Array:
+    def actuator_compliance(self, half_width: Array | float, normal_load: Array | float) -> Array:
         """Compliance d(U + Q/k_s)/dQ of the actuator at constant P [1/stress], where c =
         `half_width` > 0 is the half-width of the stick zone.
 
@@ -138,7 +139,7 @@ class Compliance(NamedTuple):
             G(c) = (pi E*/4) c^2
 
         T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the tangential
-        spring, L the datum length. R alpha_Q^2 is `tilts[1]`. N_Q and T_P are taken as 0.
+        spring, L the datum length. R alpha_Q^2 is `tilt_products[1]`. N_Q and T_P are taken as 0.
         """
         stick_half_width = np.asarray(half_width, dtype=float)
         squared_width = stick_half_width**2
@@ -147,14 +148,16 @@ class Compliance(NamedTuple):
         parabola_load = squared_width / (2 * self.unit_compliance)
         half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / stick_half_width)
         body_rate = (
-            self.tangential
+            self.tangential_body_compliance
             + face_curvature * squared_width / 2
             - face_curvature**2 * parabola_load * squared_width / 8
         )
-        tilt_rate = self.tilts[1] * np.asarray(normal_load)
-        return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
+        tilt_rate = self.tilt_products[1] * np.asarray(normal_load)
+        return np.asarray(
+            half_plane_rate + body_rate + self.tangential_spring_compliance - tilt_rate
+        )
 
-    def require_unique(self, largest_half_width: float, largest_load: float) -> None:
+    def require_unique_force(self, largest_half_width: float, largest_load: float) -> None:
         """Raise InputError if the displacement U that a rig prescribes does not determine Q: if U
         falls while Q grows.
 
@@ -164,7 +167,7 @@ class Compliance(NamedTuple):
         stick_half_width = (
             largest_half_width * np.arange(1, _SAMPLED_HALF_WIDTHS + 1) / _SAMPLED_HALF_WIDTHS
         )
-        slope_of_displacement = self.of_actuator(stick_half_width, largest_load)
+        slope_of_displacement = self.actuator_compliance(stick_half_width, largest_load)
         if np.all(slope_of_displacement > 0):
             return
         worst_half_width = float(stick_half_width[np.argmin(slope_of_displacement)])
@@ -181,14 +184,14 @@ class ActuatorRows(NamedTuple):
     """Instants of a path of actuators, with P or the normal approach, 0 where it is negative, and
     U_act there, (n,) each.
 
-    `ends` are the indices of the instants at which the initial loading and each cycle end; of a
+    `end_rows` are the indices of the instants at which the initial loading and each cycle end; of a
     path without cycles that of the last instant.
     """
 
     time: Array
     load_or_approach: Array
     displacement: Array
-    ends: tuple[int, ...]
+    end_rows: tuple[int, ...]
 
 
 def actuator_rows(
@@ -247,7 +250,7 @@ def actuator_rows(
         sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
         loads_at_samples = path.at(sample_times)[0]
         largest_load = np.max(np.abs(loads_at_samples))
-        is_constant = np.ptp(loads_at_samples, axis=0) <= _EQUALITY_TOLERANCE * largest_load
+        is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME_INSTANT_SHARE * largest_load
         # Equal times become one below.
         step_times[is_constant] = step_times[is_constant, :1]
     time = np.append(step_times.ravel(), turning_times[-1])
@@ -256,14 +259,14 @@ def actuator_rows(
         time = np.append(time, extra_times[is_in_path])
     time = np.unique(time)
     duration = turning_times[-1] - turning_times[0]
-    time = time[np.diff(time, prepend=-np.inf) > _EQUALITY_TOLERANCE * duration]
+    time = time[np.diff(time, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
 
     load_or_approach, displacement = path.at(time)
     cycle_end_times = [turning_times[-1]]
     if path.period is not None:
         cycle_end_times = [path.cycle_start + k * path.period for k in range(cycles + 1)]
-    ends = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
-    return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, ends)
+    end_rows = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
+    return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, end_rows)
 
 
 def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
@@ -279,7 +282,7 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
             {segment.start, segment.end, *normal_turning_times, *tangential_turning_times}
         )
         touch_times = [
-            _root(partial(_normal_value, segment), begin, end)
+            _root_between(partial(_load_or_approach_at, segment), begin, end)
             for begin, end in pairwise(monotonic_ends)
             if segment.loads(begin)[0] * segment.loads(end)[0] < 0
         ]
@@ -287,12 +290,12 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     return times
 
 
-def _normal_value(segment: LoadSegment, time: float) -> float:
+def _load_or_approach_at(segment: LoadSegment, time: float) -> float:
     """P, or the normal approach of an actuator, at a time of a segment of its path."""
     return float(segment.loads(time)[0])
 
 
-def _root(function: Callable[[float], float], begin: float, end: float) -> float:
+def _root_between(function: Callable[[float], float], begin: float, end: float) -> float:
     """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
     That is false position, but the value at an end that stays twice is halved. It ends at a value
@@ -363,7 +366,7 @@ def loads_of_approach(
     # Bracket of s of the edge of contact.
     low_s = np.zeros(len(approach))
     high_s = np.full(len(approach), table.largest_s)
-    for _ in range(_BISECTIONS):
+    for _ in range(_BISECTION_COUNT):
         middle_s = (low_s + high_s) / 2
         _, approach_at_middle = _load_and_approach(table, compliance, middle_s)
         is_too_low = approach_at_middle <= approach
@@ -387,15 +390,17 @@ def _load_and_approach(
     add to the gap, c_n their compliance, k_n the spring.
     """
     normal_curvature = compliance.curvatures.normal
-    load = table.load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
-    punch_sums = [table.sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
+    load = table.profile_load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
+    punch_sums = [table.punch_sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
     logarithm, parabola_logarithm, second_moment, parabola_second_moment = np.array(punch_sums).T
     gap_curvature = normal_curvature * load
     pressure_moment = second_moment + gap_curvature * parabola_second_moment
     approach_of_half_planes = compliance.unit_compliance * (
         logarithm + gap_curvature * parabola_logarithm
     )
-    approach_of_load = (compliance.normal + compliance.normal_spring) * load
+    approach_of_load = (
+        compliance.normal_body_compliance + compliance.normal_spring_compliance
+    ) * load
     approach = approach_of_half_planes + approach_of_load + normal_curvature * pressure_moment / 2
     return load, approach
 
@@ -433,7 +438,7 @@ def _table_of_approach(
     s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
-    if largest_fall > _ERROR_OF_TABLE * np.ptp(sampled_approach):
+    if largest_fall > _APPROACH_ERROR_OF_TABLE * np.ptp(sampled_approach):
         raise InputError(
             f"load.approach: with the datum length {compliance.datum_length:.6g} the approach falls"
             " while P grows, so that no P follows from it: state a longer rig.datum_length, of some"
@@ -461,9 +466,9 @@ class DrivenPath:
     rigid_displacement
         (n,) sum of all slides and of the way while the bodies were apart: U of the contact is U(Q)
         plus this [length]
-    actuator
+    actuator_displacement
         (n,) U_act [length]
-    ends
+    end_rows
         rows at which the initial loading ends, and each cycle
     """
 
@@ -472,14 +477,14 @@ class DrivenPath:
     compliance: Compliance
     slide_distance: Array
     rigid_displacement: Array
-    actuator: Array
-    ends: tuple[int, ...]
+    actuator_displacement: Array
+    end_rows: tuple[int, ...]
 
     @property
     def displacement(self) -> Array:
         """U of the contact and the bodies, without the spring, (n,) [length]."""
-        spring = self.compliance.tangential_spring
-        return np.asarray(self.actuator - spring * self.followed_path.tangential_load)
+        spring = self.compliance.tangential_spring_compliance
+        return np.asarray(self.actuator_displacement - spring * self.followed_path.tangential_load)
 
     @cached_property
     def slide_work(self) -> Array:
@@ -504,7 +509,7 @@ class DrivenPath:
         """Index, from 0, of the first cycle that ends in the friction state it started from; None
         where none does.
         """
-        return self.followed_path.first_steady_cycle(self.ends)
+        return self.followed_path.first_steady_cycle(self.end_rows)
 
     def loop_work(self, rows: slice) -> float:
         """Closed integral of Q dU by straight steps, for the rows of a cycle: the second way to the
@@ -533,7 +538,7 @@ def follow_actuator(
     ...     time=np.array([0.0, 1.0, 2.0, 3.0]),
     ...     load_or_approach=np.array([0.0, 1.0, 1.0, 0.5]),
     ...     displacement=np.array([0.0, 0.0, 10.0, 10.0]),
-    ...     ends=(3,),
+    ...     end_rows=(3,),
     ... )
     >>> driven_path = follow_actuator(
     ...     table, 0.4, Compliance(unit_compliance=0.5, datum_length=50.0), rows
@@ -545,29 +550,31 @@ def follow_actuator(
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
-    memory = MemoryCurve(table, friction, largest_load, Pieces())
-    stepper = _Stepper(memory, compliance)
-    state = UNLOADED
+    memory = FrictionMemory(table, friction, largest_load, Pieces())
+    step_solver = _StepSolver(memory, compliance)
+    state = UNLOADED_STATE
     instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
     # Part of U_act by gross sliding and separation so far: it causes no Q.
-    free_displacement = instant_before.actuator
+    free_displacement = instant_before.actuator_displacement
     times = [instant_before.time]
-    memory_rows = [stepper.row(0.0, 0.0)]
+    memory_rows = [step_solver.row_under_loads(0.0, 0.0)]
     steps = [memory.step(state, memory_rows[0])]
     slides = [0.0]
     free_displacements = [free_displacement]
-    actuators = [instant_before.actuator]
+    actuator_displacements = [instant_before.actuator_displacement]
     # Where each instant of `rows` is in these lists: begins of slides are in them too.
     index_of_row = [0] * len(rows.time)
     for k in range(1, len(rows.time)):
         instant_after = _Instant(
             time=float(rows.time[k]),
-            load=float(rows.load_or_approach[k]),
-            force=0.0,  # not known yet
-            actuator=float(rows.displacement[k]),
+            normal_load=float(rows.load_or_approach[k]),
+            tangential_load=0.0,  # not known yet
+            actuator_displacement=float(rows.displacement[k]),
         )
-        for part_end in stepper.ends_of_parts(instant_before, instant_after, free_displacement):
-            solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
+        for part_end in step_solver.ends_of_parts(instant_before, instant_after, free_displacement):
+            solved_step = step_solver.solved_step(
+                state, part_end, instant_before.tangential_load, free_displacement
+            )
             slide_of_step = solved_step.slide_distance
             free_displacement += slide_of_step + solved_step.distance_apart
             times.append(part_end.time)
@@ -575,9 +582,9 @@ def follow_actuator(
             steps.append(solved_step.step)
             slides.append(slide_of_step)
             free_displacements.append(free_displacement)
-            actuators.append(part_end.actuator)
+            actuator_displacements.append(part_end.actuator_displacement)
             state = solved_step.step.state
-            instant_before = part_end._replace(force=solved_step.row.tangential_load)
+            instant_before = part_end._replace(tangential_load=solved_step.row.tangential_load)
         index_of_row[k] = len(times) - 1
     return DrivenPath(
         time=np.array(times),
@@ -585,26 +592,27 @@ def follow_actuator(
         compliance=compliance,
         slide_distance=np.array(slides),
         rigid_displacement=np.array(free_displacements),
-        actuator=np.array(actuators),
-        ends=tuple(index_of_row[row] for row in rows.ends),
+        actuator_displacement=np.array(actuator_displacements),
+        end_rows=tuple(index_of_row[row] for row in rows.end_rows),
     )
 
 
 class _Instant(NamedTuple):
-    """Time, P = `load`, Q = `force`, U_act = `actuator`."""
+    """Time, P, Q, U_act = `actuator_displacement`."""
 
     time: float
-    load: float
-    force: float
-    actuator: float
+    normal_load: float
+    tangential_load: float
+    actuator_displacement: float
 
     def at_fraction(self, end: _Instant, fraction: float) -> _Instant:
         """The instant at a fraction of the straight step from this one to `end`; Q is not known."""
         return _Instant(
             self.time + fraction * (end.time - self.time),
-            self.load + fraction * (end.load - self.load),
+            self.normal_load + fraction * (end.normal_load - self.normal_load),
             0.0,
-            self.actuator + fraction * (end.actuator - self.actuator),
+            self.actuator_displacement
+            + fraction * (end.actuator_displacement - self.actuator_displacement),
         )
 
 
@@ -614,35 +622,35 @@ class _SolvedStep(NamedTuple):
     """
 
     row: Row
-    step: Step
+    step: MemoryStep
     slide_distance: float = 0.0
     distance_apart: float = 0.0
 
 
-class _Stepper:
+class _StepSolver:
     """Solves the steps of a rig one after another: Q from U_act."""
 
-    def __init__(self, memory: MemoryCurve, compliance: Compliance) -> None:
+    def __init__(self, memory: FrictionMemory, compliance: Compliance) -> None:
         self._memory = memory
         self._compliance = compliance
         self._table = memory.table
         # Trials of a step have one P, and where N_Q is 0 one edge.
-        self._edge_of_contact_at = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_of_contact_at)
+        self._cached_edge_s = lru_cache(maxsize=_CACHED_EDGES)(memory.table.edge_s_of_load)
         # Of each piece of memory curve, by its number: integrals up to its top over the load of the
         # punches, and over the memory curve itself.
-        self._sums_at_tops = [self._table.sums_at(0.0, compliance.datum_length)]
+        self._sums_at_tops = [self._table.punch_sums_at(0.0, compliance.datum_length)]
         self._logarithm_integrals = [0.0]
         self._second_moments = [0.0]
 
-    def row(self, load: float, force: float) -> Row:
+    def row_under_loads(self, load: float, force: float) -> Row:
         """Loads P = `load` and Q = `force`, the curvatures that they add to gap and faces, and the
         edge of contact with the loads of the flat punches up to it.
         """
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
-        edge_s = self._edge_of_contact(load, gap_curvature)
-        edge_loads = self._table.loads_at(edge_s)
+        edge_s = self._edge_s(load, gap_curvature)
+        edge_loads = self._table.punch_loads_at(edge_s)
         return Row(
             normal_load=load,
             tangential_load=force,
@@ -651,7 +659,7 @@ class _Stepper:
             normal_fourth=0.0,
             tangential_fourth=0.0,
             edge_s=edge_s,
-            edge_load=edge_loads.load,
+            edge_load=edge_loads.profile_load,
             edge_parabola_load=edge_loads.parabola_load,
             edge_fourth_load=edge_loads.fourth_load,
         )
@@ -668,36 +676,42 @@ class _Stepper:
         as before when this returns.
         """
         memory = self._memory
-        if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
+        if memory.is_unloaded(end.normal_load) or memory.is_unloaded(begin.normal_load):
             return (end,)
         n_pieces = len(memory.pieces)
 
         def excess_displacement(direction: int, fraction: float) -> float:
             """U_act beyond that at the limit of sliding, at a fraction of the step [length]."""
             instant = begin.at_fraction(end, fraction)
-            row_at_limit = self.row(instant.load, direction * memory.friction * instant.load)
+            row_at_limit = self.row_under_loads(
+                instant.normal_load, direction * memory.friction * instant.normal_load
+            )
             displacement_at_limit = self._displacement(
-                row_at_limit, memory.slide(row_at_limit, direction)
+                row_at_limit, memory.step_of_gross_sliding(row_at_limit, direction)
             )
             self._discard_pieces(n_pieces)  # of this trial
-            return direction * (instant.actuator - free_displacement - displacement_at_limit)
+            return direction * (
+                instant.actuator_displacement - free_displacement - displacement_at_limit
+            )
 
         for direction in (1, -1):
-            friction_limit = memory.friction * begin.load
-            slides_already = direction * begin.force >= friction_limit * (1 - _LIMIT_SHARE)
+            friction_limit = memory.friction * begin.normal_load
+            slides_already = direction * begin.tangential_load >= friction_limit * (
+                1 - _FORCE_SHARE_AT_LIMIT
+            )
             if (
                 slides_already
                 or excess_displacement(direction, 1.0) <= 0
                 or excess_displacement(direction, 0.0) >= 0
             ):
                 continue
-            fraction = _root(partial(excess_displacement, direction), 0.0, 1.0)
-            if _SHARE_AT_STEP_END < fraction < 1 - _SHARE_AT_STEP_END:
+            fraction = _root_between(partial(excess_displacement, direction), 0.0, 1.0)
+            if _STEP_SHARE_AT_END < fraction < 1 - _STEP_SHARE_AT_END:
                 return begin.at_fraction(end, fraction), end
         return (end,)
 
-    def step(
-        self, state: State, end: _Instant, force_before: float, free_displacement: float
+    def solved_step(
+        self, state: MemoryState, end: _Instant, force_before: float, free_displacement: float
     ) -> _SolvedStep:
         """Tangential load Q at the instant `end` of a rig, with the memory of friction and gross
         sliding there.
@@ -720,58 +734,63 @@ class _Stepper:
             If no Q is found.
         """
         memory = self._memory
-        if memory.is_unloaded(end.load):
-            row = self.row(0.0, 0.0)
+        if memory.is_unloaded(end.normal_load):
+            row = self.row_under_loads(0.0, 0.0)
             return _SolvedStep(
-                row, memory.step(state, row), distance_apart=end.actuator - free_displacement
+                row,
+                memory.step(state, row),
+                distance_apart=end.actuator_displacement - free_displacement,
             )
-        target_displacement = end.actuator - free_displacement
-        friction_limit = memory.friction * end.load
+        target_displacement = end.actuator_displacement - free_displacement
+        friction_limit = memory.friction * end.normal_load
         # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
         force = min(max(force_before, -friction_limit), friction_limit)
-        memory_step, displacement = self._step_and_displacement(state, end.load, force)
+        memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
         self._discard_pieces(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
-        row_at_limit = self.row(end.load, direction * friction_limit)
-        sliding_step = memory.slide(row_at_limit, direction)
+        row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
+        sliding_step = memory.step_of_gross_sliding(row_at_limit, direction)
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
         # At the begin of a slide nothing is left but round-off, of either sign.
-        if direction * slide_distance >= -_ROUND_OFF_SHARE * abs(target_displacement):
+        if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
         lower_force, upper_force = sorted((force, direction * friction_limit))
-        tolerance = _FORCE_TOLERANCE * memory.friction * memory.largest_load
+        tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
             force_change = (target_displacement - displacement) / self._compliance_at(
-                memory_step, end.load
+                memory_step, end.normal_load
             )
             is_in_bracket = lower_force <= force + force_change <= upper_force
             new_force = force + force_change if is_in_bracket else (lower_force + upper_force) / 2
             force_change = new_force - force
             force = new_force
-            memory_step, displacement = self._step_and_displacement(state, end.load, force)
+            memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
             if abs(force_change) <= tolerance or displacement == target_displacement:
-                return _SolvedStep(self.row(end.load, force), memory_step)
+                return _SolvedStep(self.row_under_loads(end.normal_load, force), memory_step)
             self._discard_pieces(n_pieces)
             if displacement < target_displacement:
                 lower_force = force
             else:
                 upper_force = force
         raise NotFoundError(
-            f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
+            f"at time {end.time:.6g} no Q was found that moves the actuator by"
+            f" {end.actuator_displacement:.6g}"
         )
 
-    def _step_and_displacement(self, state: State, load: float, force: float) -> tuple[Step, float]:
+    def _step_and_displacement(
+        self, state: MemoryState, load: float, force: float
+    ) -> tuple[MemoryStep, float]:
         """Memory of friction after a step to P = `load`, Q = `force`, and U + Q/k_s there [length].
 
         The pieces of the new memory curve are stored.
         """
-        row = self.row(load, force)
+        row = self.row_under_loads(load, force)
         step = self._memory.step(state, row)
         return step, self._displacement(row, step)
 
-    def _displacement(self, row: Row, step: Step) -> float:
+    def _displacement(self, row: Row, step: MemoryStep) -> float:
         """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
         [length]: U of contact and bodies, plus the extension of the spring k_s.
 
@@ -784,7 +803,7 @@ class _Stepper:
         self._integrate_new_pieces()
         compliance = self._compliance
         curvatures = compliance.curvatures
-        sums_at_edge = self._table.sums_at(row.edge_s, compliance.datum_length)
+        sums_at_edge = self._table.punch_sums_at(row.edge_s, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
@@ -800,56 +819,62 @@ class _Stepper:
             sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
         )
         displacement = compliance.unit_compliance * logarithm_integral
-        added_compliance = compliance.tangential + compliance.tangential_spring
+        added_compliance = (
+            compliance.tangential_body_compliance + compliance.tangential_spring_compliance
+        )
         displacement += added_compliance * row.tangential_load
         displacement += curvatures.tangential * shear_second_moment / 2
         displacement += curvatures.normal_under_shear * pressure_second_moment / 2
         by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
         return displacement + float(by_tilt)
 
-    def _compliance_at(self, step: Step, load: float) -> float:
+    def _compliance_at(self, step: MemoryStep, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step under P = `load` [1/stress]."""
         stick_edge_s = step.inner_zone_s[0] if step.inner_zone_direction else step.stick_edge_s
         half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
-        return float(self._compliance.of_actuator(max(half_width, least_half_width), load))
+        return float(self._compliance.actuator_compliance(max(half_width, least_half_width), load))
 
-    def _edge_of_contact(self, load: float, gap_curvature: float) -> float:
+    def _edge_s(self, load: float, gap_curvature: float) -> float:
         """s of the edge of contact under P = `load`; 0 if the bodies are apart."""
         if self._memory.is_unloaded(load):
             return 0.0
-        return self._edge_of_contact_at(load, gap_curvature)
+        return self._cached_edge_s(load, gap_curvature)
 
     def _integrate_new_pieces(self) -> None:
         """Store int ln(2 L/c) dF and int (c^2/2) dF up to the top of each new piece of memory
         curve, for the displacement U and the second moment of the shear traction.
 
         F is the locked-in tangential force over the half-width c of the flat punches. On a piece dF
-        = slope d eta + parabola_slope dG, with the loads eta and G of the punches of the profile
-        and of x^2/2. L is the datum length.
+        = profile_slope d eta + parabola_slope dG, with the loads eta and G of the punches of the
+        profile and of x^2/2. L is the datum length.
         """
         pieces = self._memory.pieces
         for piece in pieces[len(self._sums_at_tops) :]:
-            sums_at_top = self._table.sums_at(piece.top, self._compliance.datum_length)
-            sums_below = self._sums_at_tops[piece.parent]
+            sums_at_top = self._table.punch_sums_at(piece.top_s, self._compliance.datum_length)
+            sums_below = self._sums_at_tops[piece.number_below]
             # Of this piece alone.
-            logarithm_integral = piece.slope * (sums_at_top.logarithm - sums_below.logarithm)
+            logarithm_integral = piece.profile_slope * (
+                sums_at_top.logarithm - sums_below.logarithm
+            )
             logarithm_integral += piece.parabola_slope * (
                 sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
             )
-            second_moment = piece.slope * (sums_at_top.second_moment - sums_below.second_moment)
+            second_moment = piece.profile_slope * (
+                sums_at_top.second_moment - sums_below.second_moment
+            )
             second_moment += piece.parabola_slope * (
                 sums_at_top.parabola_second_moment - sums_below.parabola_second_moment
             )
-            integral_below = self._logarithm_integrals[piece.parent]
-            moment_below = self._second_moments[piece.parent]
+            integral_below = self._logarithm_integrals[piece.number_below]
+            moment_below = self._second_moments[piece.number_below]
             self._sums_at_tops.append(sums_at_top)
             self._logarithm_integrals.append(integral_below + logarithm_integral)
             self._second_moments.append(moment_below + second_moment)
 
     def _discard_pieces(self, count: int) -> None:
         """Keep the first `count` pieces of memory curve: those of a rejected trial go."""
-        self._memory.pieces.forget_beyond(count)
+        self._memory.pieces.keep_first(count)
         del self._sums_at_tops[count:]
         del self._logarithm_integrals[count:]
         del self._second_moments[count:]

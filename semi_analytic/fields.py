@@ -160,7 +160,7 @@ class Arc:
         last_time = piece.anchor.time
         corner_loads = contact.corner_loads
         corner_loads = corner_loads[
-            (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal)
+            (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal_load)
         ]
         corner_times = (
             time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
@@ -185,7 +185,7 @@ class Arc:
         panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
         # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
         time_of_middle_load = float(
-            time_of_load_on_arc(piece, (piece.bottom_load + piece.anchor.normal) / 2)
+            time_of_load_on_arc(piece, (piece.bottom_load + piece.anchor.normal_load) / 2)
         )
         self._middle_time = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
         self._integrate_panels(panel_ends)

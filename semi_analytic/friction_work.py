@@ -422,7 +422,7 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     )
     begin_time = np.where(edge_load >= load_at_piece_top, begin_instant.time, time_of_stick_edge)
     time_of_contact_edge = segment.time_of(
-        NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
+        NORMAL_LOAD, edge_load - begin_instant.normal_load, begin_instant.time, end_instant.time
     )
     end_of_span = np.full(begin_time.shape, end_instant.time)
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
@@ -430,10 +430,10 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     change_of_load = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
     if change_of_load >= LEAST:
         time_of_touch = np.where(
-            edge_load >= end_instant.normal, end_instant.time, time_of_contact_edge
+            edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
         )
         return np.maximum(begin_time, time_of_touch), end_of_span
-    contact_reaches_point = edge_load < max(begin_instant.normal, end_instant.normal)
+    contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
     end_time = time_of_contact_edge if change_of_load <= -LEAST else end_of_span
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
 
@@ -472,7 +472,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     ... )
     (0.017024392768, 0.017024392768)
     """
-    largest_load = max(max(span.begin.normal, span.end.normal) for span in spans)
+    largest_load = max(max(span.begin.normal_load, span.end.normal_load) for span in spans)
     contact = _with_moved_datum(contact, largest_load)
     integrals = Integrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off

@@ -48,50 +48,50 @@ from scenes import (
 )
 from scenes.array_types import Array
 from semi_analytic.bulk_and_tilt import PathLoads
-from semi_analytic.history import check
+from semi_analytic.history import require_admissible
 from semi_analytic.tilted_profile import TiltedProfile
 
-CELLS = 160
+CELLS_ACROSS_CONTACT = 160
 """Cells across the largest contact; the difference from half as many gives the error."""
-INCREMENTS = 320
+INCREMENTS_PER_CYCLE = 320
 """Increments a cycle; the difference from half as many gives the error."""
 
 # Iterations of an active set that are allowed: it takes about ten.
-_MOST_ITERATIONS = 200
+_MOST_ACTIVE_SET_ITERATIONS = 200
 # Sizes of contact, in cells, whose matrices are held: each takes the square of its size.
-_MOST_ZONES = 120
+_MOST_CACHED_SIZES = 120
 # Share of the largest f p by which round-off may leave |q| above f p: cells that stop slipping are
 # there.
-_ROUND_OFF_SHARE = 1e-12
+_ROUND_OFF_SHARE_OF_LIMIT = 1e-12
 # Share of the slip of an increment that a cell makes before it is touched.
-_SLIP_BEFORE_TOUCH = 1 / 3
+_SLIP_SHARE_BEFORE_TOUCH = 1 / 3
 # Fewest increments of a segment of the cycle; each segment of the initial loading has a quarter of
 # those of a cycle.
 _FEWEST_INCREMENTS = 4
 # Share of its work by which a cycle may differ from the one before and repeat it: far below what
 # the grid leaves.
-STEADY = 1e-6
+STEADY_WORK_SHARE = 1e-6
 # Shares of a cell by which grids are moved, evenly, so that waves of a cell, a half, a third ...
 # cancel in their mean; no two are mirror images under a symmetric contact. Number of groups of them
 # whose means give the standard error of that mean.
-_SHIFTS = (np.arange(16) + 0.25) / 16
-_GROUP_COUNT = 4
+_GRID_SHIFTS = (np.arange(16) + 0.25) / 16
+_COUNT_OF_GRID_GROUPS = 4
 # Cycles that the fine grids follow where coarse ones followed those before: the last two.
 _CYCLES_RESUMED = 2
 # Instants, out of those asked for, at which coarse and fine grids are compared.
 _INSTANTS_COMPARED = 40
 # Share of the longest slip path of a cycle up to which a cell counts as permanently stuck.
-_STUCK_SHARE = 1e-3
+_STUCK_SLIP_PATH_SHARE = 1e-3
 # By the direction of slip, 0, 1 or -1.
 _STATES_BY_DIRECTION = np.array([STICK, SLIP_FORWARD, SLIP_REVERSE])
 
 
-class Fields(NamedTuple):
+class GridFields(NamedTuple):
     """Tractions, slip and work at n instants and k cells.
 
     Attributes
     ----------
-    x, step
+    x, cell_width
         (k,) middles of the cells; their width [length]
     loads
         (n, 4) P, Q, eps, alpha
@@ -111,7 +111,7 @@ class Fields(NamedTuple):
     """
 
     x: Array
-    step: float
+    cell_width: float
     loads: Array
     pressure: Array
     shear: Array
@@ -154,11 +154,11 @@ class Fields(NamedTuple):
         middles = self.x[cells]
         if not len(middles):
             return math.nan, math.nan
-        return float(middles[0] - self.step / 2), float(middles[-1] + self.step / 2)
+        return float(middles[0] - self.cell_width / 2), float(middles[-1] + self.cell_width / 2)
 
 
 @dataclass(frozen=True, eq=False)
-class Zone:
+class CellStiffness:
     """Cells side by side that are in contact, with the inverse of their compliance matrix C.
 
     Attributes
@@ -175,7 +175,7 @@ class Zone:
     total_per_shift: float
 
     @cached_property
-    def stiffness(self) -> Array:
+    def matrix(self) -> Array:
         """G, (k, k) [stress/length]: C^-1 without the traction that the same displacement of all
         cells takes.
 
@@ -237,7 +237,7 @@ class Grid:
 
     Attributes
     ----------
-    x, step
+    x, cell_width
         (g, k) middles of the cells of g grids; their width [length]
     slip
         (g, k) slip s of the upper face over the lower in the present state [length]
@@ -253,7 +253,7 @@ class Grid:
         cells: int,
         friction: float,
         modulus: float = 1.0,
-        dundurs: float = 0.0,
+        dundurs_beta: float = 0.0,
     ) -> None:
         """Grids of `cells` equal cells each on two half-planes, which nothing touches yet.
 
@@ -269,7 +269,7 @@ class Grid:
             number k of cells of a grid
         friction, modulus
             f and E* [stress]
-        dundurs
+        dundurs_beta
             Dundurs' beta of unlike materials, by which pressure shears the faces apart
         """
         ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
@@ -278,23 +278,23 @@ class Grid:
         self.cells = cells
         self.modulus = modulus
         self.friction = friction
-        self.dundurs = dundurs
+        self.dundurs_beta = dundurs_beta
         self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
-        self.step = self._length / cells
-        self.x: Array = ends_of_grids[:, :1] + self.step * (np.arange(cells) + 0.5)
+        self.cell_width = self._length / cells
+        self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
         # U per Q between a datum at the length of the grid and one at 1
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
         # their compliance matrices, and what was solved with them
-        self._compliance = self.compliance_at(self.x[0], 0)
+        self._compliance = self.displacement_per_traction_at(self.x[0], 0)
         signs = np.sign(self._cell_numbers[:, None] - self._cell_numbers)
-        self._coupling = dundurs / modulus * self.step * signs
+        self._coupling = dundurs_beta / modulus * self.cell_width * signs
         cholesky_factor = scipy.linalg.cholesky(self._compliance, lower=True)
         self._root_of_stiffness: Array = scipy.linalg.solve_triangular(
             cholesky_factor, np.eye(cells), lower=True
         )
-        self._zones_by_size: dict[int, Zone] = {}
+        self._stiffness_by_size: dict[int, CellStiffness] = {}
         self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
         # increments whose new cells did not slip before they were touched: `_solve_tangential`
         self.increments_without_early_slip = 0
@@ -308,7 +308,7 @@ class Grid:
         self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
         self._last_fields: dict[str, Any] | None = None
 
-    def compliance_at(self, x: Array, grid_number: int) -> Array:
+    def displacement_per_traction_at(self, x: Array, grid_number: int) -> Array:
         """Surface displacement at points x (m,) by a unit traction on each of the k cells of grid
         `grid_number`, (m, k) [length/stress]; the datum is at the distance of the grid's length L.
 
@@ -316,7 +316,7 @@ class Grid:
         function.
         """
         distance = (x[:, None] - self.x[grid_number])[..., None]
-        distances_of_ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
+        distances_of_ends = (distance + self.cell_width * np.array([-0.5, 0.5])) / self._length
         with np.errstate(divide="ignore", invalid="ignore"):
             integrals_to_ends = np.where(
                 distances_of_ends == 0,
@@ -326,20 +326,20 @@ class Grid:
         integral = np.diff(integrals_to_ends, axis=-1)[..., 0]
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
-    def _zone(self, n_cells: int) -> Zone:
+    def _stiffness_of_cells(self, n_cells: int) -> CellStiffness:
         """Stiffness of so many cells side by side; the 120 last ones are kept. Equal cells have one
         compliance matrix C wherever they lie, and the root of C^-1 is a corner of that of all
         cells.
         """
-        if n_cells not in self._zones_by_size:
+        if n_cells not in self._stiffness_by_size:
             root = self._root_of_stiffness[:n_cells, :n_cells]
             traction_per_shift = root.T @ np.sum(root, axis=1)
-            self._zones_by_size[n_cells] = Zone(
+            self._stiffness_by_size[n_cells] = CellStiffness(
                 root, traction_per_shift, float(np.sum(traction_per_shift))
             )
-            if len(self._zones_by_size) > _MOST_ZONES:
-                self._zones_by_size.pop(next(iter(self._zones_by_size)))
-        return self._zones_by_size[n_cells]
+            if len(self._stiffness_by_size) > _MOST_CACHED_SIZES:
+                self._stiffness_by_size.pop(next(iter(self._stiffness_by_size)))
+        return self._stiffness_by_size[n_cells]
 
     def _contact_mask(self, contact: ContactCells) -> NDArray[np.bool_]:
         """Which cells are in contact, (g, k)."""
@@ -372,23 +372,27 @@ class Grid:
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
-        for _ in range(_MOST_ITERATIONS):
+        for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
             # C p = delta - height over the cells in contact, and the sum of p is P over the step.
             for n_cells in np.unique(contact.n_cells).tolist():
-                zone = self._zone(n_cells)
+                cell_stiffness = self._stiffness_of_cells(n_cells)
                 grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
                 cells_in_contact = (
                     grids_of_size[:, None],
                     contact.begin[grids_of_size, None] + np.arange(n_cells),
                 )
                 approach[grids_of_size] = (
-                    load / self.step + height[cells_in_contact] @ zone.traction_per_shift
-                ) / zone.total_per_shift
-                pressure_by_height = (height[cells_in_contact] @ zone.root.T) @ zone.root
+                    load / self.cell_width
+                    + height[cells_in_contact] @ cell_stiffness.traction_per_shift
+                ) / cell_stiffness.total_per_shift
+                pressure_by_height = (
+                    height[cells_in_contact] @ cell_stiffness.root.T
+                ) @ cell_stiffness.root
                 pressure[cells_in_contact] = (
-                    approach[grids_of_size, None] * zone.traction_per_shift - pressure_by_height
+                    approach[grids_of_size, None] * cell_stiffness.traction_per_shift
+                    - pressure_by_height
                 )
             is_inside = self._contact_mask(contact)
             gap = height - approach[:, None] + pressure @ self._compliance
@@ -446,7 +450,7 @@ class Grid:
                 continue
             is_new = self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
             slip_at_begin[group] += np.where(
-                is_new, _SLIP_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
+                is_new, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
             )
         return self._solve_increment_of(
             force, displacement, friction_limit, contact, slip_at_begin, np.arange(len(self.x))
@@ -486,39 +490,47 @@ class Grid:
         """
         is_inside = self._contact_mask(contact)[grids]
         n_cells = int(contact.n_cells[grids].max())
-        zone = self._zone(n_cells)
+        cell_stiffness = self._stiffness_of_cells(n_cells)
         first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
         columns = first_column[:, None] + np.arange(n_cells)
         grid_rows = np.arange(len(grids))[:, None]
         grids_and_columns = (grids[:, None], columns)
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
-        is_touching_in_zone = is_inside[grid_rows, columns]
-        limit_in_zone = np.where(is_touching_in_zone, friction_limit[grids_and_columns], 0.0)
-        tolerance = _ROUND_OFF_SHARE * friction_limit.max()
+        is_touching_in_columns = is_inside[grid_rows, columns]
+        limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
+        tolerance = _ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max()
         # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
         # before the increment
         shear_in_full_stick = (
-            force / self.step / zone.total_per_shift * zone.traction_per_shift
-            + free_slip @ zone.stiffness
+            force
+            / self.cell_width
+            / cell_stiffness.total_per_shift
+            * cell_stiffness.traction_per_shift
+            + free_slip @ cell_stiffness.matrix
         )
         # First guess: cells slip as in the increment before, unless that leaves none that stick.
-        directions_in_zone = np.where(is_touching_in_zone, self._directions[grids_and_columns], 0)
-        directions_in_zone[np.all((directions_in_zone != 0) | ~is_touching_in_zone, axis=1)] = 0
-        directions_in_zone, shear_in_zone, slip_in_zone = _sliding_cells(
-            zone,
+        directions_in_columns = np.where(
+            is_touching_in_columns, self._directions[grids_and_columns], 0
+        )
+        directions_in_columns[
+            np.all((directions_in_columns != 0) | ~is_touching_in_columns, axis=1)
+        ] = 0
+        directions_in_columns, shear_in_columns, slip_in_columns = _sliding_cells(
+            cell_stiffness,
             shear_in_full_stick,
-            limit_in_zone,
-            is_touching_in_zone,
-            directions_in_zone,
+            limit_in_columns,
+            is_touching_in_columns,
+            directions_in_columns,
             tolerance,
         )
         all_shear = np.zeros(is_inside.shape)
         all_directions = np.zeros(is_inside.shape, dtype=int)
-        all_shear[grid_rows, columns] = shear_in_zone
-        all_directions[grid_rows, columns] = directions_in_zone
+        all_shear[grid_rows, columns] = shear_in_columns
+        all_directions[grid_rows, columns] = directions_in_columns
         rigid_displacement = (
-            force / self.step + (slip_in_zone - free_slip) @ zone.traction_per_shift
-        ) / zone.total_per_shift
+            force / self.cell_width
+            + (slip_in_columns - free_slip) @ cell_stiffness.traction_per_shift
+        ) / cell_stiffness.total_per_shift
         all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
         return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
@@ -526,7 +538,7 @@ class Grid:
         self, load: float, force: float, strain: float, tilt: float
     ) -> dict[str, Any]:
         """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
-        the tilt alpha; the fields at its end, by their names in `Fields`.
+        the tilt alpha; the fields at its end, by their names in `GridFields`.
 
         Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
         (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
@@ -541,7 +553,7 @@ class Grid:
             normal_solution, tangential_solution = self._solution_without_contact(
                 displacement_by_strain
             )
-        elif not self.dundurs:
+        elif not self.dundurs_beta:
             if (load, tilt) not in self._normal_by_load:
                 self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
             normal_solution = self._normal_by_load[load, tilt]
@@ -569,10 +581,10 @@ class Grid:
             "state": state,
             "approach": normal_solution.approach - self.datum_compliance * load,
             "displacement": displacement_in_grid - self.datum_compliance * force,
-            "moment": self.step * np.sum(self.x * normal_solution.pressure, axis=1),
-            "shear_moment": self.step * np.sum(self.x * shear, axis=1),
+            "moment": self.cell_width * np.sum(self.x * normal_solution.pressure, axis=1),
+            "shear_moment": self.cell_width * np.sum(self.x * shear, axis=1),
             "density": work_per_area,
-            "work": self.step * np.sum(work_per_area, axis=1),
+            "work": self.cell_width * np.sum(work_per_area, axis=1),
         }
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
         fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
@@ -625,7 +637,7 @@ class Grid:
         """
         cells_before = self._contact
         shear_of_last_turn = self._shear
-        for _ in range(_MOST_ITERATIONS):
+        for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             gap_by_shear = shear_of_last_turn @ self._coupling.T
             normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
             self._contact = normal_solution.contact
@@ -639,7 +651,10 @@ class Grid:
             )
             shear_change = float(np.max(np.abs(tangential_solution.shear - shear_of_last_turn)))
             shear_of_last_turn = tangential_solution.shear
-            if shear_change <= _ROUND_OFF_SHARE * self.friction * normal_solution.pressure.max():
+            if (
+                shear_change
+                <= _ROUND_OFF_SHARE_OF_LIMIT * self.friction * normal_solution.pressure.max()
+            ):
                 return normal_solution, tangential_solution
         raise ArithmeticError("pressure and shear by turns do not converge")
 
@@ -655,7 +670,7 @@ class Grid:
 
         def slip(x: Array) -> Array:
             displacements_by_shear = [
-                self.compliance_at(x, grid_number) @ shear_of_grid
+                self.displacement_per_traction_at(x, grid_number) @ shear_of_grid
                 for grid_number, shear_of_grid in enumerate(shear)
             ]
             return np.asarray(
@@ -673,7 +688,7 @@ class Grid:
         self._contact = self._solve_normal(load, tilt, self._height).contact
         self._step_to_loads(load, force, strain, tilt)
 
-    def follow(self, loads: Array) -> Fields:
+    def follow(self, loads: Array) -> GridFields:
         """Fields at the end of each of n increments, one to each row of `loads` (n, 4): P, Q, bulk
         strain eps and tilt alpha.
 
@@ -695,14 +710,14 @@ class Grid:
         for name in fields_of_increments[0]:
             fields[name] = np.array([fields_at_end[name] for fields_at_end in fields_of_increments])
         if not self.is_single_grid:
-            return Fields(self.x, self.step, **fields)
+            return GridFields(self.x, self.cell_width, **fields)
         for name in fields.keys() - {"loads"}:
             fields[name] = fields[name][:, 0]
-        return Fields(self.x[0], self.step, **fields)
+        return GridFields(self.x[0], self.cell_width, **fields)
 
 
 def _sliding_cells(
-    zone: Zone,
+    cell_stiffness: CellStiffness,
     shear_in_full_stick: Array,
     friction_limit: Array,
     is_touching: NDArray[np.bool_],
@@ -717,7 +732,7 @@ def _sliding_cells(
 
     Parameters
     ----------
-    zone
+    cell_stiffness
         stiffness of the cells in contact
     shear_in_full_stick
         (g, k) q if no cell slid [stress]
@@ -735,15 +750,15 @@ def _sliding_cells(
     ArithmeticError
         Where all cells slide, or the set does not settle.
     """
-    for _ in range(_MOST_ITERATIONS):
+    for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
         is_sliding = (direction != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
             raise ArithmeticError("all cells slip")
         shear_of_sliding = direction * friction_limit
-        slip = _slip_of_sliding(zone, is_sliding, shear_in_full_stick - shear_of_sliding)
+        slip = _slip_of_sliding(cell_stiffness, is_sliding, shear_in_full_stick - shear_of_sliding)
         shear = shear_in_full_stick
         if np.any(is_sliding):
-            shear_of_sticking = shear_in_full_stick - slip @ zone.stiffness
+            shear_of_sticking = shear_in_full_stick - slip @ cell_stiffness.matrix
             shear = np.where(is_sliding, shear_of_sliding, shear_of_sticking)
         is_beyond_limit = ~is_sliding & (np.abs(shear) > friction_limit + tolerance)
         direction_along_slip = np.where(direction * slip > 0, direction, 0)
@@ -754,7 +769,9 @@ def _sliding_cells(
     raise ArithmeticError("the slip zones do not converge")
 
 
-def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Array) -> Array:
+def _slip_of_sliding(
+    cell_stiffness: CellStiffness, is_sliding: NDArray[np.bool_], shear_excess: Array
+) -> Array:
     """Slip v of the sliding cells in an increment, (g, k), 0 of the others [length]: the solution
     of G v = q_0 - q over those cells, `shear_excess` = q_0 - q the right side.
 
@@ -769,7 +786,7 @@ def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Ar
     n_cells = is_sliding.shape[1]
     columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
     is_real_row = np.take_along_axis(is_sliding, columns_sliding_first, axis=1)
-    stiffness = zone.stiffness.ravel().take(
+    stiffness = cell_stiffness.matrix.ravel().take(
         columns_sliding_first[:, :, None] * n_cells + columns_sliding_first[:, None, :]
     )
     if not is_real_row.all():
@@ -808,8 +825,8 @@ def follow_instants(
     tilt: ArrayLike = 0.0,
     *,
     modulus: float = 1.0,
-    dundurs: float = 0.0,
-) -> Fields:
+    dundurs_beta: float = 0.0,
+) -> GridFields:
     """Fields at n instants of P, Q, bulk strain and tilt on one grid of two half-planes that have
     never touched before.
 
@@ -826,7 +843,7 @@ def follow_instants(
         f
     normal, shear, strain, tilt
         (n,) P, Q, eps and alpha; a single number holds at every instant
-    modulus, dundurs
+    modulus, dundurs_beta
         E* [stress]; Dundurs' second constant, by which pressure shears the faces apart
 
     Raises
@@ -841,11 +858,11 @@ def follow_instants(
     >>> fields = follow_instants(
     ...     lambda x: x**2 / 2, (-1.0, 1.0), 200, 1.0, [0.4], [0.0]
     ... )  # Hertz: a = sqrt(4 P/pi), R = 1
-    >>> abs(fields.edges(0)[1] - (1.6 / math.pi) ** 0.5) < fields.step
+    >>> abs(fields.edges(0)[1] - (1.6 / math.pi) ** 0.5) < fields.cell_width
     True
     """
     loads = np.stack(np.broadcast_arrays(np.atleast_1d(normal), shear, strain, tilt), axis=1)
-    return Grid(height, extent, cells, friction, modulus, dundurs).follow(loads)
+    return Grid(height, extent, cells, friction, modulus, dundurs_beta).follow(loads)
 
 
 # ------------------------------------------------------------------------------ a scene's load path
@@ -1006,7 +1023,7 @@ class _Answers:
     permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
-    def empty(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
+    def empty_storage(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
         """Storage for what `grids` grids find at so many instants and points, before anything is
         followed: zeros, and NaN for edges.
 
@@ -1027,7 +1044,7 @@ class _Answers:
     def store_cycle(
         self,
         grid: Grid,
-        fields: Fields,
+        fields: GridFields,
         increments: _Increments,
         x: Array,
         compliance: Array,
@@ -1080,7 +1097,7 @@ class _State(NamedTuple):
     stick_zones: int
 
 
-def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, compliance: Array) -> _State:
+def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance: Array) -> _State:
     """State of g grids at one instant: q/(f p) and slip at points x (m,), the outer edges of stick,
     and the largest number of stick zones of a grid.
 
@@ -1124,12 +1141,12 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, compliance: Ar
             left_edge = (
                 -np.inf
                 if first_sticking_cell == touching_cells[0]
-                else cell_middles[first_sticking_cell] - grid.step / 2
+                else cell_middles[first_sticking_cell] - grid.cell_width / 2
             )
             right_edge = (
                 np.inf
                 if last_sticking_cell == touching_cells[-1]
-                else cell_middles[last_sticking_cell] + grid.step / 2
+                else cell_middles[last_sticking_cell] + grid.cell_width / 2
             )
             stick_edges[grid_number] = (left_edge, right_edge)
     return _State(friction_ratio, slip, stick_edges, stick_zones)
@@ -1164,12 +1181,12 @@ def _follow_cycles(
         Where an increment does not converge.
     """
     n_grids = len(grid.x)
-    answers = _Answers.empty(n_grids, len(time), len(x), stride)
+    answers = _Answers.empty_storage(n_grids, len(time), len(x), stride)
     works_of_cycles: list[Array] = []
     compliance = np.zeros(0)
     if len(time):
         compliance = np.array(
-            [grid.compliance_at(x, grid_number) for grid_number in range(n_grids)]
+            [grid.displacement_per_traction_at(x, grid_number) for grid_number in range(n_grids)]
         )
     for cycle_number in cycle_numbers:
         if cycle_number >= 0:
@@ -1188,7 +1205,7 @@ def _follow_cycles(
             works_of_cycles.append(np.sum(fields.work, axis=0))
         if len(works_of_cycles) >= max(least_cycles, 2):
             work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
-            if work_change <= STEADY * np.mean(works_of_cycles[-1]):
+            if work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]):
                 break
     answers.works = np.array(works_of_cycles).T
     answers.work = works_of_cycles[-1]
@@ -1198,7 +1215,7 @@ def _follow_cycles(
     return answers
 
 
-def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
+def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Array:
     """Outer edges (2,) of the cells that stick all through a cycle, the permanent stick zone, mean
     over the grids [length]; NaN if some grid has no such cell.
 
@@ -1210,23 +1227,23 @@ def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
     slip_path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
     is_finite = np.isfinite(slip_path_of_cell)
     longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
-    is_stuck = slip_path_of_cell <= _STUCK_SHARE * longest_slip_path[:, None]
+    is_stuck = slip_path_of_cell <= _STUCK_SLIP_PATH_SHARE * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
     for grid_number, middles in enumerate(grid.x):
         stuck_middles = middles[is_stuck[grid_number]]
         if len(stuck_middles):
             edges_of_grids[grid_number] = (
-                np.min(stuck_middles) - grid.step / 2,
-                np.max(stuck_middles) + grid.step / 2,
+                np.min(stuck_middles) - grid.cell_width / 2,
+                np.max(stuck_middles) + grid.cell_width / 2,
             )
     return np.asarray(np.mean(edges_of_grids, axis=0))
 
 
-def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
+def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     """Edges of contact at instants of the initial loading and of a cycle, (n, 2) [length], left and
     right; instants without contact are left out.
     """
-    path = _PathInIncrements(loads, INCREMENTS)
+    path = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
     cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
     loads_of_increments = np.concatenate(
         [
@@ -1365,8 +1382,8 @@ class GridRequest:
     most_cycles: int = 12
     steady: bool = False
     pointwise: bool = True
-    cells: int = CELLS
-    increments: int = INCREMENTS
+    cells: int = CELLS_ACROSS_CONTACT
+    increments: int = INCREMENTS_PER_CYCLE
 
 
 def follow_on_grid(
@@ -1418,8 +1435,8 @@ def follow_on_grid(
         Where an increment does not converge, as at the limit of gross sliding.
     """
     path = loads.path
-    check([*path.initial_loading, *path.cycle], friction)
-    contact_edges = edges_along(loads, contact)
+    require_admissible([*path.initial_loading, *path.cycle], friction)
+    contact_edges = contact_edges_along(loads, contact)
     setup = _GridSetup(
         height=height,
         outermost_edges=(float(np.min(contact_edges)), float(np.max(contact_edges))),
@@ -1460,8 +1477,8 @@ def follow_on_grid(
         works=runs.works_with_last_by_fine_grids(),
         loop_work=float(np.mean(fine_answers.work_of_loads)),
         unsteady_work=remainder_of(works_of_cycles.tolist()),
-        steady_from=first_repeated_cycle(works_of_cycles, STEADY),
-        steady_tolerance=STEADY,
+        steady_from=first_repeated_cycle(works_of_cycles, STEADY_WORK_SHARE),
+        steady_tolerance=STEADY_WORK_SHARE,
         density=np.mean(density_of_grids, axis=0),
         permanent_stick_edges=fine_answers.permanent_stick_edges,
         counts=_counts_of(runs, request.cells),
@@ -1590,7 +1607,7 @@ def _run_coarse_and_fine(
     # The coarse grid goes first: how many cycles are there?
     fewest_cycles = cycles_needed(path, time)
     most_cycles = max(request.most_cycles, fewest_cycles) if path.cycle else 0
-    shifts_of_first_grids = _SHIFTS if is_last_cycle_alone else _SHIFTS[:1]
+    shifts_of_first_grids = _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
     no_instants = np.zeros(0)
     first_grids = setup.moved_grids(coarse_cells, shifts_of_first_grids)
     first_answers = _follow_cycles(
@@ -1608,7 +1625,7 @@ def _run_coarse_and_fine(
     time = np.asarray(time, dtype=float)
     # Grids by themselves are stored, and compared, at every so many instants.
     stride = max(len(time) // _INSTANTS_COMPARED, 1)
-    fine_grids = setup.moved_grids(request.cells, _SHIFTS)
+    fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
     if is_resumed:
         loads_at_cycle_start = loads.values(np.array([path.cycle_start]))[:, 0]
         fine_grids.resume(first_answers.slip_at_starts[cycle_numbers[0]], loads_at_cycle_start)
@@ -1619,7 +1636,7 @@ def _run_coarse_and_fine(
     coarse_grids = first_grids
     coarse_answers = first_answers
     if not is_last_cycle_alone:
-        coarse_grids = setup.moved_grids(coarse_cells, _SHIFTS)
+        coarse_grids = setup.moved_grids(coarse_cells, _GRID_SHIFTS)
         coarse_answers = _follow_cycles(
             coarse_grids, coarse_path, x, time[::stride], cycle_numbers, len(cycle_numbers)
         )
@@ -1704,7 +1721,7 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     touched cells were given no slip before the touch.
     """
     counts = {
-        "grids": 2 * len(_SHIFTS),
+        "grids": 2 * len(_GRID_SHIFTS),
         "cells": cells,
         "increments": runs.first_answers.increments + runs.fine_answers.increments,
         "pieces": runs.fine_answers.stick_zones,
@@ -1757,7 +1774,7 @@ def cycle_works(
         Where an increment does not converge.
     """
     grids = _GridSetup(height, outermost_edges, friction, modulus).moved_grids(
-        request.cells, _SHIFTS
+        request.cells, _GRID_SHIFTS
     )
     path = _PathInIncrements(loads, request.increments)
     n_cycles = request.most_cycles if loads.path.cycle else 0
@@ -1815,8 +1832,11 @@ def _relative_error(fine_values: Array, coarse_values: Array, convergence_order:
         return 0.0
     change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
     means_of_groups = np.array(
-        [np.mean(fine_values[k::_GROUP_COUNT], axis=0) for k in range(_GROUP_COUNT)]
+        [
+            np.mean(fine_values[k::_COUNT_OF_GRID_GROUPS], axis=0)
+            for k in range(_COUNT_OF_GRID_GROUPS)
+        ]
     )
-    variance = np.var(means_of_groups, axis=0) / (_GROUP_COUNT - 1)
+    variance = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
     error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**convergence_order - 1)
     return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value

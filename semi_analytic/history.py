@@ -143,7 +143,7 @@ class Span:
         """The memory curve at a time of the segment; None out of contact."""
         point = instant(self.segment, time)
         if self.direction == 0:
-            return unload_to(self.sticking_piece, point.normal)
+            return unload_to(self.sticking_piece, point.normal_load)
         return slip_to(
             self.sticking_piece,
             self.direction,
@@ -153,21 +153,21 @@ class Span:
         )
 
 
-def check(segments: Sequence[LoadSegment], friction: float) -> None:
+def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None:
     """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
     InadmissibleLoadError at the first such instant of the `segments`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
 
     >>> from scenes import StraightSegment
-    >>> check(
+    >>> require_admissible(
     ...     [StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.5))], 0.5
     ... )  # |Q| = f P is reached at the end, not exceeded
-    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.6))], 0.3)
+    >>> require_admissible([StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.6))], 0.3)
     Traceback (most recent call last):
     scenes.errors.InadmissibleLoadError: load: gross sliding from time 0.5 on, at time 1 with P = 1,
     Q = 0.6, f = 0.3: ...
-    >>> check([StraightSegment(0.0, 1.0, (1.0, 0.0), (-1.0, 0.0))], 0.3)
+    >>> require_admissible([StraightSegment(0.0, 1.0, (1.0, 0.0), (-1.0, 0.0))], 0.3)
     Traceback (most recent call last):
     scenes.errors.InadmissibleLoadError: load: separation from time 0.5 on, at time 1 with P = -1, Q
     = 0: ...
@@ -193,9 +193,9 @@ def _check_part(
     thickness], Q by f times that. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
-    excesses_at_end = [(NORMAL_LOAD, -end_instant.normal, "separation", slack)]
+    excesses_at_end = [(NORMAL_LOAD, -end_instant.normal_load, "separation", slack)]
     for direction in (1, -1):
-        excess_force = direction * end_instant.tangential - friction * end_instant.normal
+        excess_force = direction * end_instant.tangential_load - friction * end_instant.normal_load
         excesses_at_end.append(
             (slip_combination(direction, friction), excess_force, "gross sliding", slack * friction)
         )
@@ -220,9 +220,9 @@ def _check_part(
     fault_instant = instant(segment, first_time)
     raise InadmissibleLoadError(
         reason,
-        LoadedInstant(first_time, fault_instant.normal, fault_instant.tangential),
+        LoadedInstant(first_time, fault_instant.normal_load, fault_instant.tangential_load),
         # The excess grows up to the end of the part, where it is largest.
-        LoadedInstant(end_instant.time, end_instant.normal, end_instant.tangential),
+        LoadedInstant(end_instant.time, end_instant.normal_load, end_instant.tangential_load),
         friction=friction,
     )
 
@@ -362,7 +362,7 @@ def _slip_spans(
     segment = begin_instant.segment
     slip_level = slip_combination(direction, friction)  # the combination s Q - f P of the loads
     level_growth = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
-    force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal
+    force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if curve is not None and is_at_coulomb_limit(curve, direction, friction):
@@ -427,7 +427,7 @@ def _unloading_spans(
                 curve = span.curve(span.end.time)
         else:
             yield from _retracing_spans(curve, begin_of_part, end_of_part, friction, delay)
-            curve = unload_to(curve, end_of_part.normal)
+            curve = unload_to(curve, end_of_part.normal_load)
 
 
 def _retracing_spans(
@@ -441,8 +441,8 @@ def _retracing_spans(
     the cycle.
     """
     span_begin = begin_instant
-    while curve is not None and curve.bottom_load > end_instant.normal:
-        load_change = curve.bottom_load - begin_instant.normal
+    while curve is not None and curve.bottom_load > end_instant.normal_load:
+        load_change = curve.bottom_load - begin_instant.normal_load
         time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
@@ -472,7 +472,7 @@ def slip_directions(
     parts: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
     for piece in pieces(curve):
-        change_to_bottom = piece.bottom_load - begin_instant.normal
+        change_to_bottom = piece.bottom_load - begin_instant.normal_load
         leaves_piece = load_change < change_to_bottom
         part_end = end_time
         if leaves_piece:
@@ -515,7 +515,7 @@ def _directions_on(
             return combination_change(piece.anchor, segment, along_line, time)
         normal_load, tangential_load = segment.loads(time)
         return tangential_load - force_on_piece(
-            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal)
+            piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal_load)
         )
 
     turning_times = [] if is_arc else segment.turning_points(along_line)
@@ -523,7 +523,7 @@ def _directions_on(
     sample_count = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
     sample_times = np.unique([*np.linspace(begin, end, sample_count), *turning_times_inside])
     force_roundoff = _ROUND_OFF_SHARE * (
-        friction * piece.anchor.normal + abs(piece.anchor.tangential)
+        friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
     )
     forces_above = force_above_curve(sample_times)
     signs = np.where(np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)).astype(int)
@@ -597,7 +597,7 @@ class History:
     @property
     def largest_load(self) -> float:
         """The largest P at the ends of spans [force per thickness]."""
-        return max(max(span.begin.normal, span.end.normal) for span in self.spans)
+        return max(max(span.begin.normal_load, span.end.normal_load) for span in self.spans)
 
     @property
     def repeats(self) -> bool:
@@ -767,7 +767,7 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
         raise InputError(
             "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"
         )
-    check([*path.initial_loading, *path.cycle], friction)
+    require_admissible([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [CycleOfPath(path.initial_loading)], friction)
     cycles = (CycleOfPath(path.cycle, k * path.period) for k in range(most_cycles))
@@ -841,7 +841,9 @@ def slip_zone_share(spans: Sequence[Span]) -> float:
     nothing slips. Both are taken at the ends of the spans, P - P_c half-way too.
     """
     largest_slip = max((span.largest_slip_zone_load for span in spans), default=0.0)
-    largest_load = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
+    largest_load = max(
+        (max(span.begin.normal_load, span.end.normal_load) for span in spans), default=0.0
+    )
     return largest_slip / largest_load if largest_load > 0 else 0.0
 
 
@@ -898,10 +900,10 @@ def corner_times(contact: Contact, span: Span) -> Array:
     segment = span.segment
     begin = span.begin
     end = span.end
-    least_load = min(begin.normal, end.normal)
-    largest_load = max(begin.normal, end.normal)
+    least_load = min(begin.normal_load, end.normal_load)
+    largest_load = max(begin.normal_load, end.normal_load)
     passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
-    times = [segment.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
+    times = [segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)]
     piece = span.sticking_piece
     if span.direction and piece is not None:
         # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.

@@ -41,9 +41,9 @@ from scenes import (
 from scenes.array_types import Array
 from semi_analytic.history import (
     INSTANT_SLACK_SHARE,
-    check,
     cycles_to_follow,
     evenly_spaced_times,
+    require_admissible,
     time_in_followed_path,
 )
 from semi_analytic.memory import Snapshot, repeat_tolerance
@@ -704,7 +704,7 @@ def follow(
     The memory curve is the tangential force carried up to each load, a chain of straight lines.
     `curve` is its uppermost line at the first row, None for bodies out of contact. Where
     `stores_curves` the memory curve of each part of a step is stored too. The loads are admissible:
-    `check_rows` has seen them.
+    `require_admissible_rows` has seen them.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
@@ -967,10 +967,10 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         path = load.path()
         loading = _rows_of(path.initial_loading)
         cycle = _rows_of(path.cycle)
-    check_rows(loading, friction)
+    require_admissible_rows(loading, friction)
     if not len(cycle):
         return replace(_one_way_series(friction, loading), is_long_record=is_long_record)
-    check_rows(cycle, friction)
+    require_admissible_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
     cycles_at_most, cycles_covered = cycles_to_follow(
         float(cycle[0, 0]), period, scene.cycles, time
@@ -1017,7 +1017,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         )
     normal_load, tangential_load = path.at(times_with_start)
     rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
-    check_rows(rows_of_times, friction)
+    require_admissible_rows(rows_of_times, friction)
     slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
     if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
         return _one_way_series(friction, rows_of_times)
@@ -1044,7 +1044,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
 
 
-def check_rows(rows: Array, friction: float) -> None:
+def require_admissible_rows(rows: Array, friction: float) -> None:
     """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
     InadmissibleLoadError at the first such instant, with its loads.
 
@@ -1063,7 +1063,9 @@ def check_rows(rows: Array, friction: float) -> None:
     time_before, *loads_before = rows[max(int(bad_row) - 1, 0)].tolist()
     bad_time, *bad_loads = rows[bad_row].tolist()
     step = StraightSegment(time_before, bad_time, tuple(loads_before), tuple(bad_loads))
-    check([step], friction)  # raises, with the instant between the rows, but for round-off
+    require_admissible(
+        [step], friction
+    )  # raises, with the instant between the rows, but for round-off
     reason = "separation" if separates[bad_row] else "gross sliding"
     raise InadmissibleLoadError(reason, LoadedInstant(bad_time, *bad_loads), friction=friction)
 

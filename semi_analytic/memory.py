@@ -63,14 +63,14 @@ class Instant(NamedTuple):
     ----------
     segment, time
         load segment, and time in it
-    normal, tangential
+    normal_load, tangential_load
         P and Q there [force per thickness]
     """
 
     segment: LoadSegment
     time: float
-    normal: float
-    tangential: float
+    normal_load: float
+    tangential_load: float
 
 
 def instant(segment: LoadSegment, time: float) -> Instant:
@@ -88,8 +88,10 @@ def combination_change(
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)
     begin = instant(segment, segment.start)
-    change_before_segment = combination.normal * (begin.normal - earlier.normal)
-    change_before_segment += combination.tangential * (begin.tangential - earlier.tangential)
+    change_before_segment = combination.normal * (begin.normal_load - earlier.normal_load)
+    change_before_segment += combination.tangential * (
+        begin.tangential_load - earlier.tangential_load
+    )
     return segment.change_of(combination, time, segment.start) + change_before_segment
 
 
@@ -159,14 +161,14 @@ class Piece(NamedTuple):
     @property
     def straight_slope(self) -> float:
         """dM/d eta of a line; of a parabola, extended to eta = 0; 0 for an arc."""
-        return self.slope - 2 * self.bend * self.anchor.normal if self.arc is None else 0.0
+        return self.slope - 2 * self.bend * self.anchor.normal_load if self.arc is None else 0.0
 
     def slope_at(self, eta: Array) -> Array:
         """dM/d eta at loads eta (n,): (n,). On an arc it is dQ/dP of the load path, taken as 0
         where both loads turn at once.
         """
         if self.arc is None:
-            return self.slope + 2 * self.bend * (eta - self.anchor.normal)
+            return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
         normal_rate, tangential_rate = self.anchor.segment.rates(time_of_load_on_arc(self, eta))
         return np.divide(
             tangential_rate, normal_rate, out=np.zeros(eta.shape), where=normal_rate != 0
@@ -189,10 +191,10 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     """Tangential force M at loads eta on one piece, any shape [force per thickness]."""
-    step = np.asarray(eta, dtype=float) - piece.anchor.normal
+    step = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     if piece.arc is None:
-        return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
-    return piece.anchor.tangential + piece.anchor.segment.change_of(
+        return piece.anchor.tangential_load + (piece.slope + piece.bend * step) * step
+    return piece.anchor.tangential_load + piece.anchor.segment.change_of(
         TANGENTIAL_LOAD, time_of_load_on_arc(piece, eta), piece.anchor.time
     )
 
@@ -271,9 +273,9 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     """
     slope_and_bend = segment.slope_and_bend(end.time)
     if slope_and_bend is None:
-        return Piece(curve, end.normal, end, slope=0.0, arc=(begin, end.time))
+        return Piece(curve, end.normal_load, end, slope=0.0, arc=(begin, end.time))
     slope, bend = slope_and_bend
-    return Piece(curve, end.normal, end, slope, bend)
+    return Piece(curve, end.normal_load, end, slope, bend)
 
 
 def slip_to(
@@ -302,10 +304,10 @@ def slip_to(
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
-        curve = unload_to(curve, min(end.normal - slip_zone_load, curve.top_load))
-    if end.normal <= (curve.top_load if curve is not None else 0.0):
+        curve = unload_to(curve, min(end.normal_load - slip_zone_load, curve.top_load))
+    if end.normal_load <= (curve.top_load if curve is not None else 0.0):
         return curve
-    return Piece(curve, end.normal, end, direction * friction)
+    return Piece(curve, end.normal_load, end, direction * friction)
 
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
@@ -339,7 +341,7 @@ def slip_combination_on_piece(
             time_of_load_on_arc(piece, eta),
             piece.anchor.time,
         )
-    step = np.asarray(eta, dtype=float) - piece.anchor.normal
+    step = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 

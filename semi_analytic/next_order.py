@@ -17,7 +17,7 @@ from dataclasses import replace
 from typing import Any
 
 from scenes import BodyEffects, Estimate
-from scenes.body_effects import ZERO
+from scenes.body_effects import ZERO_ESTIMATE
 from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
@@ -95,16 +95,16 @@ def uncertain_fraction_of_tilt_and_strain(change_by_curvatures: float, ratio: fl
 
 def with_one_group_alone(effects: BodyEffects, name_of_group: str) -> BodyEffects:
     """The effects without tilt and bulk strain, and with one group of `CURVATURES` alone."""
-    other_effects: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO)
+    other_effects: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     for name_of_other_group, names in CURVATURES.items():
         if name_of_other_group != name_of_group:
-            other_effects |= dict.fromkeys(names, ZERO)
+            other_effects |= dict.fromkeys(names, ZERO_ESTIMATE)
     return replace(effects, **other_effects)
 
 
 def without_next_order(effects: BodyEffects) -> BodyEffects:
     """The effects without the fourth order."""
-    next_order: dict[str, Any] = dict.fromkeys(NEXT_ORDER, ZERO)
+    next_order: dict[str, Any] = dict.fromkeys(NEXT_ORDER, ZERO_ESTIMATE)
     return replace(effects, **next_order)
 
 

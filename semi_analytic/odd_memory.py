@@ -76,8 +76,8 @@ _PANELS_OF_STROKE_END = 80
 # A stroke ends smoothly where the rate of s Q - f P is below this fraction of its largest in the
 # span.
 _RATE_SHARE_AT_REST = 1e-6
-# Fraction of the next order: see `OddWork.added_work`. Beyond the largest ratio grids differ from
-# the second order by up to several times W.
+# Fraction of the next order: see `SecondOrderWork.added_work`. Beyond the largest ratio grids
+# differ from the second order by up to several times W.
 _FACTOR_OF_NEXT_ORDER = 0.5
 _LARGEST_ONE_SIDED_RATIO = 0.8
 # Segments of a path at most: each takes a millisecond.
@@ -91,7 +91,7 @@ _LEAST_STICK_RATIO = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class OddWork:
+class SecondOrderWork:
     """Friction work of a cycle that tilt and bulk strain add: o . matrix o, o = (alpha_P, alpha_Q,
     e_P, e_Q), their values per normal and per tangential load.
 
@@ -155,7 +155,7 @@ class DeclinedError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class OddAnswer:
+class SecondOrderAnswer:
     """What tilt and bulk strain of the bodies change in a half-plane contact along a load path.
 
     Attributes
@@ -168,7 +168,8 @@ class OddAnswer:
         (alpha_P, alpha_Q, e_P, e_Q), (4,) [thickness per force]
     works
         friction work that they add in each cycle up to the steady one, or in a path without cycle;
-        with the uncertainty of `OddWork.added_work` and of these values [energy per thickness]
+        with the uncertainty of `SecondOrderWork.added_work` and of these values [energy per
+        thickness]
     """
 
     history: History
@@ -201,18 +202,20 @@ class OddAnswer:
             times_in_segment = np.clip(
                 path_time[is_inside] - span.delay, span.begin.time, span.end.time
             )
-            contact_vectors, stick_vectors = centre_vectors(span, self.radius, times_in_segment)
-            contact_centres[is_inside] = contact_vectors @ self.tilt_and_strain_per_load
-            stick_centres[is_inside] = stick_vectors @ self.tilt_and_strain_per_load
+            contact_coefficients, stick_coefficients = centre_coefficients(
+                span, self.radius, times_in_segment
+            )
+            contact_centres[is_inside] = contact_coefficients @ self.tilt_and_strain_per_load
+            stick_centres[is_inside] = stick_coefficients @ self.tilt_and_strain_per_load
         return contact_centres, stick_centres
 
 
-def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
+def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, to the
-    second order in both; with the history by which `OddAnswer.centres` finds the centres of contact
-    and stick.
+    second order in both; with the history by which `SecondOrderAnswer.centres` finds the centres of
+    contact and stick.
 
-    Tilt and strain make tractions that are odd in x (hence the name), so that work has no first
+    Tilt and strain make tractions that are odd in x, so that work has no first
     order in them. It is a quadratic form of the tilt and the strain per load, which are among the
     `effects`. Stick and slip are those of half-planes along the load path.
 
@@ -241,14 +244,14 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
     for spans, span_before, next_span in _cycles_with_neighbours(history):
-        quadratic_form = odd_work(spans, profile.radius, modulus, span_before, next_span)
+        quadratic_form = second_order_work(spans, profile.radius, modulus, span_before, next_span)
         work = quadratic_form.added_work(tilt_and_strain_per_load)
         absolute_values = np.abs(tilt_and_strain_per_load)
         error_by_effects = 2 * float(
             absolute_values @ np.abs(quadratic_form.matrix) @ uncertainties
         )
         works.append(Estimate(work.value, work.uncertainty + error_by_effects))
-    return OddAnswer(history, profile.radius, tilt_and_strain_per_load, tuple(works))
+    return SecondOrderAnswer(history, profile.radius, tilt_and_strain_per_load, tuple(works))
 
 
 def _cycles_with_neighbours(
@@ -271,13 +274,13 @@ def _cycles_with_neighbours(
         earlier_spans = spans
 
 
-def odd_work(
+def second_order_work(
     spans: Sequence[Span],
     radius: float,
     modulus: float,
     span_before: Span | None,
     next_span: Span | None,
-) -> OddWork:
+) -> SecondOrderWork:
     """Friction work that tilt and bulk strain add in a cycle, or in a whole path: quadratic form
     over o = (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load.
 
@@ -302,14 +305,14 @@ def odd_work(
         coarse_matrix = strokes.matrix(_GAUSS_POINTS // 2, _PANELS_OF_STROKE_END // 2)
     except DeclinedError as reason:
         unknown_matrix = np.full((4, 4), np.nan)
-        return OddWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
+        return SecondOrderWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
     one_sided_ratios = [
         ratios for span in spans for ratios in _one_sided_slip_ratios(span, radius, modulus)
     ]
-    return OddWork(fine_matrix, coarse_matrix, tuple(one_sided_ratios))
+    return SecondOrderWork(fine_matrix, coarse_matrix, tuple(one_sided_ratios))
 
 
-def centre_vectors(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
+def centre_coefficients(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     """Centres of contact and of the stick zone of a parabola at times (n,) of a span, to the first
     order, as coefficients (n, 4) each: the place is c . (alpha_P, alpha_Q, e_P, e_Q) [length].
 
@@ -317,13 +320,13 @@ def centre_vectors(span: Span, radius: float, time: Array) -> tuple[Array, Array
     are one; the second is NaN where all of the contact slips. `radius` is R of the parabola.
     """
     normal_load, tangential_load = span.segment.loads(time)
-    contact_vectors = -radius * _tilt_vectors(normal_load, tangential_load)
+    contact_coefficients = -radius * _tilt_coefficients(normal_load, tangential_load)
     if not span.direction:
-        return contact_vectors, contact_vectors
+        return contact_coefficients, contact_coefficients
     if span.sticking_piece is None:
-        return contact_vectors, np.full(contact_vectors.shape, np.nan)
+        return contact_coefficients, np.full(contact_coefficients.shape, np.nan)
     stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slip_zone_load(time), radius)
-    return contact_vectors, contact_vectors + stick_edge.centre_distance(radius)
+    return contact_coefficients, contact_coefficients + stick_edge.centre_distance(radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -369,20 +372,20 @@ class _Strokes:
         """
         for span in self.spans:
             piece = span.sticking_piece
-            if span.direction or piece is None or span.begin.normal == span.end.normal:
+            if span.direction or piece is None or span.begin.normal_load == span.end.normal_load:
                 continue
             if _is_set_by_slip(piece, span.friction):
                 raise DeclinedError("P and Q go along the limit of friction, where one side slips")
 
 
 # ----------------------------------------- tilt and strain by (alpha_P, alpha_Q, e_P, e_Q)
-def _tilt_vectors(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
+def _tilt_coefficients(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
     """Tilt alpha at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q)."""
     zero = np.zeros(np.shape(normal_load))
     return np.stack([np.asarray(normal_load), np.asarray(tangential_load), zero, zero], axis=-1)
 
 
-def _strain_vectors(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
+def _strain_coefficients(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
     """Bulk strain eps at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q, e_P,
     e_Q).
     """
@@ -390,7 +393,7 @@ def _strain_vectors(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array
     return np.stack([zero, zero, np.asarray(normal_load), np.asarray(tangential_load)], axis=-1)
 
 
-def _equivalent_tilt_vectors(
+def _equivalent_tilt_coefficients(
     friction: float, direction: int, normal_load: ArrayLike, tangential_load: ArrayLike
 ) -> Array:
     """a_s = f alpha - s eps at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q,
@@ -398,16 +401,16 @@ def _equivalent_tilt_vectors(
 
     f p - s q is the pressure of a frictionless contact under the load f P - s Q and this tilt.
     """
-    return friction * _tilt_vectors(normal_load, tangential_load) - direction * _strain_vectors(
+    return friction * _tilt_coefficients(
         normal_load, tangential_load
-    )
+    ) - direction * _strain_coefficients(normal_load, tangential_load)
 
 
-def _quadratic_form(weights: Array, left_vectors: Array, right_vectors: Array) -> Array:
+def _quadratic_form(weights: Array, left_coefficients: Array, right_coefficients: Array) -> Array:
     """Symmetric matrix (4, 4) of the sum over n of weight (left . o) (right . o): weights (n,),
     vectors (n, 4).
     """
-    form = np.einsum("n,ni,nj->ij", weights, left_vectors, right_vectors)
+    form = np.einsum("n,ni,nj->ij", weights, left_coefficients, right_coefficients)
     return np.asarray((form + form.T) / 2)
 
 
@@ -441,7 +444,7 @@ class _StickEdge:
         """D, the centre of stick minus that of contact, as coefficients (n, 4) of (alpha_P,
         alpha_Q, e_P, e_Q) [length]; `radius` is R of the parabola.
         """
-        return np.asarray(radius * _tilt_vectors(*self.loads_since_set) + self.centre_shift)
+        return np.asarray(radius * _tilt_coefficients(*self.loads_since_set) + self.centre_shift)
 
 
 def _stick_edge_at(
@@ -467,7 +470,7 @@ def _stick_edge_at(
         # It was set at P = P_c, Q = M(P_c), and s M(P_c) - f P_c is s Q - f P now.
         tangential_load_since_set = span.direction * span.friction * slip_zone_load
         loads_since_set = (slip_zone_load, tangential_load_since_set)
-    equivalent_tilt_since_set = _equivalent_tilt_vectors(
+    equivalent_tilt_since_set = _equivalent_tilt_coefficients(
         span.friction, span.direction, *loads_since_set
     )
     centre_shift = -radius * equivalent_tilt_since_set / steepness[:, None]
@@ -487,7 +490,7 @@ def _loads_when_set(piece: Piece, friction: float, eta: Array) -> tuple[Array, A
     """
     if _is_set_by_slip(piece, friction):
         ones = np.ones(np.shape(eta))
-        return piece.anchor.normal * ones, piece.anchor.tangential * ones
+        return piece.anchor.normal_load * ones, piece.anchor.tangential_load * ones
     return eta, force_on_piece(piece, eta)
 
 
@@ -544,7 +547,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
     minus_equivalent_load = slip_combination(span.direction, span.friction)  # s Q - f P = -N
     load_fall_rate = np.asarray(span.segment.rate_of(minus_equivalent_load, time))  # -N'
-    equivalent_tilt_rate = _equivalent_tilt_vectors(
+    equivalent_tilt_rate = _equivalent_tilt_coefficients(
         span.friction, span.direction, *span.segment.rates(time)
     )
     distance = stick_edge.centre_distance(radius)
@@ -560,8 +563,8 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     eta = stick_edge.load - slip_zone_load
     memory_slope = piece_at_edge.slope_at(eta)
     ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
-    tilt_by_eta = _tilt_vectors(ones, memory_slope)
-    strain_by_eta = _strain_vectors(ones, memory_slope)
+    tilt_by_eta = _tilt_coefficients(ones, memory_slope)
+    strain_by_eta = _strain_coefficients(ones, memory_slope)
     # dM/d eta dalpha/d eta - deps/d eta
     equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
@@ -603,13 +606,13 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
         return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
     # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
     time = np.array([span.begin.time])
-    slip_zone_load = span.begin.normal - np.array([outer_piece.bottom_load])
+    slip_zone_load = span.begin.normal_load - np.array([outer_piece.bottom_load])
     eta = np.array([outer_piece.bottom_load])
     stick_centres = []
     steepness_of_sides = []
     for piece in (outer_piece, inner_piece):
         stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
-        centre_when_set = -radius * _tilt_vectors(*_loads_when_set(piece, span.friction, eta))
+        centre_when_set = -radius * _tilt_coefficients(*_loads_when_set(piece, span.friction, eta))
         stick_centres.append(centre_when_set + stick_edge.centre_shift)
         steepness_of_sides.append(float(stick_edge.steepness[0]))
     outer_steepness, inner_steepness = steepness_of_sides
@@ -639,14 +642,14 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     begin = span.begin
     top_of_sticking_piece = span.sticking_piece.top_load if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
-        load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal, begin.normal)
+        load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal_load, begin.normal_load)
         if piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
         is_point = piece.top_load - piece.bottom_load <= load_tolerance
         if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
-        normal_change = begin.normal - piece.anchor.normal
-        tangential_change = begin.tangential - piece.anchor.tangential
+        normal_change = begin.normal_load - piece.anchor.normal_load
+        tangential_change = begin.tangential_load - piece.anchor.tangential_load
         earlier_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
         if (
             abs(normal_change) > load_tolerance
@@ -663,14 +666,14 @@ class _SmoothEnd:
 
     Attributes
     ----------
-    load, edge_load
+    load, stick_edge_load
         P and the load P_c at the stick edge, at that instant [force per thickness]
     tilt_rate_form
         R a_s'^2/N'' as a matrix (4, 4) over (alpha_P, alpha_Q, e_P, e_Q)
     """
 
     load: float
-    edge_load: float
+    stick_edge_load: float
     tilt_rate_form: Array
 
     def loads_left(self, n_panels: int) -> tuple[Array, Array]:
@@ -678,7 +681,7 @@ class _SmoothEnd:
         T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P. DeclinedError where
         almost nothing sticks, c/a below 1e-3.
         """
-        stick_ratio = float(np.sqrt(self.edge_load / self.load))
+        stick_ratio = float(np.sqrt(self.stick_edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
             raise DeclinedError("all but the middle of the contact slides")
         panels = loads_left_at_stroke_end(stick_ratio, n_panels)
@@ -687,12 +690,14 @@ class _SmoothEnd:
         return eta, 2 * self.load * panels.force * panels.width / panels.half_width
 
 
-def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:
+def _smooth_end(
+    span: Span, time: float, stick_edge_load: float, radius: float
+) -> _SmoothEnd | None:
     """The smooth end of a stroke of slip in the direction s, at a `time` of the load segment of a
     span; None where the stroke ends at a vertex of the load path, or nothing has slipped.
 
     At a smooth end the rate of s Q - f P vanishes and changes its sign, so that slip stops without
-    a jump of the rates of the loads. `edge_load` is the load at the stick edge there; `radius` is R
+    a jump of the rates of the loads. `stick_edge_load` is P_c there; `radius` is R
     of the parabola.
     """
     segment = span.segment
@@ -704,7 +709,7 @@ def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _Sm
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
     load = float(segment.loads(time)[0])
-    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or edge_load >= load * (
+    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= load * (
         1 - _EQUALITY_TOLERANCE
     ):
         return None
@@ -714,8 +719,8 @@ def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _Sm
     second_rate = (rate_before - rate_after) / (2 * time_step)  # N'', of N = f P - s Q
     if second_rate <= 0:
         return None
-    tilt_rate = _equivalent_tilt_vectors(span.friction, span.direction, *segment.rates(time))
-    return _SmoothEnd(load, edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate))
+    tilt_rate = _equivalent_tilt_coefficients(span.friction, span.direction, *segment.rates(time))
+    return _SmoothEnd(load, stick_edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate))
 
 
 def _smooth_end_at_anchor(
@@ -740,8 +745,8 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this integral;
     `radius` is R of the parabola.
     """
-    edge_load = span.end.normal - float(span.slip_zone_load(span.end.time))
-    smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
+    stick_edge_load = span.end.normal_load - float(span.slip_zone_load(span.end.time))
+    smooth_end = _smooth_end(span, span.end.time, stick_edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
@@ -764,9 +769,9 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     if smooth_end is None:
         return np.zeros((4, 4))
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
-    edge_load_at_end = span.end.normal - float(span.slip_zone_load(span.end.time))
-    edge_load_at_begin = span.begin.normal - float(span.slip_zone_load(span.begin.time))
-    is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
+    stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
+    stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
+    is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
     # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
     combination = slip_combination(span.direction, span.friction)
@@ -822,5 +827,5 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
         edge_function_over_rate = ratio_of_edge_functions / np.maximum(
             combination_rate, np.finfo(float).tiny
         )
-        tilt_rate = _equivalent_tilt_vectors(span.friction, direction, *load_rates)
+        tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *load_rates)
         yield np.pi * modulus / 2 * edge_function_over_rate[:, None] * tilt_rate

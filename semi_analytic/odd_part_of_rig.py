@@ -26,7 +26,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 from semi_analytic.driven import DrivenPath
-from semi_analytic.odd_memory import DeclinedError, OddAnswer, odd_answer
+from semi_analytic.odd_memory import DeclinedError, SecondOrderAnswer, second_order_answer
 
 # Instants of a cycle from which harmonics are computed, and harmonics: twice as many change the
 # added work by less than 1e-3 of itself.
@@ -40,14 +40,14 @@ _EQUALITY_TOLERANCE = 1e-9
 _LEAST_AMPLITUDE_SHARE = 1e-7
 
 
-def odd_answer_of_rig(
+def second_order_answer_of_rig(
     scene: Scene, effects: BodyEffects, driven_path: DrivenPath, last_cycle: slice
-) -> OddAnswer:
+) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
     the second order in both, and the centres of contact and stick.
 
     Tilt and strain are the bodies' odd effects: they make tractions that are odd in x. The answer
-    is that of `odd_memory.odd_answer` under the loads of the cycle.
+    is that of `odd_memory.second_order_answer` under the loads of the cycle.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ def odd_answer_of_rig(
     ------
     DeclinedError
         Where the bodies slide as a whole, or part; where the loads of the cycle are constant, or
-        one side of the contact slips alone under them (`odd_answer` has the other cases).
+        one side of the contact slips alone under them (`second_order_answer` has the other cases).
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise DeclinedError("the bodies part")
     # The slide of a row is that of the step before it: the first row's is not of this cycle.
     if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         raise DeclinedError("the bodies slide as a whole")
-    return odd_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
+    return second_order_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
 
 
 def loads_of_cycle(

@@ -121,26 +121,26 @@ def fretting_map(
             load_or_approach=load_factor * rows.load_or_approach,
             displacement=stroke_factor * rows.displacement,
         )
-        history = rig.follow_rows(scaled_rows)
-        cycle_number = history.first_steady_cycle
+        driven_path = rig.driven_path_of_rows(scaled_rows)
+        cycle_number = driven_path.first_steady_cycle
         if cycle_number is None:
             raise InputError(
                 f"fretting_map: no steady cycle among the first {cycles} with stroke ="
                 f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
-        first_row = history.ends[cycle_number]
-        rows_of_cycle = slice(first_row, history.ends[cycle_number + 1] + 1)
-        slides_of_cycle = slides_of(history, rows_of_cycle)
+        first_row = driven_path.end_rows[cycle_number]
+        rows_of_cycle = slice(first_row, driven_path.end_rows[cycle_number + 1] + 1)
+        slides_of_cycle = slides_of(driven_path, rows_of_cycle)
         regime = Regime.PARTIAL
         if slides_of_cycle:
             regime = Regime.GROSS
-        elif slides_of(history, slice(0, first_row + 1)):
+        elif slides_of(driven_path, slice(0, first_row + 1)):
             regime = Regime.MIXED
         regimes[index_in_map] = regime
-        dissipation[index_in_map] = history.work(rows_of_cycle)
+        dissipation[index_in_map] = driven_path.work(rows_of_cycle)
         slide_distances[index_in_map] = sum(abs(slide.distance) for slide in slides_of_cycle)
         largest_forces[index_in_map] = np.max(
-            np.abs(history.followed_path.tangential_load[rows_of_cycle])
+            np.abs(driven_path.followed_path.tangential_load[rows_of_cycle])
         )
     return FrettingMap(
         read_only_copy(regimes, np.int8),

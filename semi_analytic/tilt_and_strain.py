@@ -22,14 +22,14 @@ import numpy as np
 
 from scenes import BodyEffects, Combination, Estimate, InputError, LoadSegment, Scene
 from scenes.array_types import Array
-from scenes.body_effects import ZERO
+from scenes.body_effects import ZERO_ESTIMATE
 from semi_analytic.answer import Question
 from semi_analytic.answer_by_memory import findings_by_memory
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.grid import GridRequest, cycle_works, edges_along
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, odd_answer
+from semi_analytic.grid import GridRequest, contact_edges_along, cycle_works
+from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, second_order_answer
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.
@@ -105,9 +105,9 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
         than 60 segments, a profile that bends down somewhere, a grid that does not converge.
     """
     if checked_effects(effects) is None:
-        return ZERO
+        return ZERO_ESTIMATE
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
-        return ZERO
+        return ZERO_ESTIMATE
     if scene.unsymmetric:
         raise InputError(
             "effects: their tilt and bulk strain are not taken beside bulk stress, tilt or unequal"
@@ -144,7 +144,7 @@ def _change_by_second_order(scene: Scene, effects: BodyEffects, work: float) -> 
     half-planes [energy per thickness].
     """
     try:
-        added_work = odd_answer(scene, effects).works[-1]
+        added_work = second_order_answer(scene, effects).works[-1]
     except DeclinedError:
         return None
     return Estimate(added_work.value / work, added_work.uncertainty / work)
@@ -175,7 +175,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         )
     path_loads, contact = path_loads_and_contact(scene)
     loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
-    no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO)
+    no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     effects_without = replace(effects, **no_tilt_nor_strain)
     loads_with_and_without = [
         FollowingLoads(**loads_of_scene, effects=effects),
@@ -183,7 +183,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     ]
     # One range of x for both, so that the errors of their grids cancel.
     contact_edges = np.concatenate(
-        [edges_along(loads, contact) for loads in loads_with_and_without]
+        [contact_edges_along(loads, contact) for loads in loads_with_and_without]
     )
     range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
     work_with, work_without = (

@@ -251,7 +251,7 @@ class Punches:
 def _slope_on(piece):
     """M' as a function of eta on a piece of the engine's curve."""
     leg = piece.anchor.segment
-    anchor = LONG(piece.anchor.normal)
+    anchor = LONG(piece.anchor.normal_load)
     if piece.arc is None:
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
     if leg.ellipse:

@@ -31,7 +31,7 @@ def peak(count: int) -> float:
     which carry all of P.
     """
     solution = dense_grid.follow_instants(parabola, (-1.25, 1.25), count, F, [P], [0.0])
-    assert solution.step * np.sum(solution.pressure) == pytest.approx(P, rel=1e-12)
+    assert solution.cell_width * np.sum(solution.pressure) == pytest.approx(P, rel=1e-12)
     return abs(solution.pressure.max() / 0.5 - 1)
 
 
@@ -93,7 +93,7 @@ def on_grid(name: str, beta: float, cells: int = 100, increments: int = 20) -> t
     loads = np.concatenate([part**2 * np.array(initial[0]), *along(*initial), *cycle, *cycle]).T
     extent = (-half, half)
     friction = scene.friction.coefficient
-    reference_keys = {"modulus": modulus, "dundurs": beta}
+    reference_keys = {"modulus": modulus, "dundurs_beta": beta}
     solution = dense_grid.follow_instants(
         lambda x: parabola(x) / scene.profile.radius,
         extent,

@@ -257,7 +257,7 @@ def driven_as(found: FiniteElementSolution, contact: RiggedScene) -> DrivenPath:
     cycle = found.last_cycle
     ends = (int(cycle[0]), int(cycle[-1]))
     rows = ActuatorRows(found.time, found.normal_load, found.tangential_displacement, ends)
-    driven = contact.follow_rows(rows)
+    driven = contact.driven_path_of_rows(rows)
     force = np.interp(found.time, driven.time, driven.followed_path.tangential_load)[cycle]
     expected = found.tangential_load[cycle]
     assert np.max(np.abs(force - expected)) < 2e-3 * np.ptp(expected)

@@ -22,8 +22,8 @@ from reports.studies.maps.errors import (
     Row,
     Way,
     compute_missing_rows,
-    distances_and_indices,
     distances_in,
+    distances_of,
     points_of,
     row_of,
     rows_in,
@@ -87,7 +87,7 @@ def test_heights_are_where_the_error_is_the_level(monkeypatch: pytest.MonkeyPatc
     errors._row_by_kernels.cache_clear()
     kind = KINDS["block"]
     rows = [of_square_law(kind, place, "kernels") for place in kind.places(kind.heights)]
-    distances = distances_and_indices(kind, rows, silent)
+    distances = distances_of(kind, rows, silent)
     errors._row_by_kernels.cache_clear()
     assert len(distances) == len(kind.widths) * 3 * len(LEVELS)
     for distance in distances:
@@ -95,18 +95,16 @@ def test_heights_are_where_the_error_is_the_level(monkeypatch: pytest.MonkeyPatc
         expected = height if height > kind.heights[0] else 0.0
         assert distance.height == pytest.approx(expected, rel=5e-3)
     never = [row._replace(errors=dict.fromkeys(QUANTITIES, Estimate(0.5, 0.0))) for row in rows]
-    assert {distance.height for distance in distances_and_indices(kind, never, silent)} == {
-        math.inf
-    }
+    assert {distance.height for distance in distances_of(kind, never, silent)} == {math.inf}
     unknown = dict.fromkeys(QUANTITIES, Estimate(math.nan, math.nan))
     small = dict.fromkeys(QUANTITIES, Estimate(1e-3, 0.0))
     lowest_unknown = [
         row._replace(errors=unknown if row.place.height == kind.heights[0] else small)
         for row in rows
     ]
-    distances = distances_and_indices(kind, lowest_unknown, silent)
+    distances = distances_of(kind, lowest_unknown, silent)
     assert {distance.height for distance in distances} == {kind.heights[1]}
-    assert {distance.quantity for distance in distances_and_indices(KINDS["pad"], [], silent)} == {
+    assert {distance.quantity for distance in distances_of(KINDS["pad"], [], silent)} == {
         "dissipation",
         "peak_pressure",
     }

@@ -85,8 +85,8 @@ def test_stick_zones_at_constant_load_by_grid_and_by_solve(force, strain, edges,
         3.0,
         *(np.linspace(0, value, 9) for value in (force, strain)),
     )
-    assert grid.edges(-1) == pytest.approx((-A0, A0), abs=grid.step)
-    assert grid.edges(-1, stick=True) == pytest.approx(edges, abs=grid.step)
+    assert grid.edges(-1) == pytest.approx((-A0, A0), abs=grid.cell_width)
+    assert grid.edges(-1, stick=True) == pytest.approx(edges, abs=grid.cell_width)
     x = [edges[0] - 0.1, sum(edges) / 2, edges[1] + 0.1]
     solution = solve(
         fretting(strain, q=force), x=x, time=2.0, fields=("state", "shear", "pressure")
@@ -1299,7 +1299,7 @@ def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sti
 
 
 def test_a_cell_that_opens_does_not_stick_though_it_does_not_slip():
-    grid = SimpleNamespace(x=np.array([[-1.0, 0.0, 1.0, 2.0]]), step=1.0)
+    grid = SimpleNamespace(x=np.array([[-1.0, 0.0, 1.0, 2.0]]), cell_width=1.0)
     state = np.ones((3, 1, 4), dtype=int)
     state[1, 0, 3] = OPEN
     slip = np.zeros((3, 1, 4))

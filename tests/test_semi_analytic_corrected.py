@@ -131,7 +131,9 @@ def brute_work(history: str, effects: BodyEffects, count: int = ROWS, cells: int
     contact = CellContact(compliance, 1.3 * half_width, cells)
     loads, last = rows_of(scene, count)
     bend = corrected.curvatures_of(effects)
-    curvatures = np.stack([bend.of_gap(*loads.T), bend.of_faces(*loads.T)], axis=1)
+    curvatures = np.stack(
+        [bend.gap_curvature_under(*loads.T), bend.face_curvature_under(*loads.T)], axis=1
+    )
     height = contact.x**2 / (2 * RADIUS)
     steps = contact.follow(height, scene.friction.coefficient, loads, curvatures)
     return float(np.sum(steps.work[-last:]))
@@ -220,7 +222,9 @@ def test_tractions_slip_and_work_change_as_brute_force_finds(
     solution = semi_analytic.solve(scene, x=contact.x, time=time, effects=effects)
     plain = semi_analytic.solve(scene, x=contact.x, time=time)
     bend = corrected.curvatures_of(effects)
-    curvatures = np.stack([bend.of_gap(*loads.T), bend.of_faces(*loads.T)], axis=1)
+    curvatures = np.stack(
+        [bend.gap_curvature_under(*loads.T), bend.face_curvature_under(*loads.T)], axis=1
+    )
     fourths = loads * np.array([effects.normal_fourth.value, effects.tangential_fourth.value])
     height = contact.x**2 / (2 * RADIUS)
     steps, plain_steps = (
@@ -749,10 +753,25 @@ def fresh_change(history: str, effects: BodyEffects) -> float:
 @pytest.mark.parametrize(
     ("method", "fault", "history", "bend"),
     [
-        ("of_faces", lambda bend, p, q: -bend.tangential * q, "cycle .6 .8", "tangential"),
-        ("of_gap", lambda bend, p, q: -bend.normal * p, "paper", "normal"),
-        ("of_gap", lambda bend, p, q: bend.normal * np.mean(p) + 0 * p, "paper", "normal"),
-        ("of_faces", lambda bend, p, q: 0 * q, "ellipse .3", "tangential under pressure"),
+        (
+            "face_curvature_under",
+            lambda bend, p, q: -bend.tangential * q,
+            "cycle .6 .8",
+            "tangential",
+        ),
+        ("gap_curvature_under", lambda bend, p, q: -bend.normal * p, "paper", "normal"),
+        (
+            "gap_curvature_under",
+            lambda bend, p, q: bend.normal * np.mean(p) + 0 * p,
+            "paper",
+            "normal",
+        ),
+        (
+            "face_curvature_under",
+            lambda bend, p, q: 0 * q,
+            "ellipse .3",
+            "tangential under pressure",
+        ),
     ],
     ids=["sign of T", "sign of N", "history of kn forgotten", "T_P forgotten"],
 )

@@ -242,9 +242,12 @@ def drop_history(monkeypatch):
     def forgetful(curve, legs, friction, delay):
         if curve is not None:
             end = curve.anchor
-            leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal, end.tangential))
+            leg = StraightSegment(-1.0, 0.0, (0.0, 0.0), (end.normal_load, end.tangential_load))
             curve = Piece(
-                None, end.normal, end._replace(segment=leg, time=0.0), end.tangential / end.normal
+                None,
+                end.normal_load,
+                end._replace(segment=leg, time=0.0),
+                end.tangential_load / end.normal_load,
             )
         return spans_along(curve, legs, friction, delay)
 

@@ -17,7 +17,12 @@ from scenes import BodyEffects, Estimate, Scene, load_scene
 from semi_analytic import odd_memory
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, history_of
-from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, OddWork, odd_work
+from semi_analytic.odd_memory import (
+    TILT_AND_STRAIN_NAMES,
+    DeclinedError,
+    SecondOrderWork,
+    second_order_work,
+)
 from semi_analytic.tilt_and_strain import _change_by_grids
 
 RADIUS = 1.0
@@ -73,13 +78,13 @@ def history_of_scene(scene: Scene) -> History:
     return history_of(scene.load.path(), scene.friction.coefficient, 3)
 
 
-def form_of(scene: Scene) -> OddWork:
+def form_of(scene: Scene) -> SecondOrderWork:
     """Of the steady cycle."""
     history = history_of_scene(scene)
     assert history.steady_from is not None
     spans = history.cycles[history.steady_from]
     modulus = composite_modulus(scene.material)
-    return odd_work(spans, RADIUS, modulus, spans[-1], spans[0])
+    return second_order_work(spans, RADIUS, modulus, spans[-1], spans[0])
 
 
 def work_of(scene: Scene) -> float:
@@ -264,9 +269,9 @@ FAULTS = {
     "odd part left out": ("_work_in_span", lambda *_: np.zeros((4, 4)), strain_in_phase),
     "end of strokes dropped": ("_work_at_stroke_end", lambda *_: np.zeros((4, 4)), follower),
     "what ends leave dropped": ("_work_at_passed_end", lambda *_: np.zeros((4, 4)), follower),
-    "sign of the tilt under shear": ("_tilt_vectors", lambda p, q: tilt(p, -q), follower),
+    "sign of the tilt under shear": ("_tilt_coefficients", lambda p, q: tilt(p, -q), follower),
 }
-tilt = odd_memory._tilt_vectors
+tilt = odd_memory._tilt_coefficients
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -285,6 +290,6 @@ def test_a_history_that_starts_amid_the_cycle_is_seen() -> None:
     modulus = composite_modulus(scene.material)
     first, second = history.cycles[0], history.cycles[1]
     numbers = np.array(DIRECTIONS["both"])
-    steady = odd_work(second, RADIUS, modulus, first[-1], second[0]).matrix
-    begun = odd_work(first, RADIUS, modulus, history.loading[-1], second[0]).matrix
+    steady = second_order_work(second, RADIUS, modulus, first[-1], second[0]).matrix
+    begun = second_order_work(first, RADIUS, modulus, history.loading[-1], second[0]).matrix
     assert numbers @ steady @ numbers != pytest.approx(numbers @ begun @ numbers, rel=0.03)

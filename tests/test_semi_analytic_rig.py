@@ -28,7 +28,7 @@ from scenes import (
     load_scene,
     rig_names,
 )
-from scenes.body_effects import ZERO
+from scenes.body_effects import ZERO_ESTIMATE
 from semi_analytic import answer_of_rig, corrected
 from semi_analytic.answer_of_rig import rigged_scene
 from semi_analytic.corrected_memory import PunchTable, area_of_loop
@@ -79,7 +79,9 @@ def followed_path(
     )
     rows = ActuatorRows(time, load, displacement, (len(time) - 1,))
     table = PunchTable(CONTACT, MODULUS, 1.02 * math.sqrt(max(load)))
-    compliance = Compliance(unit_compliance=UNIT, datum_length=DATUM, tangential_spring=spring)
+    compliance = Compliance(
+        unit_compliance=UNIT, datum_length=DATUM, tangential_spring_compliance=spring
+    )
     return follow_actuator(table, friction, compliance, rows)
 
 
@@ -409,7 +411,7 @@ def test_the_moment_is_in_the_movements_under_given_loads() -> None:
     scene = tilting(load_scene("hertz-paper").load, Rig()).vary(friction=1.0)
     fields = ("tangential_displacement", "normal_approach")
     tilted = semi_analytic.solve(scene, x=[0.0], effects=TILTED, fields=fields)
-    level = replace(TILTED, tilt_under_shear=ZERO)
+    level = replace(TILTED, tilt_under_shear=ZERO_ESTIMATE)
     straight = semi_analytic.solve(scene, x=[0.0], effects=level, fields=fields)
     load = tilted.normal_load
     force = tilted.tangential_load
@@ -474,7 +476,7 @@ def test_tilt_and_strain_add_to_the_work_what_they_do_under_the_loads_found(
         scene.vary(load=of_loads, rig=Rig()), x=[0.0], effects=TILTED, fields="dissipation"
     )
     assert solution.dissipation == pytest.approx(given.dissipation, rel=tolerance)
-    without = replace(TILTED, tilt_under_shear=ZERO, strain_under_pressure=ZERO)
+    without = replace(TILTED, tilt_under_shear=ZERO_ESTIMATE, strain_under_pressure=ZERO_ESTIMATE)
     even = semi_analytic.solve(given.scene, x=[0.0], effects=without, fields="dissipation")
     assert abs(even.dissipation / given.dissipation - 1) > 3 * tolerance
     assert math.isnan(solution.loop_work)
@@ -502,7 +504,7 @@ def test_where_one_side_slips_alone_grids_add_what_tilt_makes(
     """Of the work without it, with the grids' uncertainty; and said."""
     scene = tilting(DRIVEN_WAVE, Rig())
     declined = Mock(side_effect=DeclinedError("one side slips alone"))
-    monkeypatch.setattr(answer_of_rig, "odd_answer_of_rig", declined)
+    monkeypatch.setattr(answer_of_rig, "second_order_answer_of_rig", declined)
     by_grids = Mock(return_value=Estimate(0.1, 0.02))
     monkeypatch.setattr(corrected, "change_by_tilt_and_strain", by_grids)
     fields = ("dissipation",)
@@ -618,7 +620,7 @@ def test_the_stated_error_covers_that_of_the_steps(amplitude: float) -> None:
     )
     solution = semi_analytic.solve(scene, x=[0.0], fields="dissipation")
     fine = rigged_scene(scene, None).follow(2, 12)
-    work = fine.work(slice(fine.ends[1], fine.ends[2] + 1))
+    work = fine.work(slice(fine.end_rows[1], fine.end_rows[2] + 1))
     error = solution.record.errors["dissipation"]
     assert error < 2e-3
     assert solution.dissipation == pytest.approx(work, rel=error)

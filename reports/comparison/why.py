@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import Estimate
-from scenes.body_effects import ZERO
+from scenes.body_effects import ZERO_ESTIMATE
 
 # The main cause is named where the unexplained part is at most a third of it, and where it is at
 # least half of the sum of the sizes of all parts.
@@ -89,7 +89,7 @@ class Why(PythonNumbers):
 
     difference: Estimate
     parts: Mapping[str, Estimate] = field(default_factory=dict)
-    numerical_part: Estimate = ZERO
+    numerical_part: Estimate = ZERO_ESTIMATE
     reason_not_split: str = ""
 
     @property
