@@ -40,7 +40,12 @@ from scenes.array_types import Array, Complex, Indices
 from semi_analytic.answer import checked_numbers
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import path_loads_and_contact
-from semi_analytic.grid import CELLS, INCREMENTS, GridRequest, follow_on_grid
+from semi_analytic.grid import (
+    CELLS_ACROSS_CONTACT,
+    INCREMENTS_PER_CYCLE,
+    GridRequest,
+    follow_on_grid,
+)
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
@@ -446,7 +451,9 @@ def _shears_on_coarse_grids(answers: list[tuple[ContactSolution, int]]) -> list[
             answer.x,
             answer.time[rows],
             GridRequest(
-                most_cycles=max(scene.cycles, 2), cells=CELLS // 2, increments=INCREMENTS // 2
+                most_cycles=max(scene.cycles, 2),
+                cells=CELLS_ACROSS_CONTACT // 2,
+                increments=INCREMENTS_PER_CYCLE // 2,
             ),
         )
         for number, shear in zip(numbers, coarse_path.shear, strict=True):
