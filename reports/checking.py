@@ -534,7 +534,9 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         shape = convex_profile(scene.profile)
-        middle_x, half_width = shape.contact(load / (np.pi * pressure_scale), tilt)
+        middle_x, half_width = shape.contact_centre_and_half_width(
+            load / (np.pi * pressure_scale), tilt
+        )
     except InputError:
         return None
 

@@ -37,17 +37,17 @@ CHEBYSHEV_NODES = np.cos(_ODD_NUMBERS * (np.pi / (2 * _N_TERMS)))
 """Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
 # Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last
 # coefficients.
-_TO_SERIES = np.cos(
+_VALUES_TO_COEFFICIENTS = np.cos(
     np.outer(_ODD_NUMBERS, np.arange(_N_TERMS)) % (4 * _N_TERMS) * (np.pi / (2 * _N_TERMS))
 ) * (2 / _N_TERMS)
-_TO_SERIES[:, 0] /= 2
+_VALUES_TO_COEFFICIENTS[:, 0] /= 2
 
 
-def series(values: ArrayLike) -> Array:
+def chebyshev_coefficients(values: ArrayLike) -> Array:
     """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) from values (..., CHEBYSHEV_DEGREE + 1) at
     `CHEBYSHEV_NODES`.
     """
-    return np.asarray(values, dtype=float) @ _TO_SERIES
+    return np.asarray(values, dtype=float) @ _VALUES_TO_COEFFICIENTS
 
 
 # Equal parts of a piece on each of which its series is a sum of powers about the middle: a fifth of
@@ -57,16 +57,18 @@ _MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_PIECE) + 1) / _PARTS_OF_PIECE - 1
 
 
 @cache
-def _to_parts() -> Array:
+def _series_to_parts() -> Array:
     """(_PARTS_OF_PIECE, _N_TERMS, _N_TERMS) from the coefficients of a series on [-1, 1] to those
     of the series on each part of it.
     """
     places_of_nodes = _MIDDLES_OF_PARTS[:, None] + CHEBYSHEV_NODES / _PARTS_OF_PIECE
-    return np.asarray(_TO_SERIES.T @ chebyshev.chebvander(places_of_nodes, CHEBYSHEV_DEGREE))
+    return np.asarray(
+        _VALUES_TO_COEFFICIENTS.T @ chebyshev.chebvander(places_of_nodes, CHEBYSHEV_DEGREE)
+    )
 
 
 @cache
-def _to_powers() -> Array:
+def _terms_to_powers() -> Array:
     """(_N_TERMS, _N_TERMS) from the coefficients of a series on a part to those of powers of s on
     [-1/2, 1/2].
     """
@@ -77,13 +79,13 @@ def _to_powers() -> Array:
     return np.asarray(2.0 ** np.arange(_N_TERMS)[:, None] * np.transpose(powers_of_polynomials))
 
 
-class Powers:
+class SeriesAsPowers:
     """Several Chebyshev series, each on its own interval mapped to [-1, 1], converted to sums of
     powers, which take a fifth of the time: `coefficients` (k, n) of n series, k up to
     CHEBYSHEV_DEGREE + 1.
 
     >>> float(
-    ...     Powers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
+    ...     SeriesAsPowers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
     ... )  # T_2 = 2 t^2 - 1
     -0.82
     """
@@ -96,11 +98,11 @@ class Powers:
         highest Chebyshev terms are dropped, where they are round-off on every part of every series.
         """
         # Axes: part, Chebyshev term (a power once converted), series.
-        series_on_parts = _to_parts()[..., : len(coefficients)] @ coefficients
+        series_on_parts = _series_to_parts()[..., : len(coefficients)] @ coefficients
         sizes = np.abs(series_on_parts)
         is_needed = np.any(sizes > 5e-16 * np.max(sizes, axis=(0, 1)), axis=(0, 2))
         n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
-        powers_on_parts = _to_powers()[:n_powers, :n_powers] @ series_on_parts[:, :n_powers]
+        powers_on_parts = _terms_to_powers()[:n_powers, :n_powers] @ series_on_parts[:, :n_powers]
         # (n_powers, n * _PARTS_OF_PIECE): column i * _PARTS_OF_PIECE + j is part j of series i.
         self._power_coefficients = np.moveaxis(powers_on_parts, 0, 2).reshape(n_powers, -1)
 
@@ -134,7 +136,7 @@ def truncation_error(coefficients: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class PiecewiseSeries:
     """A piecewise Chebyshev series: a function on [edges[0], edges[-1]], with one series on each of
     n neighbouring intervals, its pieces.
 
@@ -163,17 +165,17 @@ class Pieces:
         return self._powers(piece, t)
 
     @cached_property
-    def _powers(self) -> Powers:
-        return Powers(self.coefficients)
+    def _powers(self) -> SeriesAsPowers:
+        return SeriesAsPowers(self.coefficients)
 
     @cached_property
-    def derivative(self) -> Pieces:
+    def derivative(self) -> PiecewiseSeries:
         """dF/dx piece by piece; loses about CHEBYSHEV_DEGREE^2 roundings."""
         slope = chebyshev.chebder(self.coefficients) * (2 / np.diff(self.edges))
-        return Pieces(self.edges, np.concatenate([slope, np.zeros((1, slope.shape[1]))]))
+        return PiecewiseSeries(self.edges, np.concatenate([slope, np.zeros((1, slope.shape[1]))]))
 
 
-def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
+def clenshaw_values(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     """Values of several Chebyshev series, one of them at each place t, by Clenshaw's recurrence:
     the sum over k of coefficients[k, number] T_k(t), in the shape of t.
 
@@ -246,7 +248,9 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     return quotient
 
 
-def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
+def piecewise_series_of(
+    function: Function, edges: ArrayLike, scale: float | None = None
+) -> PiecewiseSeries:
     """Approximate a function by a piecewise Chebyshev series to round-off: on the intervals between
     `edges`, halved until each series is accurate.
 
@@ -265,25 +269,27 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
 
     Raises
     ------
-    Unresolved
+    UnresolvedError
         Where halving does not help: noise, a pole, a function that is too rough.
     """
     first_edges = np.asarray(edges, dtype=float)
-    pieces = fitted_by_halving(function, first_edges, scale)
+    pieces = piecewise_series_by_halving(function, first_edges, scale)
     runs_at_corners = _runs_of_short_pieces(pieces, first_edges)
     if not runs_at_corners:
         return pieces
     corners = [_place_of_corner(function, pieces, run) for run in runs_at_corners]
     edges_with_corners = np.union1d(first_edges, corners)
-    pieces = fitted_by_halving(function, edges_with_corners, scale)
+    pieces = piecewise_series_by_halving(function, edges_with_corners, scale)
     runs_at_corners = _runs_of_short_pieces(pieces, edges_with_corners)
     if runs_at_corners:
         first_run_begin, first_run_end = runs_at_corners[0]
-        raise Unresolved(float(pieces.edges[first_run_begin]), float(pieces.edges[first_run_end]))
+        raise UnresolvedError(
+            float(pieces.edges[first_run_begin]), float(pieces.edges[first_run_end])
+        )
     return pieces
 
 
-class Unresolved(ValueError):
+class UnresolvedError(ValueError):
     """A function that piecewise series can't follow between `low` and `high`."""
 
     def __init__(self, low: float, high: float) -> None:
@@ -292,7 +298,9 @@ class Unresolved(ValueError):
         super().__init__(f"too rough between {low:.6g} and {high:.6g}")
 
 
-def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
+def piecewise_series_by_halving(
+    function: Function, edges: Array, scale: ArrayLike | None = None
+) -> PiecewiseSeries:
     """Approximate a function by a piecewise Chebyshev series: intervals whose series is not yet
     accurate to round-off are halved, all of them in each turn, until none is left.
 
@@ -311,7 +319,7 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
 
     Raises
     ------
-    Unresolved
+    UnresolvedError
         Where values are no numbers, or a first interval would be divided into more than 400.
     """
 
@@ -342,7 +350,7 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
     accurate_begins = [begins[:0]]
     accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
     while len(begins):
-        coefficients = series(values)
+        coefficients = chebyshev_coefficients(values)
         n_tried = n_tried + np.bincount(first_interval, minlength=len(n_tried))
         error_limits = np.maximum(
             1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
@@ -355,7 +363,7 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
         )
         if len(unresolved_intervals):
             first = unresolved_intervals[0]
-            raise Unresolved(float(begins[first]), float(ends[first]))
+            raise UnresolvedError(float(begins[first]), float(ends[first]))
         accurate_begins.append(begins[~to_be_halved])
         accurate_series.append(coefficients[~to_be_halved])
 
@@ -369,13 +377,13 @@ def fitted_by_halving(function: Function, edges: Array, scale: ArrayLike | None 
         if len(begins):
             values = values_on(begins, ends)
     ascending = np.argsort(np.concatenate(accurate_begins))
-    return Pieces(
+    return PiecewiseSeries(
         np.append(np.concatenate(accurate_begins)[ascending], edges[-1]),
         np.concatenate(accurate_series)[ascending].T.copy(),
     )
 
 
-def _runs_of_short_pieces(pieces: Pieces, first_edges: Array) -> list[tuple[int, int]]:
+def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[tuple[int, int]]:
     """Runs of neighbouring intervals that halving has left far shorter than the first ones, as it
     does next to a corner: for each run the indices in `pieces.edges` of its begin and its end.
 
@@ -393,7 +401,7 @@ def _runs_of_short_pieces(pieces: Pieces, first_edges: Array) -> list[tuple[int,
     return list(zip(run_begins.tolist(), run_ends.tolist(), strict=True))
 
 
-def _place_of_corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
+def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int, int]) -> float:
     """Place of a corner (jump of the slope) of a function, within a run of very short intervals
     that halving has left next to it.
 
@@ -425,7 +433,7 @@ def _place_of_corner(function: Function, pieces: Pieces, run: tuple[int, int]) -
         """Series of the function from a place on, over the width of a fit."""
         values = function(place + fit_width * (1 + CHEBYSHEV_NODES) / 2)
         return chebyshev.Chebyshev(
-            series(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
+            chebyshev_coefficients(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
         )
 
     left_fit = fit_from(begin - fit_width)

@@ -21,7 +21,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from scenes.array_types import Array, Mask
-from scenes.chebyshev import CHEBYSHEV_DEGREE, Pieces, Unresolved, fit, truncation_error
+from scenes.chebyshev import (
+    CHEBYSHEV_DEGREE,
+    PiecewiseSeries,
+    UnresolvedError,
+    piecewise_series_of,
+    truncation_error,
+)
 
 Function = Callable[[Array], Array]
 
@@ -116,7 +122,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
 
     Raises
     ------
-    Unresolved
+    UnresolvedError
         Where the height is too rough to have a slope.
 
     Examples
@@ -145,7 +151,8 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         # The largest round-off that is expected outside counts as resolved.
         scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
     outer_series, outer_errors = _series_of_height(
-        height_above_middle, fit(height_above_middle, outer_edges, scale_of_fit).edges
+        height_above_middle,
+        piecewise_series_of(height_above_middle, outer_edges, scale_of_fit).edges,
     )
     outer_slope = outer_series.derivative
     all_edges = np.union1d(edges, outer_slope.edges)
@@ -232,7 +239,9 @@ def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -
     return float(samples.series_and_roundoff(heights)[1]) / largest_height
 
 
-def _series_of_height(height_above_middle: Function, edges: Array) -> tuple[Pieces, LoadErrors]:
+def _series_of_height(
+    height_above_middle: Function, edges: Array
+) -> tuple[PiecewiseSeries, LoadErrors]:
     """Chebyshev series of a profile's height by least squares on intervals, and the errors of load
     and stiffness that round-off in the height causes.
 
@@ -247,7 +256,7 @@ def _series_of_height(height_above_middle: Function, edges: Array) -> tuple[Piec
 
     Raises
     ------
-    Unresolved
+    UnresolvedError
         Where the height is too rough to have a slope.
     """
     samples = _samples(_SAMPLES_OF_INTERVAL)
@@ -256,13 +265,13 @@ def _series_of_height(height_above_middle: Function, edges: Array) -> tuple[Piec
     coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
     is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
-    height_series = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+    height_series = PiecewiseSeries(edges, np.where(is_significant, coefficients, 0.0).T.copy())
     coefficient_error = _STATED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
     return height_series, _errors_of_loads(height_series, is_significant, coefficient_error)
 
 
 def _errors_of_loads(
-    height_series: Pieces, is_significant: Mask, coefficient_error: Array
+    height_series: PiecewiseSeries, is_significant: Mask, coefficient_error: Array
 ) -> LoadErrors:
     """Largest relative errors of the load P(a) and of the stiffness dP/da that come from round-off
     in the coefficients of a height's Chebyshev series.
@@ -285,7 +294,7 @@ def _errors_of_loads(
 
     Raises
     ------
-    Unresolved
+    UnresolvedError
         Where the load has a relative error above 1e-7.
     """
     edges = height_series.edges
@@ -314,7 +323,9 @@ def _errors_of_loads(
     rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_LOAD_ERROR)
     if len(rough_intervals):
         first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
-        raise Unresolved(float(edges[first_rough_interval]), float(edges[first_rough_interval + 1]))
+        raise UnresolvedError(
+            float(edges[first_rough_interval]), float(edges[first_rough_interval + 1])
+        )
     relative_stiffness_error = stiffness_error[has_slope] / half_lengths[has_slope] / least_load
     return LoadErrors(
         float(np.max(relative_load_error, initial=0.0)),

@@ -21,7 +21,13 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from scenes.array_types import Array
-from scenes.chebyshev import CHEBYSHEV_NODES, Unresolved, fit, function_of_arrays, series
+from scenes.chebyshev import (
+    CHEBYSHEV_NODES,
+    UnresolvedError,
+    chebyshev_coefficients,
+    function_of_arrays,
+    piecewise_series_of,
+)
 from scenes.column_names import aliases_of, normalised_name
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
@@ -1348,8 +1354,10 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         # Twice, so that the corners of each function are ends of intervals for all.
         for name, function in [*functions.items()] * 2:
             try:
-                interval_ends = fit(function, interval_ends, scales[name] or 1.0).edges
-            except Unresolved as fault:
+                interval_ends = piecewise_series_of(
+                    function, interval_ends, scales[name] or 1.0
+                ).edges
+            except UnresolvedError as fault:
                 cause = "not finite, or it jumps or swings too fast"
                 raise ValueError(
                     f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}:"
@@ -1415,7 +1423,7 @@ def _chebyshev_segment(
     times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2  # at Chebyshev points
 
     def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:
-        coefficients = series(function(times))
+        coefficients = chebyshev_coefficients(function(times))
         is_above_roundoff = np.abs(coefficients) > 1e-16 * load_scale
         degree = int(np.max(np.flatnonzero(is_above_roundoff), initial=0))
         return tuple(coefficients[: degree + 1].tolist())

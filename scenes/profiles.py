@@ -34,7 +34,12 @@ from pydantic import (
 )
 
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, Unresolved, fit, function_of_arrays
+from scenes.chebyshev import (
+    PiecewiseSeries,
+    UnresolvedError,
+    function_of_arrays,
+    piecewise_series_of,
+)
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
@@ -464,7 +469,7 @@ class EvenPolynomial(MayBeFitted):
         return np.asarray(square * polynomial.polyval(square, np.array(self.rises)))
 
 
-def _require_rising(slope: Pieces) -> None:
+def _require_rising(slope: PiecewiseSeries) -> None:
     """Refuse a profile whose slope is negative somewhere, zero everywhere, or jumps (ValueError
     with the place); `slope` is h' for x > 0 as Chebyshev series on intervals.
     """
@@ -491,14 +496,14 @@ def _require_rising(slope: Pieces) -> None:
         )
 
 
-def _integral_of_slope(slope: Pieces) -> Pieces:
+def _integral_of_slope(slope: PiecewiseSeries) -> PiecewiseSeries:
     """Integral of a function given by Chebyshev series on intervals, from the first edge on, as
     series of the same degree: the term of the next degree is round-off.
     """
     coefficients = chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.edges) / 2
     rises = chebyshev.chebval(1.0, coefficients)  # over each interval
     coefficients[0] += np.append(0.0, np.cumsum(rises)[:-1])
-    return Pieces(slope.edges, coefficients)
+    return PiecewiseSeries(slope.edges, coefficients)
 
 
 # Intervals of x are halved so often from the extent towards 0: down to extent/10^16.
@@ -531,8 +536,8 @@ class CallableProfile(Gap):
         (), description="places x at which the slope has a corner, if known (library: mm)"
     )
 
-    _slope: Pieces = PrivateAttr()
-    _height: Pieces = PrivateAttr()  # above that at the first edge
+    _slope: PiecewiseSeries = PrivateAttr()
+    _height: PiecewiseSeries = PrivateAttr()  # above that at the first edge
     _load_errors: LoadErrors = PrivateAttr()
 
     @model_validator(mode="after")
@@ -566,8 +571,8 @@ class CallableProfile(Gap):
                 edges = height_slope.edges
                 slope_at = height_slope.slope
                 self._load_errors = height_slope.load_errors
-            self._slope = fit(slope_at, edges)
-        except Unresolved as fault:
+            self._slope = piecewise_series_of(slope_at, edges)
+        except UnresolvedError as fault:
             raise ValueError(
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
                 " derivative can be had there"

@@ -42,7 +42,9 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
     time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
     period = path.cycle[-1].end - path.cycle_start
     is_forward = _is_rising(time, tangential_load, period)
-    contact_middle, contact_half_width = tilted_contact.contact_under(normal_load, tilt)
+    contact_middle, contact_half_width = tilted_contact.centre_and_half_width_under(
+        normal_load, tilt
+    )
     stick_middle, stick_half_width = _stick_zones(strokes, tangential_load, is_forward)
     contact_edges = np.stack(
         [contact_middle - contact_half_width, contact_middle + contact_half_width], axis=-1

@@ -29,7 +29,7 @@ from scenes import (
     StraightSegment,
 )
 from scenes.array_types import Array
-from scenes.chebyshev import Unresolved
+from scenes.chebyshev import UnresolvedError
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import contact_of, convex_profile
@@ -97,7 +97,7 @@ class OneCurve:
             tilt, moment = self.tilt_and_moment.at(path_time)
         if self.moment_given:
             tilt = contact.tilt_under(load, moment)
-        m, c = contact.contact_under(load, tilt)
+        m, c = contact.centre_and_half_width_under(load, tilt)
         return {
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,
@@ -406,7 +406,7 @@ def _opposite_slip_contact(
     )
     try:
         return contact if contact.is_nested(intervals.largest_load) else None
-    except (ArithmeticError, Unresolved):
+    except (ArithmeticError, UnresolvedError):
         return None
 
 
@@ -454,7 +454,7 @@ class LoadSizes:
         at_largest_load = int(np.argmax(p))
         largest_load = float(p[at_largest_load])
         tilt = alpha[at_largest_load] if is_tilt_known[at_largest_load] else 0.0
-        _, contact_half_width = shape.contact(compliance * largest_load, tilt)
+        _, contact_half_width = shape.contact_centre_and_half_width(compliance * largest_load, tilt)
         half_width = float(contact_half_width)
         lifting_tilt = 0.0
         if half_width > 0:
@@ -678,7 +678,9 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     if profile.symmetric:
         half_width = float(contact_of(profile, scene.material).half_width(largest_load))
     else:
-        _, contact_half_width = convex_profile(profile).contact(2 / modulus * largest_load, 0.0)
+        _, contact_half_width = convex_profile(profile).contact_centre_and_half_width(
+            2 / modulus * largest_load, 0.0
+        )
         half_width = float(contact_half_width)
     strain_amplitude = float(np.ptp(eps)) / 2
     shear_amplitude = float(np.ptp(q)) / 2

@@ -47,11 +47,16 @@ from numpy.typing import NDArray
 
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, LoadSegment
 from scenes.array_types import Array
-from scenes.chebyshev import CHEBYSHEV_DEGREE, CHEBYSHEV_NODES, series, truncation_error
+from scenes.chebyshev import (
+    CHEBYSHEV_DEGREE,
+    CHEBYSHEV_NODES,
+    chebyshev_coefficients,
+    truncation_error,
+)
 from semi_analytic.memory import CurvePart, Piece, Snapshot, pieces, time_of_load_on_arc
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
-from semi_analytic.quadrature import gauss, graded_nodes
+from semi_analytic.quadrature import gauss_rule, graded_nodes
 
 Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
@@ -423,7 +428,7 @@ class Arc:
                 load[panel_chunk],
                 advance[panel_chunk],
             )
-            coefficients[chunk] = series(force_rate[panel_chunk] * values)
+            coefficients[chunk] = chebyshev_coefficients(force_rate[panel_chunk] * values)
         return _FarSeries(far_panel, far_point, coefficients, is_near)
 
 
@@ -642,7 +647,7 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
         ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
         if not len(ranges_of_rule):
             continue
-        unit_nodes, weights = gauss(n_nodes)
+        unit_nodes, weights = gauss_rule(n_nodes)
         length = s_length[ranges_of_rule, None]
         ranges_by_rule.append(ranges_of_rule)
         nodes_by_rule.append(
@@ -906,7 +911,7 @@ class Integrals:
             e = np.maximum(
                 e_of_points[range_number, point], 1e-4 * v_at_lower_load[range_number, point]
             )
-            nodes, weights = gauss(n_nodes)
+            nodes, weights = gauss_rule(n_nodes)
             s_length = np.arcsinh(v_at_lower_load[range_number, point] / e)[:, None]
             v = e[:, None] * np.sinh(s_length * nodes)
             dv_ds = e[:, None] * np.cosh(s_length * nodes)

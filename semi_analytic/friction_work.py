@@ -36,7 +36,7 @@ from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import combination_change, slip_combination, slip_combination_on_piece
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import GRADED_NODE_COUNT, crowded_nodes, gauss, graded_nodes
+from semi_analytic.quadrature import GRADED_NODE_COUNT, crowded_nodes, gauss_rule, graded_nodes
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.intp]
@@ -584,7 +584,7 @@ def _means_along_records(
 
 def _gauss_rule(count: int) -> QuadratureRule:
     """Gauss' rule of `count` nodes."""
-    nodes, weights = gauss(count)
+    nodes, weights = gauss_rule(count)
 
     def rule(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
         begin_column = np.asarray(begin, dtype=float)[..., None]

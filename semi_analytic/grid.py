@@ -1253,7 +1253,7 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     )
     loads_in_contact = loads_of_increments[loads_of_increments[:, 0] > 0]
     load, _, _, tilt = loads_in_contact.T
-    middle, half_width = contact.contact_under(load, tilt)
+    middle, half_width = contact.centre_and_half_width_under(load, tilt)
     return np.stack([middle - half_width, middle + half_width], axis=-1)
 
 
@@ -1448,7 +1448,7 @@ def follow_on_grid(
     fine_answers = runs.fine_answers
 
     load, _, _, tilt = fine_answers.loads
-    contact_middle, half_width = contact.contact_under(load, tilt)
+    contact_middle, half_width = contact.centre_and_half_width_under(load, tilt)
     contact_edges = np.stack([contact_middle - half_width, contact_middle + half_width], axis=-1)
     pressure = contact.pressure_over(x, contact_middle, half_width)
     is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])

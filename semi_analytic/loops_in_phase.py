@@ -97,9 +97,9 @@ class Stroke:
 
     def middle_and_half_width(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Middle and half-width of the frictionless contact under a load and a tilt [length]."""
-        return self.shape.contact(self.compliance * load, tilt)
+        return self.shape.contact_centre_and_half_width(self.compliance * load, tilt)
 
-    def contact(self, u: Array) -> tuple[Array, Array]:
+    def contact_at(self, u: Array) -> tuple[Array, Array]:
         """Middle and half-width of the contact at fractions u of the stroke [length]."""
         return self.middle_and_half_width(*self.load_and_tilt(u))
 
@@ -111,7 +111,7 @@ class Stroke:
         """f p |ds/du| at points x in the slip zone and fractions u of the stroke, arrays that
         broadcast [energy per area].
         """
-        m, c = self.contact(u)
+        m, c = self.contact_at(u)
         pressure = self.shape.pressure(x, m, c) / (math.pi * self.compliance)
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))
 
@@ -134,7 +134,7 @@ class Stroke:
         """
         load_rate, tilt_rate = self.rates
         stick_middle, stick_half_width = self.stick_zone(_FRACTIONS)
-        contact_middle, contact_half_width = self.contact(_FRACTIONS)
+        contact_middle, contact_half_width = self.contact_at(_FRACTIONS)
         if load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
         if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
@@ -164,7 +164,7 @@ class Stroke:
         nodes, weights = _end_root_quadrature(count)
         path_fraction = nodes[:, None]  # rows are instants, columns points
         stick_middle, stick_half_width = self.stick_zone(path_fraction)
-        contact_middle, half_width = self.contact(path_fraction)
+        contact_middle, half_width = self.contact_at(path_fraction)
         total_work = 0.0
         for sign_of_side in (-1, 1):
             zone_begin = stick_middle + sign_of_side * stick_half_width
@@ -208,7 +208,7 @@ class Stroke:
         def depth_in_slip_zone(x: Array, path_fraction: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
             stick_middle, stick_half_width = self.stick_zone(path_fraction)
-            contact_middle, half_width = self.contact(path_fraction)
+            contact_middle, half_width = self.contact_at(path_fraction)
             return np.minimum(
                 np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
             )

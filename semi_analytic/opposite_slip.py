@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, fitted_by_halving
-from semi_analytic.quadrature import crowded_nodes, gauss, graded_nodes
+from scenes.chebyshev import PiecewiseSeries, piecewise_series_by_halving
+from semi_analytic.quadrature import crowded_nodes, gauss_rule, graded_nodes
 from semi_analytic.tilted_profile import TiltedProfile
 
 # Steps of the continuation in which the loads grow from nothing, and steps of Newton's method in
@@ -148,7 +148,7 @@ def _newton_step(depth: Array, residual: Array) -> Array:
 
 def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
     """Nodes and weights of Gauss' rule on [begin, end], a new last axis."""
-    node, weight = gauss(8)
+    node, weight = gauss_rule(8)
     length = (end - begin)[..., None]
     return begin[..., None] + length * node, length * weight
 
@@ -156,7 +156,7 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 @lru_cache(maxsize=8)  # the same zones under other values of `kernel_quantity`
 def _stick_zones(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
-) -> tuple[Pieces, Pieces]:
+) -> tuple[PiecewiseSeries, PiecewiseSeries]:
     """Left and right stick edges b1/a and b2/a as functions of the unloading P - eta = |Q|/f, from
     0 to `largest_unloading`: -e and Q/(f P) are the two factors times P - eta.
     """
@@ -171,8 +171,8 @@ def _stick_zones(
 
     ends = np.array([0.0, largest_unloading])
     return (
-        fitted_by_halving(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
-        fitted_by_halving(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
+        piecewise_series_by_halving(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
+        piecewise_series_by_halving(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
     )
 
 
@@ -205,7 +205,7 @@ class OppositeSlip(TiltedProfile):
     @cached_property
     def _contact(self) -> tuple[float, float, float]:
         """P [force per thickness], and middle and half-width of the contact [length]."""
-        m, c = self.intervals.exact_contact(self.intervals.largest_load)
+        m, c = self.intervals.exact_centre_and_half_width(self.intervals.largest_load)
         return self.intervals.largest_load, float(m), float(c)
 
     @property
@@ -214,7 +214,7 @@ class OppositeSlip(TiltedProfile):
         return self.largest_tangential_load / self.friction
 
     @cached_property
-    def _stick_edges(self) -> tuple[Pieces, Pieces]:
+    def _stick_edges(self) -> tuple[PiecewiseSeries, PiecewiseSeries]:
         """Left and right stick edges as functions of the unloading P - eta [force per thickness]:
         their distances b1/a and b2/a from the centre of contact, b1 < b2.
 

@@ -43,12 +43,19 @@ from scenes import (
     Wedge,
 )
 from scenes.array_types import Array
-from scenes.chebyshev import CHEBYSHEV_NODES, Pieces, Powers, Unresolved, fitted_by_halving, series
+from scenes.chebyshev import (
+    CHEBYSHEV_NODES,
+    PiecewiseSeries,
+    SeriesAsPowers,
+    UnresolvedError,
+    chebyshev_coefficients,
+    piecewise_series_by_halving,
+)
 from scenes.profiles import place_of_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
-from semi_analytic.quadrature import GRADED_RULE, LogisticRule, logistic, panel_nodes
+from semi_analytic.quadrature import GRADED_RULE, LogisticRule, logistic_rule, panel_nodes
 from semi_analytic.tilted_profile import (
     ConvexProfile,
     CurvedProfile,
@@ -209,10 +216,12 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
     # with these 1e-13.
-    quadrature_rule = GRADED_RULE if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
+    quadrature_rule = (
+        GRADED_RULE if exponent <= 4 else logistic_rule(-36.0, 36.0, 0.45 / exponent**0.2)
+    )
     return CurvedProfile(
         knots=np.zeros(1),
-        size=length,
+        typical_half_length=length,
         height=profile.height,
         gradient=partial(derivative, 1),
         second_derivative=partial(derivative, 2),
@@ -246,7 +255,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     quadrature_rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
     return CurvedProfile(
         knots=np.zeros(0),
-        size=length,
+        typical_half_length=length,
         height=height,
         gradient=height.deriv(),
         second_derivative=height.deriv(2),
@@ -276,7 +285,7 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     corners = np.array(_corners(profile))
     return CurvedProfile(
         knots=np.unique(np.concatenate([-corners, [0.0], corners])),
-        size=profile.extent / 4,
+        typical_half_length=profile.extent / 4,
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
         second_derivative=second_derivative,
@@ -668,10 +677,10 @@ class _TableSeries:
     begin_roots: Array
     end_roots: Array
     begin_half_widths: Array
-    load: Powers
-    stiffness: Powers
+    load: SeriesAsPowers
+    stiffness: SeriesAsPowers
 
-    def value(self, interval_number: Indices, u: Array, load_or_stiffness: Powers) -> Array:
+    def value(self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers) -> Array:
         """P or dP/da, that of the given series, at u on the intervals with these numbers."""
         begin_root = self.begin_roots[interval_number]
         end_root = self.end_roots[interval_number]
@@ -790,7 +799,7 @@ class _TableLaw(NamedTuple):
         )
 
     def _load_or_stiffness(
-        self, d: Array, series_behind: Powers, closed_form_before: Callable[[Array], Array]
+        self, d: Array, series_behind: SeriesAsPowers, closed_form_before: Callable[[Array], Array]
     ) -> Array:
         """P or dP/da at advances d of the edge of contact beyond the half-width without load.
 
@@ -947,7 +956,7 @@ class _KnotSums(NamedTuple):
         return wider_group._replace(
             n_far_knots=n_far_knots,
             half_width_range=half_width_range,
-            far_series=series(far_sums.T).T,
+            far_series=chebyshev_coefficients(far_sums.T).T,
         )
 
 
@@ -980,8 +989,8 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
         begin_roots,
         end_roots,
         begin_half_widths=knot_of_interval + begin_roots * begin_roots,
-        load=Powers(series(load[:, 1:-1]).T),
-        stiffness=Powers(series(stiffness[:, 1:-1]).T),
+        load=SeriesAsPowers(chebyshev_coefficients(load[:, 1:-1]).T),
+        stiffness=SeriesAsPowers(chebyshev_coefficients(stiffness[:, 1:-1]).T),
     )
 
 
@@ -1095,8 +1104,8 @@ class _SeriesBehindCorner:
 
     begin: float
     is_in_root: bool
-    load: Pieces
-    stiffness: Pieces
+    load: PiecewiseSeries
+    stiffness: PiecewiseSeries
 
     @property
     def power(self) -> float:
@@ -1259,16 +1268,16 @@ def _series_behind_corner(
         max(_NEGLIGIBLE_OF_STIFFNESS, profile.rounding_of_height.stiffness),
     )
     try:
-        # `fitted_by_halving` resolves to 4e-15 of the scale that it is given.
+        # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
         load, stiffness = (
-            fitted_by_halving(
+            piecewise_series_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
                 interval_ends,
                 negligible_shares[order] / 4e-15 * load_or_stiffness(places_of_scale, order),
             )
             for order in (0, 1)
         )
-    except Unresolved as fault:
+    except UnresolvedError as fault:
         raise InputError(
             f"profile: the function is too rough near x = {fault.high:.6g}: the load that a contact"
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
@@ -1309,7 +1318,9 @@ def _abel_integral(
         angles_of_corners.append(np.arctan2(root_of_squares, b))
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
-    complement_of_angle = np.where(nodes.place < 0.7, np.pi / 2 - nodes.place, nodes.from_end)
+    complement_of_angle = np.where(
+        nodes.place < 0.7, np.pi / 2 - nodes.place, nodes.distance_from_end
+    )
     cosine = np.sin(complement_of_angle)
     half_width_column = half_width[..., None, None]
     x = half_width_column * cosine

@@ -41,26 +41,31 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from scenes.array_types import Array
-from scenes.chebyshev import CHEBYSHEV_NODES, clenshaw, series, truncation_error
-from semi_analytic.quadrature import gauss, graded_nodes
+from scenes.chebyshev import (
+    CHEBYSHEV_NODES,
+    chebyshev_coefficients,
+    clenshaw_values,
+    truncation_error,
+)
+from semi_analytic.quadrature import gauss_rule, graded_nodes
 
 Indices = NDArray[np.intp]
 Function = Callable[[Array], Array]
-Kind = Literal["pressure", "outside", "logarithm"]
+IntegralKind = Literal["pressure", "outside", "logarithm"]
 
 _EPS = float(np.finfo(float).eps)
 # Octaves of the advance, below the largest, that have Chebyshev series of their own.
-_OCTAVES = 24
+_OCTAVE_COUNT = 24
 # Longest range of v that one Chebyshev series serves.
 _LARGEST_PANEL_LENGTH = {"pressure": 1.2, "outside": 0.8, "logarithm": np.inf}
 # |x - b| over the half-width that stands for 0: its logarithm is 55.
 _LEAST_DISTANCE_RATIO = 1e-24
 # A series is resolved where its last coefficients are at most this share of the integral.
-_NEGLIGIBLE_SHARE = 4e-15
+_NEGLIGIBLE_COEFFICIENT_SHARE = 4e-15
 # Halvings of a panel at most, and the ratio of last coefficients above which a halving gained
 # nothing.
-_LARGEST_NUMBER_OF_HALVINGS = 12
-_LEAST_GAIN = 0.9
+_MOST_HALVINGS = 12
+_COEFFICIENT_RATIO_WITHOUT_GAIN = 0.9
 # Panels that are integrated at a time, which bounds the memory.
 _PANELS_AT_ONCE = 20_000
 # Primitives of one integral that stay in the cache.
@@ -69,15 +74,15 @@ _CACHED_PRIMITIVES = 8
 _POINTS_OF_PRIMITIVE = 4096
 # Share of a^2 below which a difference of squares is taken from the rise of P; the same across
 # several corners.
-_CLOSE_SQUARES = 0.01
-_CLOSE_ACROSS_CORNERS = 1e-6
+_CLOSE_SQUARE_SHARE = 0.01
+_CLOSE_SQUARE_SHARE_ACROSS_CORNERS = 1e-6
 # Gauss' nodes of an integral over loads between two corners.
 _NODES_BETWEEN_CORNERS = 12
 # Integrals over loads that are taken at a time, which bounds the memory.
 _INTEGRALS_AT_ONCE = 4096
 # Gauss' rule takes Lam where P - P_c is at most this share of P_c - P_b, P_b the load at the last
 # corner.
-_SHORT_LOAD_RANGE = 0.3
+_SHORT_LOAD_RANGE_SHARE = 0.3
 # Share of P above which P - P_c is large enough for Lam to be a difference of two integrals.
 _FAR_LOAD_SHARE = 0.02
 # Round-offs that Lam has at most where it is a sum over nodes: of the sum, of the inverse a(P) and
@@ -409,7 +414,9 @@ class PunchSuperposition:
         n_corners_between = np.searchsorted(corner_advances, outer_advance) - np.searchsorted(
             corner_advances, inner_advance
         )
-        largest_close_share = np.where(n_corners_between > 1, _CLOSE_ACROSS_CORNERS, _CLOSE_SQUARES)
+        largest_close_share = np.where(
+            n_corners_between > 1, _CLOSE_SQUARE_SHARE_ACROSS_CORNERS, _CLOSE_SQUARE_SHARE
+        )
         outer_square = np.square(outer_advance + self.least_half_width)
         is_close = (inner_advance >= 0) & (
             difference_of_squares < largest_close_share * outer_square
@@ -454,7 +461,7 @@ class PunchSuperposition:
         Gauss' rule in r, d = `corner_advance` + r^2, from the last corner of the profile before the
         first advance: P is smooth in r. Half, because dd = 2 r dr, and the factor 2 is left out.
         """
-        nodes, weights_of_nodes = gauss(6)
+        nodes, weights_of_nodes = gauss_rule(6)
         begin_root = np.sqrt(np.maximum(begin_advance - corner_advance, 0.0))
         root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
         roots = begin_root[:, None] + root_length[:, None] * nodes
@@ -513,7 +520,7 @@ class PunchSuperposition:
         )
         next_corner_load = np.append(self._corner_loads, np.inf)[corner_below + 1]
         load_from_corner = stick_edge_load - self._corner_loads[corner_below]
-        is_short = load_above_stick < _SHORT_LOAD_RANGE * load_from_corner
+        is_short = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
         suits_gauss_rule = is_short & (load <= next_corner_load)
         if self.half_width_may_be_steep:
             # twelve nodes would miss a half-width at which P hardly grows
@@ -538,14 +545,14 @@ class PunchSuperposition:
         """Lam(P, P_c) as P ln(a/c) - int_c^a P/alpha d alpha [force per thickness], alpha the
         half-widths between stick c and contact a.
         """
-        log_datum_ratio, contact_advance, stick_advance = self._log_width_ratio(
+        log_width_ratio, contact_advance, stick_advance = self._log_width_ratio(
             load, load_above_stick
         )
         both_integrals, _ = self._load_per_width_integral_and_error(
             0, np.stack([contact_advance, stick_advance])
         )
         integral_to_contact, integral_to_stick = both_integrals
-        return load * log_datum_ratio - (integral_to_contact - integral_to_stick)
+        return load * log_width_ratio - (integral_to_contact - integral_to_stick)
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
         """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) over loads eta from P_c to P, a sum
@@ -606,7 +613,7 @@ class PunchSuperposition:
         load_above_begin = np.maximum(load_above_stick - (begin_load - stick_edge_load), 0.0)
         load_spans = np.where(ends_at_load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
-        suits_gauss_rule = (corner_below > 0) | (load_spans < _SHORT_LOAD_RANGE * begin_load)
+        suits_gauss_rule = (corner_below > 0) | (load_spans < _SHORT_LOAD_RANGE_SHARE * begin_load)
         for is_gauss_rule in (True, False):
             parts_of_rule = suits_gauss_rule == is_gauss_rule
             if not np.any(parts_of_rule):
@@ -682,11 +689,11 @@ class PunchSuperposition:
         series of the integral leaves out.
         """
         kernel = self.dissipation_kernel(load, load_above_stick)
-        log_datum_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
+        log_width_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
         integral_to_contact, series_error = self._load_per_width_integral_and_error(
             0, contact_advance
         )
-        size_of_terms = load * log_datum_ratio + np.abs(integral_to_contact)
+        size_of_terms = load * log_width_ratio + np.abs(integral_to_contact)
         error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
         is_difference = self._is_exact_as_difference(load, load_above_stick)
         error_of_difference = np.where(is_difference, error_of_difference, 0.0)
@@ -747,12 +754,12 @@ class PunchSuperposition:
         return self.law.load(self.law.corner_advances)
 
     @cached_property
-    def _primitives(self) -> dict[tuple[Kind, int], list[Primitive]]:
+    def _primitives(self) -> dict[tuple[IntegralKind, int], list[Primitive]]:
         """Cache of the primitives of earlier calls, by integral and power of the load."""
         return {}
 
     def _integral_and_error(
-        self, kind: Kind, load_power: int, x: Array, advance: Array
+        self, kind: IntegralKind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
         the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0.
@@ -792,10 +799,10 @@ class PunchSuperposition:
         """Ratio of the largest to the least advance that one primitive serves with all its
         digits.
         """
-        return float(self.law.advance_ratio_of_series ** (_OCTAVES // 2))
+        return float(self.law.advance_ratio_of_series ** (_OCTAVE_COUNT // 2))
 
     def _integral_and_error_in_band(
-        self, kind: Kind, load_power: int, x: Array, advance: Array
+        self, kind: IntegralKind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, up to the `advance` a - a_0 of the edge of
         contact, and its error. `x` and `advance` broadcast; an advance may be 0.
@@ -828,7 +835,7 @@ class PunchSuperposition:
         return primitive(*np.broadcast_arrays(point_number, advance))
 
     def _cached_primitive(
-        self, kind: Kind, load_power: int, x: Array, largest_advance: float
+        self, kind: IntegralKind, load_power: int, x: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
         """A primitive of an integral over flat punches from the cache, made where none of the last
         eight of this `kind` and `load_power` serves; with the numbers that the points `x` have in
@@ -943,7 +950,7 @@ class Panels:
     end_v: Array
 
     @classmethod
-    def together(cls, parts: Sequence[Panels]) -> Panels:
+    def joined(cls, parts: Sequence[Panels]) -> Panels:
         """The panels of all parts, one after the other."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return cls(*(np.concatenate(column) for column in columns))
@@ -974,9 +981,9 @@ class Panels:
         middle_v = (self.begin_v + self.end_v) / 2
         lower_half = replace(self, end_v=middle_v)
         upper_half = replace(self, begin_v=middle_v)
-        return Panels.together([lower_half, upper_half])
+        return Panels.joined([lower_half, upper_half])
 
-    def advance_beyond_v0(self, kind: Kind, v: Array) -> Array:
+    def advance_beyond_v0(self, kind: IntegralKind, v: Array) -> Array:
         """Advance of the edge of contact from its place at v = 0 to that at v, (n,) or (n, nodes)
         as v [length].
         """
@@ -1005,7 +1012,7 @@ class Primitive:
         (n,) error of the integral at the end of each panel, by what its series leave out
     """
 
-    kind: Kind
+    kind: IntegralKind
     x: Array
     distance_beyond_flat: Array
     largest_advance: float
@@ -1038,7 +1045,9 @@ class Primitive:
         begin_v = panels.begin_v[panel_number]
         end_v = panels.end_v[panel_number]
         place_in_panel = np.clip((2 * v - begin_v - end_v) / (end_v - begin_v), -1.0, 1.0)
-        return clenshaw(self.coefficients, panel_number, place_in_panel), self.error[panel_number]
+        return clenshaw_values(self.coefficients, panel_number, place_in_panel), self.error[
+            panel_number
+        ]
 
     @cached_property
     def _sorted_begin_advances(self) -> Array:
@@ -1061,7 +1070,11 @@ class Primitive:
 
 
 def _integration_variable(
-    kind: Kind, advance: Array, distance_beyond_flat: Array, advance_at_v0: Array, scale: Array
+    kind: IntegralKind,
+    advance: Array,
+    distance_beyond_flat: Array,
+    advance_at_v0: Array,
+    scale: Array,
 ) -> Array:
     """The integration variable v >= 0 that makes an integrand over flat punches smooth, from the
     advance d of their edge; arrays of one shape.
@@ -1089,7 +1102,7 @@ def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     Both are (n, nodes), for n spans of integration. A span begins at `begin_distance` (n, 1) beyond
     its corner and has the length `span` (n, 1).
     """
-    nodes, weights_of_nodes = gauss(_NODES_BETWEEN_CORNERS)
+    nodes, weights_of_nodes = gauss_rule(_NODES_BETWEEN_CORNERS)
     begin_root = np.sqrt(begin_distance)
     # length 0 of a span that round-off has closed
     root_length = span / np.where(
@@ -1124,7 +1137,7 @@ class _PanelSeries(NamedTuple):
 
 
 def primitive_of(
-    kind: Kind, load_power: int, x: Array, largest_advance: float, law: ContactLaw
+    kind: IntegralKind, load_power: int, x: Array, largest_advance: float, law: ContactLaw
 ) -> Primitive:
     """An integral over flat punches at points `x` as a function of its upper end, the advance
     d = a - a_0 of the edge of contact, from 0 to `largest_advance` [length].
@@ -1143,7 +1156,7 @@ def primitive_of(
         P(d) of the profile
     """
     # Octaves, so that a small advance has digits of its own.
-    octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVES)
+    octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
     corners = law.corner_advances[law.corner_advances < largest_advance]
     ends_of_ranges = np.append(np.union1d(corners, octaves), largest_advance)
     panels_of_points = _panels_of_points(
@@ -1211,7 +1224,9 @@ def _sums_of_panels_before(
     return np.cumsum(values_of_points, axis=1)[point_number, number_at_point]
 
 
-def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> _PanelSeries:
+def _resolved_series(
+    kind: IntegralKind, load_power: int, panels: Panels, law: ContactLaw
+) -> _PanelSeries:
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
     the last coefficients of each series are negligible.
 
@@ -1221,7 +1236,7 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
     """
     finished_series: list[_PanelSeries] = []
     last_coefficients_before = np.full(len(panels.point_number), np.inf)
-    for n_halvings in range(_LARGEST_NUMBER_OF_HALVINGS + 1):
+    for n_halvings in range(_MOST_HALVINGS + 1):
         coefficients = _series_of_integrand(kind, load_power, panels, law)
         half_length = (panels.end_v - panels.begin_v) / 2
         last_coefficients = truncation_error(coefficients)
@@ -1232,9 +1247,11 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
             term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
             size_of_integral = np.maximum(size_of_integral, term_at_end)
         truncation_errors = last_coefficients * half_length
-        is_small = truncation_errors <= _NEGLIGIBLE_SHARE * size_of_integral
-        is_round_off = last_coefficients > _LEAST_GAIN * last_coefficients_before
-        is_finished = is_small | is_round_off | (n_halvings == _LARGEST_NUMBER_OF_HALVINGS)
+        is_small = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
+        is_round_off = (
+            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_before
+        )
+        is_finished = is_small | is_round_off | (n_halvings == _MOST_HALVINGS)
         series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
         finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))
         if np.all(is_finished):
@@ -1242,13 +1259,15 @@ def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLa
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
         last_coefficients_before = np.tile(last_coefficients[~is_finished], 2)
     return _PanelSeries(
-        Panels.together([group.panels for group in finished_series]),
+        Panels.joined([group.panels for group in finished_series]),
         np.concatenate([group.coefficients for group in finished_series]),
         np.concatenate([group.truncation_errors for group in finished_series]),
     )
 
 
-def _series_of_integrand(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> Array:
+def _series_of_integrand(
+    kind: IntegralKind, load_power: int, panels: Panels, law: ContactLaw
+) -> Array:
     """Coefficients (n, nodes) of the Chebyshev series of an integrand over v on n panels, in chunks
     that bound the memory.
     """
@@ -1259,7 +1278,7 @@ def _series_of_integrand(kind: Kind, load_power: int, panels: Panels, law: Conta
             chunk.begin_v[:, None]
             + (chunk.end_v - chunk.begin_v)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         )
-        series_of_chunks.append(series(_integrand(kind, load_power, chunk, v, law)))
+        series_of_chunks.append(chebyshev_coefficients(_integrand(kind, load_power, chunk, v, law)))
     return np.concatenate(series_of_chunks)
 
 
@@ -1285,7 +1304,7 @@ def _with_empty_panels(series_of_panels: _PanelSeries, x: Array) -> _PanelSeries
         (len(points_without_panel), series_of_panels.coefficients.shape[1])
     )
     return _PanelSeries(
-        Panels.together([series_of_panels.panels, empty_panels]),
+        Panels.joined([series_of_panels.panels, empty_panels]),
         np.concatenate([series_of_panels.coefficients, zero_coefficients]),
         np.append(series_of_panels.truncation_errors, zeros),
     )
@@ -1321,7 +1340,11 @@ class _AdvanceRanges(NamedTuple):
 
 
 def _panels_of_points(
-    kind: Kind, x: Array, least_half_width: float, ends_of_ranges: Array, corner_advances: Array
+    kind: IntegralKind,
+    x: Array,
+    least_half_width: float,
+    ends_of_ranges: Array,
+    corner_advances: Array,
 ) -> Panels:
     """Panels, ranges of the integration variable v, for each point of `x` (k,), on which its
     integrand is smooth and not 0.
@@ -1418,7 +1441,9 @@ def _ranges_of_pressure(
     )
 
 
-def _integrand(kind: Kind, load_power: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
+def _integrand(
+    kind: IntegralKind, load_power: int, panels: Panels, v: Array, law: ContactLaw
+) -> Array:
     """Integrand over the integration variable v of an integral over flat punches, at nodes v (n,
     nodes) of n panels; (n, nodes).
 
@@ -1462,7 +1487,7 @@ def _integrand(kind: Kind, load_power: int, panels: Panels, v: Array, law: Conta
 
 
 def _pressure_of_smallest_punches(
-    kind: Kind, load_power: int, x: Array, advance: float, law: ContactLaw
+    kind: IntegralKind, load_power: int, x: Array, advance: float, law: ContactLaw
 ) -> Array:
     """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
     [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches.

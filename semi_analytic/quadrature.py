@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
 
-_STEP = 0.375
+_STEP_OF_LOGISTIC_RULE = 0.375
 
 
 class LogisticRule(NamedTuple):
@@ -21,18 +21,18 @@ class LogisticRule(NamedTuple):
 
     Attributes
     ----------
-    from_begin, from_end
+    distance_from_begin, distance_from_end
         distances of the nodes from 0 and from 1, (n,) each, without cancellation
     weight
         of each node, (n,)
     """
 
-    from_begin: Array
-    from_end: Array
+    distance_from_begin: Array
+    distance_from_end: Array
     weight: Array
 
 
-def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
+def logistic_rule(low: float, high: float, step: float = _STEP_OF_LOGISTIC_RULE) -> LogisticRule:
     """The trapezoidal rule from s = `low` to s = `high`, for nodes 1/(1 + exp(-s)) on [0, 1]."""
     s = np.arange(low, high + step / 2, step)
     from_begin = 1 / (1 + np.exp(-s))
@@ -41,21 +41,23 @@ def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
     return LogisticRule(from_begin, from_end, step * from_nearer_end * (1 - from_nearer_end))
 
 
-GRADED_RULE = logistic(-36.0, 36.0)
+GRADED_RULE = logistic_rule(-36.0, 36.0)
 """For roots and logarithms at the ends: what lies beyond the outermost nodes, 2e-16 of the range,
 is left out.
 """
 
-INVERSE_ROOTS = logistic(-75.0, 75.0)
+RULE_FOR_INVERSE_ROOTS = logistic_rule(-75.0, 75.0)
 """For an inverse root at either end too: its integral over what is left out there, 3e-33 of the
 range, is 1e-16.
 """
 
-GRADED_NODE_COUNT = len(GRADED_RULE.from_begin)
+GRADED_NODE_COUNT = len(GRADED_RULE.distance_from_begin)
 """Nodes of `graded_nodes`."""
 
-_IN_LOWER_HALF = GRADED_RULE.from_begin < 0.5
-_FROM_NEARER_END = np.minimum(GRADED_RULE.from_begin, GRADED_RULE.from_end)
+_IN_LOWER_HALF = GRADED_RULE.distance_from_begin < 0.5
+_DISTANCE_FROM_NEARER_END = np.minimum(
+    GRADED_RULE.distance_from_begin, GRADED_RULE.distance_from_end
+)
 
 
 def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Array, Array]:
@@ -73,17 +75,17 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
     begin_column = np.asarray(begin, dtype=float)[..., None]
     end_column = np.asarray(end, dtype=float)[..., None]
     length = end_column - begin_column
-    distance = length * _FROM_NEARER_END[::stride]
+    distance = length * _DISTANCE_FROM_NEARER_END[::stride]
     nodes = np.where(_IN_LOWER_HALF[::stride], begin_column + distance, end_column - distance)
     return nodes, length * (stride * GRADED_RULE.weight[::stride])
 
 
 @cache
-def gauss(count: int) -> tuple[Array, Array]:
+def gauss_rule(count: int) -> tuple[Array, Array]:
     """Nodes and weights of Gauss' quadrature rule on [0, 1], (count,) each, read-only: exact for
     polynomials up to degree 2 count - 1.
 
-    >>> nodes, weights = gauss(3)
+    >>> nodes, weights = gauss_rule(3)
     >>> round(float(np.sum(weights * nodes**5)), 15)
     0.166666666666667
     """
@@ -105,55 +107,57 @@ def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
-    t, weight = gauss(24)
+    t, weight = gauss_rule(24)
     begin_column = np.asarray(begin, dtype=float)[..., None]
     length = np.asarray(end, dtype=float)[..., None] - begin_column
     return begin_column + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
 
 
-class Nodes(NamedTuple):
+class PanelNodes(NamedTuple):
     """Quadrature nodes of a range that is cut into panels, (..., panels, nodes) each.
 
     Attributes
     ----------
     place
         of each node
-    from_begin, from_end
+    distance_from_begin, distance_from_end
         their distances from the begin and from the end of the range, without cancellation
     weight
         of each node
     """
 
     place: Array
-    from_begin: Array
-    from_end: Array
+    distance_from_begin: Array
+    distance_from_end: Array
     weight: Array
 
 
-def panel_nodes(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
+def panel_nodes(
+    begin: ArrayLike, end: ArrayLike, cut_places: Iterable[ArrayLike] = ()
+) -> PanelNodes:
     """Quadrature nodes and weights on [begin, end], (..., panels, nodes), for integrands singular
-    at both ends and at `breaks`; distances from both ends are free of cancellation.
+    at both ends and at `cut_places`; distances from both ends are free of cancellation.
 
-    The range is cut into panels at the `breaks`, which ascend, each an array like `end`. A break
-    outside of a range makes no panel in it, or one without length.
+    The range is cut into panels at the `cut_places`, which ascend, each an array like `end`. A
+    place outside of a range makes no panel in it, or one without length.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
     )
-    inner_breaks = [
-        place for place in breaks if np.any((begin_places < place) & (place < end_places))
+    inner_cut_places = [
+        place for place in cut_places if np.any((begin_places < place) & (place < end_places))
     ]
     panel_ends = [
         begin_places,
-        *(np.clip(place, begin_places, end_places) for place in inner_breaks),
+        *(np.clip(place, begin_places, end_places) for place in inner_cut_places),
         end_places,
     ]
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
     panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
     length = panel_end - panel_begin
-    distance_to_begin = length * GRADED_RULE.from_begin
-    distance_to_end = length * GRADED_RULE.from_end
+    distance_to_begin = length * GRADED_RULE.distance_from_begin
+    distance_to_end = length * GRADED_RULE.distance_from_end
     from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_begin
     from_end = (end_places[..., None, None] - panel_end) + distance_to_end
     places = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
-    return Nodes(places, from_begin, from_end, length * GRADED_RULE.weight)
+    return PanelNodes(places, from_begin, from_end, length * GRADED_RULE.weight)

@@ -238,6 +238,6 @@ def require_followable(scene: Scene) -> None:
         contact that leaves the profile.
     """
     if one_curve(scene) is None:
-        from semi_analytic.grid import contact_edges_along  # noqa: PLC0415 - for other memories alone
+        from semi_analytic.grid import contact_edges_along  # noqa: PLC0415 - other memories
 
         contact_edges_along(*path_loads_and_contact(scene))  # for its InputError

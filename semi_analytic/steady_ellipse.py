@@ -53,10 +53,10 @@ from numpy.polynomial import chebyshev, legendre
 from numpy.typing import NDArray
 
 from scenes.array_types import Array
-from scenes.chebyshev import Powers, fitted_by_halving
+from scenes.chebyshev import SeriesAsPowers, piecewise_series_by_halving
 from semi_analytic.hertz import log_excess
 from semi_analytic.profiles import Contact, SymmetricContact
-from semi_analytic.quadrature import GRADED_RULE, gauss, graded_nodes
+from semi_analytic.quadrature import GRADED_RULE, gauss_rule, graded_nodes
 
 Indices = NDArray[np.intp]
 
@@ -466,9 +466,11 @@ def _graded_piece_rule() -> PieceRule:
     weight = graded_nodes(0.0, 1.0)[1]
     error_check = weight.copy()
     error_check[::2] -= 2 * weight[::2]
-    is_in_lower_half = GRADED_RULE.from_begin[:, None] < 0.5
+    is_in_lower_half = GRADED_RULE.distance_from_begin[:, None] < 0.5
     distance_from_end = np.where(
-        is_in_lower_half, GRADED_RULE.from_begin[:, None], -GRADED_RULE.from_end[:, None]
+        is_in_lower_half,
+        GRADED_RULE.distance_from_begin[:, None],
+        -GRADED_RULE.distance_from_end[:, None],
     )
     return PieceRule(distance_from_end, is_in_lower_half, weight, error_check[None])
 
@@ -480,7 +482,7 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
     A change of variable makes roots smooth and crowds the nodes: t^2 to the lower end
     (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
-    node, weights = gauss(count)
+    node, weights = gauss_rule(count)
     orders = np.arange(count - 3, count)
     polynomials = legendre.legvander(2 * node - 1, count - 1)[:, orders].T
     coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
@@ -1163,14 +1165,14 @@ class LogHalfWidth:
 
         octave_count = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
         octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-octave_count, 0)
-        series = fitted_by_halving(
+        series = piecewise_series_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
         corner_number = corner_below(series.edges[:-1])
         self._corner_load = corner_loads[corner_number]
-        self._log_half_width = Powers(series.coefficients)
+        self._log_half_width = SeriesAsPowers(series.coefficients)
         # v at the two ends of each polynomial
         self._first_v = series.edges[:-1] - corner_coordinates[corner_number]
         self._last_v = series.edges[1:] - corner_coordinates[corner_number]
@@ -1201,7 +1203,7 @@ class LogHalfWidth:
         integral goes from polynomial to polynomial by Gauss' rule in v.
         """
         stick_edge_load = load - slip_zone_load
-        nodes, weights = gauss(4)
+        nodes, weights = gauss_rule(4)
         series_number = np.searchsorted(self.series_ends, stick_edge_load)
         last_series_number = np.searchsorted(self.series_ends, load)
         v = np.sqrt(np.maximum(stick_edge_load - self._corner_load[series_number], 0.0))
@@ -1243,7 +1245,7 @@ def _cached_log_half_width(
 _NODES_AT_ONCE = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
 _NODE_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
-_LAM_RULES = (*(gauss(count) for count in _NODE_COUNTS), graded_nodes(0.0, 1.0))
+_LAM_RULES = (*(gauss_rule(count) for count in _NODE_COUNTS), graded_nodes(0.0, 1.0))
 _LEAST_HALF_SUMS = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
 
 
@@ -1584,7 +1586,7 @@ _VALUES_TO_POWERS = 2.0 ** np.arange(_POWER_COUNT)[:, None] * (
     @ np.linalg.inv(chebyshev.chebvander(_CHEBYSHEV_POINTS, 11))[:_POWER_COUNT]
 )
 _RULE_FOR_CLOSE_LOADS = tuple(
-    (float(node), float(weight * (1 - node))) for node, weight in zip(*gauss(7), strict=True)
+    (float(node), float(weight * (1 - node))) for node, weight in zip(*gauss_rule(7), strict=True)
 )
 
 

@@ -48,7 +48,7 @@ from semi_analytic.grid import (
 )
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
-from semi_analytic.quadrature import INVERSE_ROOTS
+from semi_analytic.quadrature import RULE_FOR_INVERSE_ROOTS
 from semi_analytic.solution import solve
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -301,7 +301,7 @@ def _edge_tensions_of_curves(
     for panel_number, panel in enumerate(panels):
         slopes_at_nodes[panel_number] = panel.slope(loads[panel_number])
     load_steps = (
-        contact.stiffness(half_widths) * (panel_end - panel_begin) * INVERSE_ROOTS.weight
+        contact.stiffness(half_widths) * (panel_end - panel_begin) * RULE_FOR_INVERSE_ROOTS.weight
     )  # d eta
     panel_integrals = (
         load_steps
@@ -691,11 +691,11 @@ def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
     """Distances from `place` of the quadrature nodes for inverse roots between `begin` and `end`,
     without cancellation at either end; a new last axis is that of the nodes.
     """
-    rule = INVERSE_ROOTS
+    rule = RULE_FOR_INVERSE_ROOTS
     span_length = np.subtract(end, begin)
-    distance_from_begin = np.subtract(begin, place) + span_length * rule.from_begin
-    distance_from_end = np.subtract(end, place) - span_length * rule.from_end
-    return np.where(rule.from_begin < 0.5, distance_from_begin, distance_from_end)
+    distance_from_begin = np.subtract(begin, place) + span_length * rule.distance_from_begin
+    distance_from_end = np.subtract(end, place) - span_length * rule.distance_from_end
+    return np.where(rule.distance_from_begin < 0.5, distance_from_begin, distance_from_end)
 
 
 def _add_panel_of_punches(
@@ -714,12 +714,12 @@ def _add_panel_of_punches(
     """
     begin_width, end_width = ends
     panel_width = end_width - begin_width
-    rule = INVERSE_ROOTS
-    in_lower_half = rule.from_begin < 0.5
+    rule = RULE_FOR_INVERSE_ROOTS
+    in_lower_half = rule.distance_from_begin < 0.5
     half_widths = _nodes_from(0.0, begin_width, end_width)
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
-    points_at_once = _KERNELS_AT_ONCE // len(rule.from_begin)
+    points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _nodes_from(x[point_numbers, None], begin_width, end_width)
@@ -731,11 +731,11 @@ def _add_panel_of_punches(
         x_of_points = x[point_numbers, None]
         for sign, part_end in ((-1.0, begin_width), (1.0, end_width)):
             part_width = sign * (part_end - x_of_points)
-            distance_to_punch = sign * part_width * rule.from_begin
+            distance_to_punch = sign * part_width * rule.distance_from_begin
             half_widths = np.where(
                 in_lower_half,
                 x_of_points + distance_to_punch,
-                part_end - sign * part_width * rule.from_end,
+                part_end - sign * part_width * rule.distance_from_end,
             )
             loads_of_part = _loads_of_punches(contact, slope, half_widths, part_width * rule.weight)
             _add_punches(potentials, point_numbers, loads_of_part, distance_to_punch, x, y)

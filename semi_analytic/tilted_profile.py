@@ -54,12 +54,12 @@ from numpy.typing import ArrayLike
 
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.array_types import Array
-from scenes.chebyshev import Pieces, Unresolved, fitted_by_halving
+from scenes.chebyshev import PiecewiseSeries, UnresolvedError, piecewise_series_by_halving
 from semi_analytic.quadrature import (
     GRADED_RULE,
     LogisticRule,
     crowded_nodes,
-    gauss,
+    gauss_rule,
     graded_nodes,
     panel_nodes,
 )
@@ -71,14 +71,14 @@ _MOST_NEWTON_STEPS = 120
 _SMALL_ANGLE = 0.3
 _ORDERS = np.arange(1.0, 9.0)
 _FACTORIALS = np.array([float(math.factorial(2 * k + 1)) for k in range(1, 9)])
-_MEAN_COEFFICIENTS = -((-1.0) ** _ORDERS) * 2 * _ORDERS / _FACTORIALS
-_LOAD_COEFFICIENTS = -((-1.0) ** _ORDERS) * 4**_ORDERS / _FACTORIALS
+_SERIES_OF_MEAN_FUNCTION = -((-1.0) ** _ORDERS) * 2 * _ORDERS / _FACTORIALS
+_SERIES_OF_LOAD_FUNCTION = -((-1.0) ** _ORDERS) * 4**_ORDERS / _FACTORIALS
 # Relative error of m and c by their series, measured against the equations themselves.
-_ERROR_OF_SERIES = 1e-12
+_RELATIVE_ERROR_OF_SERIES = 1e-12
 # Values at knots or quadrature nodes that are held in memory at a time.
 _VALUES_AT_ONCE = 100_000
 # Share of c^2 below which c^2 - t^2 is taken from the rise of the load: x is next to an edge.
-_EDGE_FRACTION = 0.1
+_NEAR_EDGE_FRACTION = 0.1
 # Share of P up to which the dissipation kernel is a quadrature over the load of the slip zone.
 # Above, it is a difference of closed forms.
 _SMALL_SLIP_FRACTION = 0.03
@@ -121,7 +121,7 @@ class ConvexProfile(abc.ABC):
     ----------
     knots
         (n,) ascending: where h'' is not smooth [length]
-    size
+    typical_half_length
         a typical half-length of contact [length]
     extent
         ends of the profile [length]
@@ -130,9 +130,9 @@ class ConvexProfile(abc.ABC):
     """
 
     knots: Array
-    size: float
+    typical_half_length: float
     extent: tuple[float, float]
-    relative_roundoff: float = _ERROR_OF_SERIES
+    relative_roundoff: float = _RELATIVE_ERROR_OF_SERIES
     radius: float | None = None
     """Radius of curvature of a parabola about x = 0 [length]; None for other profiles."""
 
@@ -144,7 +144,7 @@ class ConvexProfile(abc.ABC):
 
     @property
     @abc.abstractmethod
-    def corner_half_widths(self) -> Array:
+    def corner_places(self) -> Array:
         """Knots at which h'' bends: an end of contact that meets one is no smooth function of the
         load.
         """
@@ -211,7 +211,9 @@ class ConvexProfile(abc.ABC):
             values[rows] = function(*array_rows)
         return values
 
-    def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+    def contact_centre_and_half_width(
+        self, load_product: ArrayLike, tilt: ArrayLike
+    ) -> tuple[Array, Array]:
         """Centre m and half-length c of the contact under a load P and a tilt alpha [rad], arrays
         that broadcast [length].
 
@@ -242,7 +244,7 @@ class ConvexProfile(abc.ABC):
         left_edge = float(np.min(centre - half_width, initial=0.0))
         right_edge = float(np.max(centre + half_width, initial=0.0))
         left_end, right_end = self.extent
-        slack = 1 + _ERROR_OF_SERIES
+        slack = 1 + _RELATIVE_ERROR_OF_SERIES
         if left_edge < left_end * slack or right_edge > right_end * slack:
             raise ProfileDataError(
                 f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
@@ -272,11 +274,11 @@ class ConvexProfile(abc.ABC):
         """
         # Start wider than the contact: then the residual of either end is nearly a convex function
         # of that end, and hardly depends on the other.
-        leftmost = first_touch - self.size
-        rightmost = first_touch + self.size
+        leftmost = first_touch - self.typical_half_length
+        rightmost = first_touch + self.typical_half_length
         if len(self.knots):
-            leftmost = np.minimum(leftmost, self.knots[0] - self.size)
-            rightmost = np.maximum(rightmost, self.knots[-1] + self.size)
+            leftmost = np.minimum(leftmost, self.knots[0] - self.typical_half_length)
+            rightmost = np.maximum(rightmost, self.knots[-1] + self.typical_half_length)
         m = (leftmost + rightmost) / 2
         c = (rightmost - leftmost) / 2
         shift = 0 * first_touch  # step of m from the last accepted one to the trial
@@ -387,7 +389,7 @@ class PiecewiseParabola(ConvexProfile):
     extent: tuple[float, float] = (-np.inf, np.inf)
 
     @property
-    def size(self) -> float:  # type: ignore[override]
+    def typical_half_length(self) -> float:  # type: ignore[override]
         return float(np.ptp(self.knots)) + 1e-3 / float(np.max(self.curvature))
 
     @cached_property
@@ -396,7 +398,7 @@ class PiecewiseParabola(ConvexProfile):
         return np.diff(self.curvature)
 
     @property
-    def corner_half_widths(self) -> Array:
+    def corner_places(self) -> Array:
         return self.knots[self.jumps != 0]
 
     @cached_property
@@ -477,7 +479,7 @@ class PiecewiseParabola(ConvexProfile):
         theta = 2 * np.arcsin(np.sqrt(relative_depth / 2))
         sine = np.sqrt(relative_depth * (2 - relative_depth))
         side = np.where(distance >= 0, 1.0, -1.0)
-        mean_functions, load_functions = _angle_functions(theta, sine, 1 - relative_depth)
+        mean_functions, load_functions = _mean_and_load_functions(theta, sine, 1 - relative_depth)
         slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
             mean_slope=c * (mean_functions @ self.jumps) / np.pi + slope_at_middle,
@@ -486,9 +488,11 @@ class PiecewiseParabola(ConvexProfile):
             curvature_cosine_integral=sine @ self.jumps,
         )
 
-    def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
+    def contact_centre_and_half_width(
+        self, load_product: ArrayLike, tilt: ArrayLike
+    ) -> tuple[Array, Array]:
         if not self.is_parabola:
-            return super().contact(load_product, tilt)
+            return super().contact_centre_and_half_width(load_product, tilt)
         curvature = self.curvature[0]
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
@@ -620,7 +624,7 @@ class PiecewiseParabola(ConvexProfile):
         )
 
 
-def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
+def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
     """sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta): what a jump of curvature at
     angle theta adds to the mean slope and to the load of a contact.
 
@@ -633,10 +637,10 @@ def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, A
         squared_angle = np.square(theta)
         cubed_angle = theta * squared_angle
         mean_series = cubed_angle * np.polynomial.polynomial.polyval(
-            squared_angle, _MEAN_COEFFICIENTS
+            squared_angle, _SERIES_OF_MEAN_FUNCTION
         )
         load_series = cubed_angle * np.polynomial.polynomial.polyval(
-            squared_angle, _LOAD_COEFFICIENTS
+            squared_angle, _SERIES_OF_LOAD_FUNCTION
         )
         mean_function = np.where(is_small, mean_series, mean_function)
         load_function = np.where(is_small, load_series, load_function)
@@ -644,7 +648,7 @@ def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, A
 
 
 # Share of c, or of the distance to a knot, within which h'' replaces a difference quotient of h'.
-_NEAR_FRACTION = 1e-5
+_NEAR_NODE_FRACTION = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -676,17 +680,17 @@ class CurvedProfile(ConvexProfile):
     """
 
     knots: Array
-    size: float
+    typical_half_length: float
     height: Callable[[Array], Array]
     gradient: Callable[[Array], Array]
     second_derivative: Callable[[Array], Array]
     rule: LogisticRule = GRADED_RULE
     exponent: float = 2.0
     extent: tuple[float, float] = (-np.inf, np.inf)
-    relative_roundoff: float = _ERROR_OF_SERIES
+    relative_roundoff: float = _RELATIVE_ERROR_OF_SERIES
 
     @property
-    def corner_half_widths(self) -> Array:
+    def corner_places(self) -> Array:
         return self.knots
 
     def place_of_first_touch(self, tilt: ArrayLike) -> Array:
@@ -698,11 +702,11 @@ class CurvedProfile(ConvexProfile):
         returned is their middle.
         """
         target_slope = -np.asarray(tilt, dtype=float)
-        half_interval = self.size
+        half_interval = self.typical_half_length
         steepest_slope = np.max(np.abs(target_slope))
         while (
             self.gradient(np.array(half_interval)) < steepest_slope
-            and half_interval < 1e9 * self.size
+            and half_interval < 1e9 * self.typical_half_length
         ):
             half_interval = 2 * half_interval
         left_bound, _ = self._bounds_by_bisection(target_slope, half_interval, np.greater_equal)
@@ -746,8 +750,9 @@ class CurvedProfile(ConvexProfile):
         places_of_part_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
         angle_spans = np.diff(angles_of_part_ends)[..., None]
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
-        # its digits. The rule has its distances from begin and end, `up` and `down`, on [0, 1].
-        is_nearer_begin = self.rule.from_begin < 0.5
+        # its digits. The rule has its distances from begin and end, `distance_from_begin` and
+        # `distance_from_end`, on [0, 1].
+        is_nearer_begin = self.rule.distance_from_begin < 0.5
 
         def at_nearer_end(at_part_ends: Array) -> Array:
             return np.where(
@@ -755,7 +760,9 @@ class CurvedProfile(ConvexProfile):
             )
 
         angle_from_end = np.where(
-            is_nearer_begin, angle_spans * self.rule.from_begin, -angle_spans * self.rule.from_end
+            is_nearer_begin,
+            angle_spans * self.rule.distance_from_begin,
+            -angle_spans * self.rule.distance_from_end,
         )
         half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
@@ -769,7 +776,9 @@ class CurvedProfile(ConvexProfile):
             # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
             # 0, where h'' is like |x|^(n - 2), the tail is a geometric series: the outermost
             # weight takes it too.
-            tail_exponent = (self.exponent - 1) * self.rule.weight[0] / self.rule.from_begin[0]
+            tail_exponent = (
+                (self.exponent - 1) * self.rule.weight[0] / self.rule.distance_from_begin[0]
+            )
             factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
             weights[..., 0] *= np.where(places_of_part_ends[..., :-1] == 0, factor_of_tail, 1.0)
             weights[..., -1] *= np.where(places_of_part_ends[..., 1:] == 0, factor_of_tail, 1.0)
@@ -790,7 +799,7 @@ class CurvedProfile(ConvexProfile):
 
     @property
     def _values_per_point(self) -> int:
-        return (len(self.knots) + 1) * len(self.rule.from_begin)
+        return (len(self.knots) + 1) * len(self.rule.distance_from_begin)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
@@ -809,7 +818,7 @@ class CurvedProfile(ConvexProfile):
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
         near_pairs = np.nonzero(
             np.abs(distance_to_node)
-            < _NEAR_FRACTION * np.minimum(distance_to_next_knot, c[..., None])
+            < _NEAR_NODE_FRACTION * np.minimum(distance_to_next_knot, c[..., None])
         )
         places_between = (
             (place_column + distance_to_node / 2)[near_pairs]
@@ -888,27 +897,27 @@ class NestedIntervals:
     tilt_per_load: float
     largest_load: float
 
-    def exact_contact(self, load: ArrayLike) -> tuple[Array, Array]:
+    def exact_centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta) [length] from the equations of equilibrium, not from the series."""
         eta = np.asarray(load, dtype=float)
-        return self.shape.contact(
+        return self.shape.contact_centre_and_half_width(
             self.compliance * eta, self.tilt_without_load + self.tilt_per_load * eta
         )
 
     @cached_property
     def largest_half_width(self) -> float:
         """c of I(largest_load) [length]."""
-        return float(self.exact_contact(self.largest_load)[1])
+        return float(self.exact_centre_and_half_width(self.largest_load)[1])
 
     @cached_property
-    def unloaded_contact(self) -> tuple[Array, Array]:
+    def unloaded_centre_and_half_width(self) -> tuple[Array, Array]:
         """m and c of I(0) [length]: c is 0, m where the profile touches first."""
-        return self.exact_contact(0.0)
+        return self.exact_centre_and_half_width(0.0)
 
     @cached_property
     def flat_face(self) -> tuple[float, float]:
         """Middle and half-length of a flat face, all of which touches without load [length]."""
-        middle = float(self.unloaded_contact[0])
+        middle = float(self.unloaded_centre_and_half_width[0])
         if self.shape.radius is not None:
             return middle, 0.0
         return middle, float(self._series.half_width(0.0))
@@ -916,7 +925,7 @@ class NestedIntervals:
     @cached_property
     def corner_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load_at_edge(self.shape.corner_half_widths)
+        loads = self.load_with_edge_at(self.shape.corner_places)
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.largest_load)])
 
     @cached_property
@@ -946,7 +955,9 @@ class NestedIntervals:
             _on_one_axis(series_of_half_width, cuts_on_axis),
         )
 
-    def _series_between(self, lower_load: float, upper_load: float) -> tuple[Pieces, Pieces]:
+    def _series_between(
+        self, lower_load: float, upper_load: float
+    ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
         """Chebyshev series of the centre m and half-length c of contact over v = sqrt(eta -
         lower_load), for loads eta between two neighbouring ones at which an end of contact meets a
         knot.
@@ -957,19 +968,23 @@ class NestedIntervals:
             Where no series represents them to round-off.
         """
         range_of_v = np.array([0.0, math.sqrt(upper_load - lower_load)])
-        # Length of which `fitted_by_halving` takes 4e-15 as negligible. Beside a flat the last
-        # digits of a contact are noise, as are those of a profile with noise.
+        # Length of which `piecewise_series_by_halving` takes 4e-15 as negligible. Beside a flat the
+        # last digits of a contact are noise, as are those of a profile with noise.
         value_scale = 0.1 * self.shape.relative_roundoff / 4e-15 * self.largest_half_width
         try:
             return (
-                fitted_by_halving(
-                    lambda v: self.exact_contact(lower_load + v * v)[0], range_of_v, value_scale
+                piecewise_series_by_halving(
+                    lambda v: self.exact_centre_and_half_width(lower_load + v * v)[0],
+                    range_of_v,
+                    value_scale,
                 ),
-                fitted_by_halving(
-                    lambda v: self.exact_contact(lower_load + v * v)[1], range_of_v, value_scale
+                piecewise_series_by_halving(
+                    lambda v: self.exact_centre_and_half_width(lower_load + v * v)[1],
+                    range_of_v,
+                    value_scale,
                 ),
             )
-        except Unresolved as fault:
+        except UnresolvedError as fault:
             raise NotFoundError(
                 f"no contact was found under the tilt {self.tilt_without_load:.6g} and loads of"
                 f" about {lower_load:.6g}"
@@ -980,7 +995,7 @@ class NestedIntervals:
         Series take loads above the largest as the largest.
         """
         if self.shape.radius is not None:
-            return self.exact_contact(load)
+            return self.exact_centre_and_half_width(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
         range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
@@ -1006,15 +1021,15 @@ class NestedIntervals:
         """
         radius = self.shape.radius
         if radius is not None:  # of a parabola in closed form
-            _, half_width_after = self.exact_contact(load)
-            _, half_width_before = self.exact_contact(load - load_rise)
+            _, half_width_after = self.exact_centre_and_half_width(load)
+            _, half_width_before = self.exact_centre_and_half_width(load - load_rise)
             widening_rate = (
                 2 * self.compliance * radius / np.pi / (half_width_after + half_width_before)
             )
             return load_rise * (widening_rate - side * radius * self.tilt_per_load)
         series = self._series
         outward_movement = np.zeros(load.shape)
-        nodes, weights_of_nodes = gauss(8)
+        nodes, weights_of_nodes = gauss_rule(8)
         # From the load downwards, in each pass over the range between two cuts that holds what is
         # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
@@ -1040,7 +1055,7 @@ class NestedIntervals:
             upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
         return outward_movement
 
-    def load_at_edge(self, x: Array) -> Array:
+    def load_with_edge_at(self, x: Array) -> Array:
         """The normal load P at which the contact first reaches x, so that x is an end of it [force
         per thickness]; infinite where the contact under the largest load does not reach x.
 
@@ -1048,7 +1063,7 @@ class NestedIntervals:
         under P. With x fixed, the sum of both changes its sign once as the half-length c grows:
         Newton's method for c, kept in a bracket.
         """
-        widest_middle, widest_half_width = self.exact_contact(self.largest_load)
+        widest_middle, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
         is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
         tilt_over_compliance = self.tilt_per_load / self.compliance
@@ -1098,11 +1113,11 @@ class _IntervalSeries(NamedTuple):
 
     begin_loads: Array
     cuts_on_axis: Array
-    centre: Pieces
-    half_width: Pieces
+    centre: PiecewiseSeries
+    half_width: PiecewiseSeries
 
 
-def _on_one_axis(series: list[Pieces], cuts_on_axis: Array) -> Pieces:
+def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> PiecewiseSeries:
     """The piecewise series of k ranges as one, range number i from `cuts_on_axis[i]` on; its k + 1
     ends are given.
     """
@@ -1110,7 +1125,7 @@ def _on_one_axis(series: list[Pieces], cuts_on_axis: Array) -> Pieces:
     for pieces, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
         edges.append(pieces.edges[1:] + begin_on_axis)
     coefficients = np.concatenate([pieces.coefficients for pieces in series], axis=1)
-    return Pieces(np.concatenate(edges), coefficients)
+    return PiecewiseSeries(np.concatenate(edges), coefficients)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1210,13 +1225,13 @@ class TiltedProfile:
         """P_x, the load at which a point x = `half_width` is an end of contact [force per
         thickness]; infinite where the largest contact does not reach it.
         """
-        return self.intervals.load_at_edge(np.asarray(half_width, dtype=float))
+        return self.intervals.load_with_edge_at(np.asarray(half_width, dtype=float))
 
     # --- normal contact under any tilt
 
-    def contact_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+    def centre_and_half_width_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """Centre m and half-length c of contacts under loads and tilts, (n,) each [length]."""
-        return self.shape.contact(self._compliance * load, tilt)
+        return self.shape.contact_centre_and_half_width(self._compliance * load, tilt)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
         """Pressure p >= 0 (n, k) at points x (k,) of contacts of centre m and half-length c, (n,)
@@ -1262,7 +1277,7 @@ class TiltedProfile:
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
         for _ in range(_MOST_NEWTON_STEPS):
-            m, c = self.contact_under(load, tilt)
+            m, c = self.centre_and_half_width_under(load, tilt)
             excess_moment = self.moment(m, c, load, tilt) - moment
             half_width = np.where(c > 0, c, 1.0)
             least_tilt = np.where(excess_moment > 0, tilt, least_tilt)
@@ -1318,7 +1333,7 @@ class TiltedProfile:
         [force per thickness]: pi/A times the decrease of the gap at x.
         """
         x = np.asarray(x, dtype=float)
-        gap_before = self.shape.gap(x, *self.intervals.unloaded_contact)
+        gap_before = self.shape.gap(x, *self.intervals.unloaded_centre_and_half_width)
         gap_after = self.shape.gap(x, *self.intervals.centre_and_half_width(load))
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
@@ -1371,7 +1386,7 @@ class TiltedProfile:
         t = places - m
         difference_of_squares = (c - t) * (c + t)
         is_beside_face = np.abs(places - face_middle) >= face_half_width
-        is_near_edge = difference_of_squares < _EDGE_FRACTION * c * c
+        is_near_edge = difference_of_squares < _NEAR_EDGE_FRACTION * c * c
         takes_movement = is_near_edge & (load_rise > 0) & is_beside_face
         if np.any(takes_movement):
             # Next to the edge c - |t| loses digits. It is how far the edge has moved beyond x.
@@ -1426,7 +1441,7 @@ class TiltedProfile:
         if self.kernel_quantity == "shear_moment":
             return moment
         approach_without_load = self.shape.approach(
-            *self.intervals.unloaded_contact, self.intervals.tilt_without_load
+            *self.intervals.unloaded_centre_and_half_width, self.intervals.tilt_without_load
         )
         # without the term of the datum, (A P/pi) ln(2 L/c), c the half-length
         approach_under_load = self.shape.approach(contact_centre, contact_half_length, tilt)

@@ -525,7 +525,7 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     random = np.random.default_rng(1)
     product = least * (2 / least) ** random.random(250)
     tilt = steepest * random.uniform(-1, 1, 250)
-    m, c = shape.contact(product, tilt)
+    m, c = shape.contact_centre_and_half_width(product, tilt)
     balance = shape.balance(m, c)
     np.testing.assert_allclose(balance.load_product, product, rtol=3e-10)
     assert np.max(np.abs(balance.mean_slope + tilt) / (balance.curvature_integral * c)) < 1e-10
@@ -1309,7 +1309,7 @@ def test_a_cell_that_opens_does_not_stick_though_it_does_not_slip():
 
 
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
-    monkeypatch.setattr(dense_grid, "_MOST_ITERATIONS", 1)
+    monkeypatch.setattr(dense_grid, "_MOST_ACTIVE_SET_ITERATIONS", 1)
     scene = make_scene(EllipseLoad(**PAPER, **BROKEN["bulk, row 7"][0]))
     with pytest.raises(
         InputError,

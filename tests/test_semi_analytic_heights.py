@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenes import CallableProfile, InputError
-from scenes.chebyshev import Unresolved
+from scenes.chebyshev import UnresolvedError
 from semi_analytic import profiles, solve
 from semi_analytic.profiles import slope_function
 from semi_analytic_cases import ellipse, make_scene
@@ -85,10 +85,10 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
 
 def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
     def rough(function, edges, scale=None):
-        raise Unresolved(0.5, 1.0)
+        raise UnresolvedError(0.5, 1.0)
 
     profile = CallableProfile(height_function=SHAPES["arc"][0], extent=3.0)
-    monkeypatch.setattr(profiles, "fitted_by_halving", rough)
+    monkeypatch.setattr(profiles, "piecewise_series_by_halving", rough)
     with pytest.raises(InputError, match="the function is too rough near x = 1"):
         slope_function(1.0, profile)
     with pytest.raises(ValueError, match="too rough"):
