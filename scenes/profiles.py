@@ -629,7 +629,7 @@ class CallableProfile(Gap):
             * np.minimum(at / first_edge, 1.0) ** self.exponent
         )
 
-    def bend(self, x: ArrayLike) -> Array:
+    def curvature_times_x(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
         at = np.asarray(x, dtype=float)
         first_edge = float(self._slope.edges[0])
@@ -641,7 +641,7 @@ class CallableProfile(Gap):
         )
 
     @property
-    def rounding_of_height(self) -> LoadErrors:
+    def relative_load_errors(self) -> LoadErrors:
         """Relative errors of P(a) and dP/da from round-off in a height function; 0 where the slope
         is given.
         """

@@ -188,10 +188,11 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
     height_at_length = profile.rise
     if exponent == 2:
         return _parabolas([0.0], [2 * height_at_length / length**2] * 2, 0.0)
-    if exponent < _SHARPEST:
+    if exponent < _LEAST_EXPONENT_OF_TIP:
         raise InputError(
             f"profile.exponent = {exponent:.6g}: under bulk stress or tilt half-plane theory takes"
-            f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
+            f" exponents from {_LEAST_EXPONENT_OF_TIP}; a wedge with a rounded tip has kind ="
+            " 'wedge'"
         )
 
     def derivative(derivative_order: int, x: Array) -> Array:
@@ -275,7 +276,9 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     def second_derivative(x: Array) -> Array:
         """h'' at x of any sign."""
         distance = np.maximum(np.abs(x), least_distance)
-        return np.asarray(profile.bend(distance) / distance)  # `bend` is x h''
+        return np.asarray(
+            profile.curvature_times_x(distance) / distance
+        )  # `curvature_times_x` is x h''
 
     sample_places = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
     sample_values = second_derivative(sample_places)
@@ -289,14 +292,14 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
         second_derivative=second_derivative,
-        exponent=max(profile.exponent, _SHARPEST),
+        exponent=max(profile.exponent, _LEAST_EXPONENT_OF_TIP),
         extent=(-profile.extent, profile.extent),
         relative_roundoff=1e-11,
     )
 
 
 # Exponent below which a tip is a sharp wedge: what quadratures leave out next to it is too much.
-_SHARPEST = 1.01
+_LEAST_EXPONENT_OF_TIP = 1.01
 
 
 def _parabolas(
@@ -331,7 +334,7 @@ _LARGEST_RATIO_TO_UNIT = 1e15
 _CONVERGED_LOG_STEP = 3e-9
 
 
-def inverse_of(
+def edge_advance_function(
     load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf
 ) -> Function:
     """The inverse d(P) of a rising contact law P(d), to round-off: advance d of the contact edge
@@ -345,8 +348,8 @@ def inverse_of(
     load, stiffness
         P and dP/dd as functions of arrays d [length]
     unit
-        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is tabulated,
-        beyond P is a power of d
+        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
+        tabulated, beyond P is a power of d
     corner
         an advance at which P is less smooth
     extent
@@ -354,7 +357,7 @@ def inverse_of(
 
     Examples
     --------
-    >>> float(inverse_of(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
+    >>> float(edge_advance_function(lambda d: d**3, lambda d: 3 * d**2, 1.0)(np.array(8.0)))
     2.0
     """
 
@@ -465,11 +468,11 @@ def _log_table(
 # --- power laws and their sums
 
 
-def load_factor(exponent: float) -> float:
+def abel_load_factor(exponent: float) -> float:
     """The factor by which the Abel transform turns x^n into a load, n = `exponent`: int_0^(pi/2)
     sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1).
 
-    >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
+    >>> round(abel_load_factor(1.0), 15), round(abel_load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
     upper_argument = (exponent + 1) / 2
@@ -483,15 +486,15 @@ def load_factor(exponent: float) -> float:
     return math.sqrt(math.pi) / 2 * (math.gamma(upper_argument) / math.gamma(lower_argument))
 
 
-def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
+def law_of_power(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
     """Contact law of h = rise (|x|/length)^n, n = `exponent` >= 1 real: P = K (a/length)^n, K = E*
-    n rise load_factor(n), E* = `modulus`.
+    n rise abel_load_factor(n), E* = `modulus`.
 
-    >>> law = power_law(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
+    >>> law = law_of_power(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
-    load_at_length = modulus * exponent * rise * load_factor(exponent)
+    load_at_length = modulus * exponent * rise * abel_load_factor(exponent)
     return ContactLaw(
         load=lambda a: load_at_length * np.power(a / length, exponent),
         edge_advance=lambda load: length * np.power(load / load_at_length, 1 / exponent),
@@ -500,7 +503,7 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
     )
 
 
-def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
+def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
     """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), k from 1, c_k = `rises`
     [length]: P is the sum of the loads that each power alone would carry. `modulus` is E*.
 
@@ -511,13 +514,13 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
 
     Examples
     --------
-    >>> law = even_polynomial(modulus=100.0, length=1.0, rises=(0.5,))  # Hertz with R = 1
+    >>> law = law_of_even_polynomial(modulus=100.0, length=1.0, rises=(0.5,))  # Hertz with R = 1
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
     k = np.arange(1.0, len(rises) + 1)
     loads_of_terms = (
-        modulus * 2 * k * np.array(rises) * np.array([load_factor(2 * power) for power in k])
+        modulus * 2 * k * np.array(rises) * np.array([abel_load_factor(2 * power) for power in k])
     )
     # dP/da over a is a polynomial in a^2.
     squared_ratio_at_fall = place_of_fall(loads_of_terms * k)
@@ -542,7 +545,7 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
     has_several_terms = sum(rise != 0 for rise in rises) > 1
     return ContactLaw(
         load,
-        inverse_of(load, stiffness, length),
+        edge_advance_function(load, stiffness, length),
         stiffness,
         power=2.0 * (first_term + 1),
         half_width_may_be_steep=has_several_terms,
@@ -555,16 +558,16 @@ def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> 
 # Below this tau the closed form of F cancels.
 _SHALLOW_TAU = 0.3
 _SERIES_NUMBERS = np.arange(1.0, 17.0)
-_F_SERIES = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBERS**2 - 1)
+_SERIES_OF_LOAD_FUNCTION = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBERS**2 - 1)
 
 
-def load_function(tau: ArrayLike) -> Array:
+def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
     """F(tau) = (1 + tau^2) arctan(tau) - tau to full relative accuracy: the load of a flat face
     with rounded edges, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
 
     For small tau, where the closed form loses digits, by the series 2 tau^3/3 - 2 tau^5/15 + ...
 
-    >>> round(float(load_function(1.0)), 12)  # pi/2 - 1
+    >>> round(float(flat_and_rounded_load_function(1.0)), 12)  # pi/2 - 1
     0.570796326795
     """
     t = np.asarray(tau, dtype=float)
@@ -574,21 +577,21 @@ def load_function(tau: ArrayLike) -> Array:
         return closed_form
     shallow_tau = np.minimum(t, _SHALLOW_TAU)
     squared_tau = shallow_tau * shallow_tau
-    series_value = np.full(np.shape(t), _F_SERIES[-1])
-    for coefficient in _F_SERIES[-2::-1].tolist():
+    series_value = np.full(np.shape(t), _SERIES_OF_LOAD_FUNCTION[-1])
+    for coefficient in _SERIES_OF_LOAD_FUNCTION[-2::-1].tolist():
         series_value = series_value * squared_tau + coefficient
     return np.where(is_shallow, series_value * shallow_tau * squared_tau, closed_form)
 
 
-def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
+def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
     """Contact law P(a) of a flat face of half-length b with parabolic edges of radius R
     (Ciavarella, Hills and Monno 1998). `modulus` is E*.
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
-    F is `load_function`; tau is tan(angle) where that paper has cos(angle) = b/a.
+    F is `flat_and_rounded_load_function`; tau is tan(angle) where that paper has cos(angle) = b/a.
 
-    >>> law = flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
+    >>> law = law_of_flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
     >>> round(float(law.load(np.sqrt(2.0) - 1)), 12)  # tau = 1
     0.570796326795
     """
@@ -599,31 +602,33 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
         return np.sqrt(d / b * (2 + d / b))
 
     def load(d: Array) -> Array:
-        return load_unit * load_function(tau(d))
+        return load_unit * flat_and_rounded_load_function(tau(d))
 
     def stiffness(d: Array) -> Array:
         return modulus / radius * (b + d) * np.arctan(tau(d))
 
-    return ContactLaw(load, inverse_of(load, stiffness, b), stiffness, least_half_width=b)
+    return ContactLaw(
+        load, edge_advance_function(load, stiffness, b), stiffness, least_half_width=b
+    )
 
 
 # --- two curvatures
 
 
-def two_curvatures(
+def law_of_two_curvatures(
     modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
 ) -> ContactLaw:
     """Contact law P(a) of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2
     beyond; R2 infinite makes a wedge with a rounded tip. `modulus` is E*.
 
-    Hertz up to a = b, then with t = sqrt(a^2 - b^2) and F of `load_function`
+    Hertz up to a = b, then with t = sqrt(a^2 - b^2) and F of `flat_and_rounded_load_function`
 
         P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),
         dP/da = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]
 
     Both terms grow: all digits are kept from R2/R1 = 0 to infinity.
 
-    >>> law = two_curvatures(
+    >>> law = law_of_two_curvatures(
     ...     modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3
     ... )
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)  # Hertz
@@ -638,7 +643,7 @@ def two_curvatures(
         inner_end = np.minimum(a, b)
         t = np.sqrt((a - inner_end) * (a + inner_end))
         inner_load = inner_stiffness / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
-        return inner_load + load_unit * load_function(t / b)
+        return inner_load + load_unit * flat_and_rounded_load_function(t / b)
 
     def stiffness(a: Array) -> Array:
         inner_end = np.minimum(a, b)
@@ -647,13 +652,15 @@ def two_curvatures(
             inner_stiffness * np.arctan2(inner_end, t) + outer_stiffness * np.arctan2(t, inner_end)
         )
 
-    return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, corner_half_widths=(b,))
+    return ContactLaw(
+        load, edge_advance_function(load, stiffness, b, b), stiffness, corner_half_widths=(b,)
+    )
 
 
 # --- tables of heights
 
 # Intervals in a group at most, when the sums over near knots are taken knot by knot.
-_LARGEST_GROUP = 32
+_MOST_INTERVALS_OF_GROUP = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -680,7 +687,9 @@ class _TableSeries:
     load: SeriesAsPowers
     stiffness: SeriesAsPowers
 
-    def value(self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers) -> Array:
+    def load_or_stiffness_at(
+        self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers
+    ) -> Array:
         """P or dP/da, that of the given series, at u on the intervals with these numbers."""
         begin_root = self.begin_roots[interval_number]
         end_root = self.end_roots[interval_number]
@@ -697,7 +706,7 @@ class _TableSeries:
         return np.asarray(self.knots[:, None] + np.square(u))
 
 
-def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
+def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
     constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*.
 
@@ -716,7 +725,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     --------
     >>> rows = [(0.1 * k, (0.1 * k) ** 2 / 2) for k in range(11)]  # Hertz with R = 1
     >>> round(
-    ...     float(tabulated(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9
+    ...     float(law_of_table(100.0, Tabulated(points=rows)).load(np.array(0.6))) / np.pi, 9
     ... )  # 25 a^2
     9.0
     """
@@ -728,9 +737,9 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     extent = float(knots[-1])
     # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these.
     law_to_second_knot = (
-        flat_and_rounded(scaled_curvatures[0], 1.0, least_half_width)
+        law_of_flat_and_rounded(scaled_curvatures[0], 1.0, least_half_width)
         if least_half_width > 0
-        else power_law(scaled_curvatures[0], 2.0, 1.0, 0.5)
+        else law_of_power(scaled_curvatures[0], 2.0, 1.0, 0.5)
     )
     law = _TableLaw(
         law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
@@ -739,7 +748,7 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     advance_under_load = law_to_second_knot.edge_advance
     if law.has_series:
         corner_advance = float(knots[1]) - least_half_width
-        advance_under_load = inverse_of(
+        advance_under_load = edge_advance_function(
             law.load, law.stiffness, extent, corner_advance, extent - least_half_width
         )
 
@@ -818,7 +827,7 @@ class _TableLaw(NamedTuple):
             np.searchsorted(table_series.begin_half_widths, half_widths, side="right") - 1
         )
         distance_from_knot = np.maximum(half_widths - table_series.knots[interval_number], 0.0)
-        values = table_series.value(
+        values = table_series.load_or_stiffness_at(
             np.maximum(interval_number, 0), np.sqrt(distance_from_knot), series_behind
         )
         is_before_second_knot = interval_number < 0
@@ -901,7 +910,7 @@ class _KnotSums(NamedTuple):
     knots: Array
     jumps: Array
 
-    def over_knots(
+    def sums_over_knots(
         self, half_width: Array, origin: Array, distance: Array, knot_numbers: slice
     ) -> Array:
         """Sums of P and of dP/da/a over the knots with these numbers at contact half-widths a; the
@@ -947,7 +956,7 @@ class _KnotSums(NamedTuple):
         place_in_wider_range = (half_widths - wider_least) * (2 / (wider_largest - wider_least)) - 1
         far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
         half_width_column = half_widths[:, None]
-        far_sums = far_sums + self.over_knots(
+        far_sums = far_sums + self.sums_over_knots(
             half_width_column,
             half_width_column,
             np.zeros((1, 1)),
@@ -1034,7 +1043,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
             half_widths[group_to_sum.stop - 1, -1],
         )
         group = knot_sums.with_far_knots(group_to_sum, half_width_range)
-        if group.stop - group.first > _LARGEST_GROUP:
+        if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
             middle = (group.first + group.stop) // 2
             groups.append(group._replace(stop=middle))
             groups.append(group._replace(first=middle))
@@ -1046,7 +1055,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         far_sums = chebyshev.chebval(place_in_range, group.far_series)
         sums_at_half_widths[intervals] = np.moveaxis(far_sums, 0, -1)
         n_knots_reached = int(np.searchsorted(knot_sums.knots[:-1], largest_half_width))
-        sums_at_half_widths[intervals] += knot_sums.over_knots(
+        sums_at_half_widths[intervals] += knot_sums.sums_over_knots(
             half_widths[intervals, :, None],
             knot_of_interval[intervals, None, None],
             distances[intervals, :, None],
@@ -1087,22 +1096,22 @@ def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
 
 
 # Octaves of a half-width that have series; below them P is a power of a.
-_OCTAVES = 54
+_OCTAVE_COUNT = 54
 # Relative errors of P and of dP/da to which their series are resolved, where no height is rounded.
-_NEGLIGIBLE_OF_LOAD = 4e-15
-_NEGLIGIBLE_OF_STIFFNESS = 1e-12
+_NEGLIGIBLE_LOAD_SHARE = 4e-15
+_NEGLIGIBLE_STIFFNESS_SHARE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class _SeriesBehindCorner:
     """P and dP/da as piecewise Chebyshev series in u, for half-widths a from one corner of the
-    profile, at `begin`, to the next.
+    profile, at `begin_half_width`, to the next.
 
-    From the middle on u = a - begin. Behind a corner of the profile, and beside a flat, P is smooth
-    in the root only: `is_in_root`, u = sqrt(a - begin).
+    From the middle on u = a - begin_half_width. Behind a corner of the profile, and beside a flat,
+    P is smooth in the root only: `is_in_root`, u = sqrt(a - begin_half_width).
     """
 
-    begin: float
+    begin_half_width: float
     is_in_root: bool
     load: PiecewiseSeries
     stiffness: PiecewiseSeries
@@ -1114,7 +1123,7 @@ class _SeriesBehindCorner:
         width_per_u = 2 * first_u if self.is_in_root else 1.0  # da/du
         return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
-    def value(self, u: Array, derivative_order: int) -> Array:
+    def load_or_stiffness_at(self, u: Array, derivative_order: int) -> Array:
         """P (order 0) or dP/da (1) at u; below the least u that has a series as a power of u."""
         pieces = (self.load, self.stiffness)[derivative_order]
         first_u = float(pieces.edges[0])
@@ -1126,7 +1135,7 @@ class _SeriesBehindCorner:
         return values_of_series * np.minimum(u / first_u, 1.0) ** power
 
 
-def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
+def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     """Contact law P(a) of a profile whose slope h'(x) is a Python function: P and dP/da by
     quadrature, kept as piecewise Chebyshev series. `modulus` is E*.
 
@@ -1138,7 +1147,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 
     Examples
     --------
-    >>> law = slope_function(
+    >>> law = law_of_function(
     ...     100.0, CallableProfile(slope_function=lambda x: x, extent=2.0)
     ... )  # Hertz with R = 1
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
@@ -1160,7 +1169,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
     load = partial(load_or_stiffness, derivative_order=0)
     stiffness = partial(load_or_stiffness, derivative_order=1)
-    advance_under_load = inverse_of(
+    advance_under_load = edge_advance_function(
         load, stiffness, profile.extent, extent=profile.extent - least_half_width
     )
 
@@ -1193,7 +1202,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         extent=profile.extent,
         half_width_may_be_steep=True,
         # A derivative was taken of h', and two of h.
-        relative_roundoff=max(1e-11, profile.rounding_of_height.stiffness),
+        relative_roundoff=max(1e-11, profile.relative_load_errors.stiffness),
     )
 
 
@@ -1210,15 +1219,15 @@ def _load_or_stiffness(
     """
     half_width = least_half_width + d
     values = np.zeros(d.shape)
-    begins = [range_series.begin for range_series in series_of_ranges]
+    begins = [range_series.begin_half_width for range_series in series_of_ranges]
     range_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
     for k, range_series in enumerate(series_of_ranges):
         is_in_range = range_number == k
         if np.any(is_in_range):
             # d itself has more digits beside a flat.
-            distance = (d if k == 0 else half_width - range_series.begin)[is_in_range]
+            distance = (d if k == 0 else half_width - range_series.begin_half_width)[is_in_range]
             u = np.sqrt(distance) if range_series.is_in_root else distance
-            values[is_in_range] = range_series.value(u, derivative_order)
+            values[is_in_range] = range_series.load_or_stiffness_at(u, derivative_order)
     return values
 
 
@@ -1247,7 +1256,7 @@ def _series_behind_corner(
     """
     is_in_root = begin > 0
     largest_u = np.sqrt(end - begin) if is_in_root else end - begin
-    interval_ends = largest_u * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
+    interval_ends = largest_u * 0.5 ** np.arange(_OCTAVE_COUNT - 1, -1.0, -1.0)
     if is_in_root and profile.slope(np.array(begin)) > 0:
         # P and dP/da are positive at a corner inside the contact: a few octaves resolve them.
         interval_ends = np.concatenate([[0.0], interval_ends[-4:]])
@@ -1264,8 +1273,8 @@ def _series_behind_corner(
     # leave uncertain is no more than noise either.
     places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
     negligible_shares = (
-        max(_NEGLIGIBLE_OF_LOAD, profile.rounding_of_height.load),
-        max(_NEGLIGIBLE_OF_STIFFNESS, profile.rounding_of_height.stiffness),
+        max(_NEGLIGIBLE_LOAD_SHARE, profile.relative_load_errors.load),
+        max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),
     )
     try:
         # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
@@ -1325,7 +1334,9 @@ def _abel_integral(
     half_width_column = half_width[..., None, None]
     x = half_width_column * cosine
     if derivative_order:
-        kernel = profile.slope(x) + profile.bend(x)  # (x h')', `bend` is x h''
+        kernel = profile.slope(x) + profile.curvature_times_x(
+            x
+        )  # (x h')', `curvature_times_x` is x h''
     else:
         kernel = profile.slope(x) * half_width_column
     return np.asarray(modulus * np.sum(nodes.weight * cosine * kernel, axis=(-2, -1)))
@@ -1356,8 +1367,10 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
     """
     corners = []
     for b in profile.corners:
-        # `bend` is x h''
-        bend_before, bend_behind = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
+        # `curvature_times_x` is x h''
+        bend_before, bend_behind = profile.curvature_times_x(
+            np.array([b * (1 - 1e-9), b * (1 + 1e-9)])
+        )
         size = abs(bend_before) + abs(bend_behind) + float(profile.slope(np.array(b)))
         if abs(bend_before - bend_behind) > 1e-6 * size + 1e-300:
             corners.append(b)
@@ -1370,26 +1383,28 @@ _KINDS: dict[type, _Kind] = {
         _convex_hertz,
     ),
     FlatRounded: _Kind.by_law(
-        lambda modulus, p: flat_and_rounded(modulus, p.radius, p.flat_half_length),
+        lambda modulus, p: law_of_flat_and_rounded(modulus, p.radius, p.flat_half_length),
         _convex_flat_rounded,
     ),
     PowerLaw: _Kind.by_law(
-        lambda modulus, p: power_law(modulus, p.exponent, p.length, p.rise), _convex_power
+        lambda modulus, p: law_of_power(modulus, p.exponent, p.length, p.rise), _convex_power
     ),
     Compound: _Kind.by_law(
-        lambda modulus, p: two_curvatures(
+        lambda modulus, p: law_of_two_curvatures(
             modulus, p.inner_radius, p.outer_radius, p.inner_half_length
         ),
         _convex_compound,
     ),
     Wedge: _Kind.by_law(
-        lambda modulus, p: two_curvatures(modulus, p.tip_radius, math.inf, p.tip_half_length),
+        lambda modulus, p: law_of_two_curvatures(
+            modulus, p.tip_radius, math.inf, p.tip_half_length
+        ),
         _convex_wedge,
     ),
     EvenPolynomial: _Kind.by_law(
-        lambda modulus, p: even_polynomial(modulus, p.length, p.rises), _convex_polynomial
+        lambda modulus, p: law_of_even_polynomial(modulus, p.length, p.rises), _convex_polynomial
     ),
-    Tabulated: _Kind.by_law(tabulated, _convex_table),
-    CallableProfile: _Kind.by_law(slope_function, _convex_function),
+    Tabulated: _Kind.by_law(law_of_table, _convex_table),
+    CallableProfile: _Kind.by_law(law_of_function, _convex_function),
 }
 """The functions that make contacts of each type of profile: the one place that tells them apart."""

@@ -231,9 +231,9 @@ class PunchSuperposition:
         """Contact pressure p(x, P) >= 0 at the point x under the load P [stress]: 0 outside the
         contact, infinite at the tip of a sharp wedge.
 
-        >>> from semi_analytic.profiles import power_law
+        >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
-        ...     power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
+        ...     law_of_power(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
         ... )  # Hertz
         >>> round(float(contact.pressure(0.6, np.pi / 4)), 12)  # (E*/2 R) sqrt(a^2 - x^2), a = 1
         0.4
@@ -270,9 +270,9 @@ class PunchSuperposition:
         contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes
         the slip (f A/pi) [S(x, P) - S(x, P_c)] outside the stick zone.
 
-        >>> from semi_analytic.profiles import power_law
+        >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
-        ...     power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
+        ...     law_of_power(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
         ... )  # Hertz
         >>> round(
         ...     2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12
@@ -303,9 +303,9 @@ class PunchSuperposition:
 
         L is the distance of the datum, A = 2/E*, a(eta) the contact half-width under the load eta.
 
-        >>> from semi_analytic.profiles import power_law
+        >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
-        ...     power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
+        ...     law_of_power(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
         ... )  # Hertz
         >>> round(
         ...     float(contact.approach_integral(np.pi / 4) * 4 / np.pi - np.log(2)), 12
@@ -483,9 +483,9 @@ class PunchSuperposition:
         Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha. Close together, that would lose
         digits: there it is int (P - eta) d ln(a(eta)).
 
-        >>> from semi_analytic.profiles import power_law
+        >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
-        ...     power_law(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
+        ...     law_of_power(modulus=1.0, exponent=2.0, length=1.0, rise=0.5), datum_length=1.0
         ... )  # Hertz
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056

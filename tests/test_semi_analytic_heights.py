@@ -8,7 +8,7 @@ import pytest
 from scenes import CallableProfile, InputError
 from scenes.chebyshev import UnresolvedError
 from semi_analytic import profiles, solve
-from semi_analytic.profiles import slope_function
+from semi_analytic.profiles import law_of_function
 from semi_analytic_cases import ellipse, make_scene
 
 HALF_WIDTHS = np.array([1e-6, 1e-4, 0.01, 0.1, 0.3, 0.7, 1.0, 1.9, 2.5, 2.99])
@@ -48,9 +48,9 @@ def test_a_height_carries_what_its_slope_does(name):
     """
     height, slope = SHAPES[name]
     profile = CallableProfile(height_function=height, extent=EXTENT)
-    of_height = slope_function(1.0, profile)
-    of_slope = slope_function(1.0, CallableProfile(slope_function=slope, extent=EXTENT))
-    stated = profile.rounding_of_height
+    of_height = law_of_function(1.0, profile)
+    of_slope = law_of_function(1.0, CallableProfile(slope_function=slope, extent=EXTENT))
+    stated = profile.relative_load_errors
     assert stated.load < 2e-13
     np.testing.assert_allclose(
         of_height.load(HALF_WIDTHS), of_slope.load(HALF_WIDTHS), rtol=max(1e-14, stated.load)
@@ -70,17 +70,17 @@ def test_what_the_digits_of_an_arc_do_not_hold_is_stated(radius):
     fits of many values leave less.
     """
     profile = CallableProfile(height_function=arc(radius)[0], extent=EXTENT)
-    slope = slope_function(1.0, profile)
-    exact = slope_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT))
+    slope = law_of_function(1.0, profile)
+    exact = law_of_function(1.0, CallableProfile(slope_function=arc(radius)[1], extent=EXTENT))
     error = np.max(np.abs(slope.load(HALF_WIDTHS) / exact.load(HALF_WIDTHS) - 1))
     of_one_value = np.finfo(float).eps * radius / arc(radius)[0](EXTENT)
-    assert error <= profile.rounding_of_height.load < max(of_one_value, 1e-13)
-    assert slope.relative_roundoff >= profile.rounding_of_height.stiffness
+    assert error <= profile.relative_load_errors.load < max(of_one_value, 1e-13)
+    assert slope.relative_roundoff >= profile.relative_load_errors.stiffness
 
     load = float(slope.load(np.array(1.0)))
     scene = make_scene(ellipse(load, load / 3, 0.0, load / 3)).vary(profile=profile)
     solution = solve(scene, x=[0.0, 0.5], fields=("pressure", "dissipation"))
-    assert min(solution.record.errors.values()) >= profile.rounding_of_height.stiffness
+    assert min(solution.record.errors.values()) >= profile.relative_load_errors.stiffness
 
 
 def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
@@ -90,7 +90,7 @@ def test_a_rough_function_is_refused_in_a_sentence(monkeypatch):
     profile = CallableProfile(height_function=SHAPES["arc"][0], extent=3.0)
     monkeypatch.setattr(profiles, "piecewise_series_by_halving", rough)
     with pytest.raises(InputError, match="the function is too rough near x = 1"):
-        slope_function(1.0, profile)
+        law_of_function(1.0, profile)
     with pytest.raises(ValueError, match="too rough"):
         CallableProfile(
             height_function=lambda x: x * x / 2 + 1e-6 * np.abs(np.sin(1e6 * x)), extent=3.0
@@ -102,6 +102,6 @@ def test_a_height_of_seven_digits_is_solved_and_says_so():
         height_function=lambda x: np.float32(1 + x * x / 2) - 1.0, extent=EXTENT
     )
     error = np.max(
-        np.abs(slope_function(1.0, profile).load(HALF_WIDTHS) / (np.pi / 4 * HALF_WIDTHS**2) - 1)
+        np.abs(law_of_function(1.0, profile).load(HALF_WIDTHS) / (np.pi / 4 * HALF_WIDTHS**2) - 1)
     )
-    assert 1e-11 < error <= profile.rounding_of_height.load < 1e-7
+    assert 1e-11 < error <= profile.relative_load_errors.load < 1e-7

@@ -30,7 +30,7 @@ from scenes import (
 )
 from semi_analytic.elasticity import composite_modulus, coupling_constant
 from semi_analytic.hertz import log_excess
-from semi_analytic.profiles import contact_of, power_law
+from semi_analytic.profiles import contact_of, law_of_power
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic_cases import UNIT
 from semi_analytic_oracle import LONG, Punches, integrate, law_of
@@ -440,7 +440,7 @@ def test_a_flat_given_by_its_slopes_has_a_finite_kernel_from_zero_load(load):
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
 def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
-    contact = PunchSuperposition(power_law(1.0, n, 1.0, 1.0), 3.0)
+    contact = PunchSuperposition(law_of_power(1.0, n, 1.0, 1.0), 3.0)
     m = mp.mpf(n)
     unit_load = float(contact.load(1.0))
     xi = np.array([0.0, 0.99e-11, 1.01e-11, 0.0999, 0.1001])

@@ -11,7 +11,7 @@ import halfplane_fe
 from reports.checking import engine_refusals
 from scenes import InadmissibleLoadError, Scene
 from semi_analytic import solve
-from semi_analytic.load_series import check_rows, follow
+from semi_analytic.load_series import follow, require_admissible_rows
 from semi_analytic_cases import PROFILES, make_scene, polygon
 from semi_analytic_oracle import Work
 
@@ -131,6 +131,10 @@ def test_where_the_path_starts_or_turns_unloaded_nothing_sticks_through_all_of_i
 
 
 def test_rows_at_gross_sliding_but_for_rounding_are_taken():
-    check_rows(np.array([[0.0, 0.0, 0.0], [1.0, 100.0, 30.0 * (1 + 4e-15)]]), friction=0.3)
+    require_admissible_rows(
+        np.array([[0.0, 0.0, 0.0], [1.0, 100.0, 30.0 * (1 + 4e-15)]]), friction=0.3
+    )
     with pytest.raises(InadmissibleLoadError, match="gross sliding"):
-        check_rows(np.array([[0.0, 0.0, 0.0], [1.0, 100.0, 30.0 * (1 + 4e-14)]]), friction=0.3)
+        require_admissible_rows(
+            np.array([[0.0, 0.0, 0.0], [1.0, 100.0, 30.0 * (1 + 4e-14)]]), friction=0.3
+        )
