@@ -592,8 +592,8 @@ def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> No
 class Weighted(ContactSolution):
     """A solution with nodal weights and normals, as finite elements give."""
 
-    weights: np.ndarray
-    normals: np.ndarray
+    face_lengths: np.ndarray
+    face_normals: np.ndarray
 
 
 def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
@@ -606,7 +606,7 @@ def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
     fields |= {"pressure": factor * TRUTH.pressure, "shear": shear * TRUTH.pressure}
     return Weighted(
         **fields,
-        weights=np.full(len(X), TRUTH.normal_load[0] / TRUTH.pressure[0].sum()),
+        face_lengths=np.full(len(X), TRUTH.normal_load[0] / TRUTH.pressure[0].sum()),
         face_normals=np.tile([[-np.sin(angle)], [np.cos(angle)]], len(X)),
     )
 

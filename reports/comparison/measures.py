@@ -373,18 +373,20 @@ def _stated_uncertainty(
     solution: ContactSolution, amount: float, name: str, name_of_error: str
 ) -> float | None:
     """Uncertainty that a solution itself states of an amount, in the unit of the amount. NaN where
-    finite elements have no estimate, 0 where theory has none; None for an external result, which
-    states nothing.
+    it has no estimate, 0 where theory is exact; None for an external result, which states nothing.
 
     Parameters
     ----------
     amount
         value of the solution, such as its largest pressure
     name
-        the quantity in `uncertainties` of a finite-element solution
+        the quantity in `uncertainties` of a solution
     name_of_error
-        the quantity in `record.errors` of half-plane theory; "" where theory is exact
+        the quantity in `record.errors` of half-plane theory, where `uncertainties` has none; ""
+        where theory is exact
     """
+    if solution.engine == "semi_analytic" and name in solution.uncertainties:
+        return solution.uncertainties[name]
     if solution.engine == "semi_analytic":
         relative_error = solution.record.errors.get(name_of_error, 0.0)
         return relative_error * abs(amount)
@@ -747,8 +749,8 @@ def _excess_of_resultant(
     """
     x = pair.result_cycle.x
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
-    weights = getattr(pair.result, "weights", None)
-    normals = getattr(pair.result, "normals", None)
+    weights = getattr(pair.result, "face_lengths", None)
+    normals = getattr(pair.result, "face_normals", None)
     note = ""
     weights_of_points = trapezoidal_weights(x) if weights is None else weights
     normals_of_points = normals_of_flat if normals is None else normals
