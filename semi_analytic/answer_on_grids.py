@@ -106,6 +106,7 @@ class GridAnswer:
             is_before_steady = np.arange(len(cycle_works)) < (path_on_grids.steady_from or 0)
             steady_work = steady_cycle.values["dissipation"]
             values["cycle_dissipation"] = np.where(is_before_steady, cycle_works, steady_work)
+            values["uncertainties"] = {}
             for name in _VALUES_OF_STEADY_CYCLE:
                 values[name] = steady_cycle.values.get(name)
             errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
@@ -189,8 +190,9 @@ class GridAnswer:
         )
 
     def _values(self) -> dict[str, Any]:
-        """Loads (n,), edges (n, 2), fields (n, k) and friction work as the grids give them, by the
-        names of a ContactSolution; NaN, and open, for what was not asked for.
+        """Loads (n,), edges (n, 2), fields (n, k), friction work and the uncertainty of permanent
+        stick as the grids give them, by the names of a ContactSolution; NaN, and open, for what was
+        not asked for.
 
         U of the grids has the datum length 1, that of the answer the datum length of the profile:
         (A/pi) Q ln(L) is added.
@@ -236,8 +238,10 @@ class GridAnswer:
             values["cycle_dissipation"] = np.full_like(works, np.nan)
         # A path without cycles begins unloaded, where nothing sticks.
         permanent_stick_edges = np.full(2, math.nan)
+        uncertainties = {}
         if scene.load.path().period is not None:
             permanent_stick_edges = path_on_grids.permanent_stick_edges
+            uncertainties["permanent_stick_half_width"] = path_on_grids.permanent_stick_uncertainty
         return values | {
             "normal_load": normal_load,
             "tangential_load": tangential_load,
@@ -248,6 +252,7 @@ class GridAnswer:
             "permanent_stick_half_width": float(permanent_stick_edges[1] - permanent_stick_edges[0])
             / 2,
             "permanent_stick_edges": permanent_stick_edges,
+            "uncertainties": uncertainties,
             "steady_from": path_on_grids.steady_from,
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,

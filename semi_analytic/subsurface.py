@@ -74,8 +74,8 @@ _SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
 # Places across a contact at which the pressure is taken for a tension.
 _PLACES_OF_TENSION = 512
 # Error of a tension on grids that its change by coarse grids does not show, over the error of the
-# shear, each as share of its largest value: measured up to 0.7, most below 0.05.
-_TENSION_BY_SHEAR = 0.25
+# shear, each as share of its largest value: measured up to 0.35, most below 0.03.
+_TENSION_BY_SHEAR = 0.125
 # What straight lines of q/p between places leave of the tension, as share of f times the largest
 # pressure: measured 5e-4.
 _ERROR_BETWEEN_PLACES = 1e-3

@@ -1320,3 +1320,12 @@ def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch)
     p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
     end = scene.load.path().initial_loading[0].last  # on the straight line to it
     assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)
+
+
+def test_permanent_stick_on_grids_is_uncertain_by_what_finer_grids_change():
+    """Bulk stress out of phase, two stick zones; 0.7142 by grids of three times the cells."""
+    answer = solve("dovetail-out-of-phase")
+    uncertainty = answer.uncertainties["permanent_stick_half_width"]
+    assert abs(answer.permanent_stick_half_width - 0.7142) < uncertainty < 3e-3
+    # what comes without grids is exact, and states nothing
+    assert dict(solve("nowell-hills").uncertainties) == {}

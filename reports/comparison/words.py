@@ -348,6 +348,8 @@ def headline(comparison: JudgedPair) -> str:
 
 # Most metrics outside their tolerance that the headline names.
 _MOST_METRICS_NAMED = 2
+# A relative error of W below this is not told.
+_NEGLIGIBLE_ERROR = 1e-6
 
 
 def _is_failed(comparison: JudgedPair) -> bool:
@@ -442,7 +444,7 @@ def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
         relative_error = solution.record.errors.get("dissipation", 0.0)
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
             relative_error = solution.dissipation_uncertainty / solution.dissipation
-        if relative_error > 1e-6:
+        if relative_error > _NEGLIGIBLE_ERROR:
             errors.append((name_of(solution.engine), f"{100 * relative_error:.2g}"))
     return errors
 
@@ -951,13 +953,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """
     scene = solution.scene
     _, unit_of_length, unit_of_stress = units(scene)
-    dissipation = _digits_or_none(solution.dissipation)
-    uncertainty = solution.dissipation_uncertainty
-    if not np.isnan(uncertainty):
-        share_in_words = ""
-        if solution.dissipation:
-            share_in_words = f" ({uncertainty / solution.dissipation:.2%})"
-        dissipation += f" ± {uncertainty:.2g}{share_in_words}, by mesh and steps"
+    dissipation = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
@@ -989,6 +985,23 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         *rows,
         (f"dissipation of the {part_of_path(scene)} [{energy_unit(scene)}]", dissipation),
     ]
+
+
+def _uncertainty_of_work(solution: ContactSolution) -> str:
+    """The uncertainty that a solution states of its dissipation W, also in per cent, and where it
+    comes from, as text to put behind W; empty where it states none, or a relative one below 1e-6.
+    """
+    work = solution.dissipation
+    uncertainty = solution.dissipation_uncertainty
+    source = "by mesh and steps"
+    if math.isnan(uncertainty):
+        relative_error = solution.record.errors.get("dissipation", 0.0)
+        if not (work and relative_error > _NEGLIGIBLE_ERROR):
+            return ""
+        uncertainty = relative_error * abs(work)
+        source = "by its own estimate"
+    share_in_words = f" ({uncertainty / work:.2%})" if work else ""
+    return f" ± {uncertainty:.2g}{share_in_words}, {source}"
 
 
 def _stated_uncertainty(solution: ContactSolution, name: str) -> str:
