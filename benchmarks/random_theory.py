@@ -210,7 +210,7 @@ def _slips_within_a_cell(scene: Scene) -> bool:
     """
     load = scene.load
     share = load.tangential_amplitude / (scene.friction.coefficient * load.mean_normal_load)
-    return 1 - math.sqrt(max(1 - share, 0.0)) < 2 / CELLS
+    return 1 - math.sqrt(max(1 - share, 0.0)) < 2 / CELLS_ACROSS_CONTACT
 
 
 # ------------------------------------------------------------------------------ errors of one scene
