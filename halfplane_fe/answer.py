@@ -21,9 +21,12 @@ from numpy.typing import ArrayLike, NDArray
 from halfplane_fe.between_nodes import NO_ZONE, EdgesByLoad, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
+    ContactsOfLoads,
     Edges,
     NodalAnswer,
     contact_with_uncertainty,
+    held_back_by_growth,
+    left_of_growth,
     stick_edges,
     stick_with_uncertainty,
 )
@@ -79,9 +82,11 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
     # (n_steps, n) open, stick or slip at all instants, stored or not
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    scaled_edges, permanent_stick = _edges_of_run(scene, problem, run, surface_states)
-    edges = {name: values * task.edge_unit for name, values in scaled_edges.items()}
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
+    x = problem.interface.x * scales.half_width
+    edges, permanent_stick, held_back = _edges_put_right(
+        task, _edges_of_run(scene, problem, run, surface_states), x, loads[:, 0]
+    )
     # relative tangential displacement U of the bodies
     shifts = np.array([state.shift for state in states])
     approaches = np.array([state.approach for state in states])
@@ -91,7 +96,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "tangential_load": read_only_copy(loads[:, 1]),
         "tangential_displacement": read_only_copy(shifts * displacement_unit),
         "normal_approach": read_only_copy(approaches * displacement_unit),
-        "x": read_only_copy(problem.interface.x * scales.half_width),
+        "x": read_only_copy(x),
         **_nodal_arrays(problem, states, scales),
         "state": read_only_copy(surface_states[run.stored_indices], np.int8),
         **{name: read_only_copy(values) for name, values in edges.items()},
@@ -100,17 +105,63 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "dissipation_density": read_only_copy(work_per_area),
         "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
         "cycle_dissipation": read_only_copy(cycle_works.sum(axis=1)),
-        "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0])
-        / 2
-        * task.edge_unit,
-        "permanent_stick_edges": read_only_copy(permanent_stick.places * task.edge_unit),
-        "permanent_stick_uncertainty": read_only_copy(permanent_stick.uncertainty * task.edge_unit),
+        "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0]) / 2,
+        "permanent_stick_edges": read_only_copy(permanent_stick.places),
+        "permanent_stick_uncertainty": read_only_copy(permanent_stick.uncertainty),
+        "permanent_stick_held_back": read_only_copy(held_back),
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }
     if not scene.unsymmetric:
         return arrays
     return arrays | _arrays_of_stress_and_tilt(problem, states, scales)
+
+
+def _edges_put_right(
+    task: Task, scaled: tuple[dict[str, Array], Edges], x: Array, normal_load: Array
+) -> tuple[dict[str, Array], Edges, Array]:
+    """Edges of contact and stick and of the permanent stick zone, put right where growing elements
+    hold them back, in the scene's units.
+
+    Parameters
+    ----------
+    scaled
+        edges and permanent stick of `_edges_of_run`
+    x
+        (n,) nodes in ascending order [length]
+    normal_load
+        (k,) at the stored instants [force per thickness]
+
+    Returns
+    -------
+    edges
+        name -> contact or stick edges, or their uncertainty, (k, 2) each [length]
+    permanent_stick
+        ends (2,) of the permanent stick zone, and their uncertainty where slip places them [length]
+    held_back
+        (2,) what was added to these ends [length]
+    """
+    scaled_edges, scaled_permanent_stick = scaled
+    half_width = task.scales.half_width
+    edges = {name: values * half_width for name, values in scaled_edges.items()}
+    contact = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
+
+    def held_back(places: Array) -> Array:
+        next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
+        spacing = np.minimum(x[next_node] - x[next_node - 1], task.spacing)
+        return held_back_by_growth(places, contact, task.mesh.growth, spacing)
+
+    is_pressed = (normal_load > 0)[:, None]
+    for edge in ("contact_edge", "stick_edge"):
+        way = np.where(is_pressed, held_back(edges[f"{edge}s"]), 0.0)
+        edges[f"{edge}s"] = edges[f"{edge}s"] + way
+        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + left_of_growth(way)
+    ends = scaled_permanent_stick.places * half_width
+    way_of_ends = held_back(ends)
+    permanent_stick = Edges(
+        places=ends + way_of_ends, uncertainty=scaled_permanent_stick.uncertainty * half_width
+    )
+    return edges, permanent_stick, way_of_ends
 
 
 def _edges_of_run(

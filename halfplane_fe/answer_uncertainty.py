@@ -13,7 +13,7 @@ import numpy as np
 from halfplane_fe.answer import creeping_zone, edges_are_sharp, in_last_cycle, zone_by_nodes
 from halfplane_fe.between_nodes import StickZone
 from halfplane_fe.contact import ContactProblem
-from halfplane_fe.edges import uncertainty_by_growth
+from halfplane_fe.edges import left_of_growth
 from halfplane_fe.interface import least_depth
 from halfplane_fe.resolution import Revolution
 from halfplane_fe.run import PathRun
@@ -256,21 +256,12 @@ def value_uncertainties(
     step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
     estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
-    of_stick_zone = _of_permanent_stick(
+    zone = zone_by_nodes(run).in_unit(task.scales.half_width)
+    estimates["permanent_stick_half_width"] = _of_permanent_stick(
         scene,
         arrays,
-        zone_by_nodes(run).in_unit(task.edge_unit),
+        zone.moved(arrays["permanent_stick_held_back"]),
         is_sharp=edges_are_sharp(scene, problem),
-    )
-    # What the growth of elements leaves at ends that loads place is a share of all the contact.
-    is_by_slip = bool(np.isfinite(arrays["permanent_stick_uncertainty"]).all())
-    half_width = (
-        arrays["permanent_stick_half_width"]
-        if is_by_slip
-        else np.nanmax(arrays["contact_half_width"])
-    )
-    estimates["permanent_stick_half_width"] = of_stick_zone + float(
-        uncertainty_by_growth(half_width, task.mesh.growth)
     )
     return estimates
 
@@ -441,7 +432,8 @@ def _of_permanent_stick(
         end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
     by_slip = arrays["permanent_stick_uncertainty"]
     end_uncertainty = np.where(np.isfinite(by_slip), by_slip, end_uncertainty)
-    return float(np.mean(end_uncertainty))
+    by_growth = left_of_growth(arrays["permanent_stick_held_back"])
+    return float(np.mean(end_uncertainty + by_growth))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:

@@ -52,26 +52,34 @@ from scenes import OPEN, STICK
 from scenes.array_types import Array, Indices, Mask, States
 
 # D and V: least squares on Hertz' compression pressed through 40 elements. Distance of an edge from
-# a corner node outwards when it meets that, in elements: Hertz' contact, meshes of a/40 to a/160.
+# a corner node outwards when it meets that, in elements, which do not grow away from the edges:
+# Hertz' contact, meshes of a/40 to a/160, and random half-planes at growths of 0.2 and 0.5.
 _D = 0.566
 _V = 0.0335
-_CORNER_IS_MET = 0.051
+_CORNER_IS_MET = 0.053
 _V_OF_BOTH = (_D**3 + (1 - _D) ** 3) / 6
 _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
-# Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
-# loads, is uncertain: 0.004 in the median and 0.02 at most of zones on the default mesh. Twice as
-# much of a zone that is 26 such distances wide. Random half-planes, seeds 284 to 286, 401 to 403.
-_PLACED = 0.0145
-_NARROW = 26.0
-# Shares of that distance by which an edge of contact or stick on its way is uncertain: one always;
-# one by how unevenly the load takes it on; one of stick edges over the square of the nodes that it
-# has passed since slip began. It errs by 0.004 in the median on the default mesh, by 0.01 on the
-# coarse one, and by 0.3 beside the start of slip. The same seeds.
-_ON_ITS_WAY = 0.009
-_BY_UNEVENNESS = 0.22
-_BESIDE_ITS_START = 0.1
+# Shares of the distance of two nodes by which an edge between them is uncertain: one beyond a
+# corner, one beyond a mid-side node; one of the square of how unevenly the load takes it on; one
+# over the square of the nodes that it is from x = 0, and of those that a stick edge has passed
+# since slip began. Beyond corners it errs by 0.009 in the median on the coarse mesh and by 0.004 on
+# the default one, beyond mid-side nodes by 0.003 and 0.002, three nodes from x = 0 by 0.06, and by
+# 0.3 beside the start of slip. By an optimiser, seeds 284 to 286, 321 and 401 to 405 of
+# benchmarks/covered.py values.
+_BEYOND_CORNER = 0.02
+_BEYOND_MID_SIDE = 0.006
+_BY_UNEVENNESS = 0.6
+_BY_FEW_NODES = 0.2
+# Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
+# median on the coarse mesh, by 0.002 on the default one.
+_AT_TURNS = 0.85
+# Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
+# node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
+# 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners no such logarithm tells.
+# Seeds 284 to 286 and 401 to 405 of benchmarks/covered.py values.
+_OFF_MID_SIDE = 0.13
 # Closed nodes on its side of x = 0 below which no load places a contact edge.
 _CLOSED = 6
 # Load since an edge met each of three nodes behind the last one, less that of the last one, over
@@ -327,11 +335,13 @@ class EdgesByLoad(NamedTuple):
             uncertainty=np.repeat(self.uncertainty[:, 1:], 2, axis=1),
         )
 
-    def put(self, row: int, last_node: int, edge: Edge, share: float) -> None:
-        """Store the edge beyond a node, uncertain by a share of the distance of two nodes."""
+    def put(self, row: int, last_node: int, edge: Edge, unevenness: Array, share: float) -> None:
+        """Store the edge beyond a node, uncertain by a share of the distance of two nodes, and put
+        right by what `_unevenness` tells beyond mid-side nodes.
+        """
         column = 0 if edge.side < 0 else 1
         self.last_node[row, column] = last_node
-        self.places[row, column] = edge.place
+        self.places[row, column] = _place_put_right(edge, last_node, unevenness)
         self.uncertainty[row, column] = edge.spacing * min(share, 1.0)
 
 
@@ -353,8 +363,9 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             if edge.is_moved:
                 _, pressure_rates, _, _ = by_load
                 unevenness = _unevenness(edge, last_closed, state.pressure, pressure_rates)
-                share = _ON_ITS_WAY + _BY_UNEVENNESS * float(np.max(np.abs(unevenness)))
-                edges.put(row, last_closed, edge, share)
+                at_nodes, by_unevenness = _shares_of_spacing(edge, last_closed, unevenness)
+                share = at_nodes + by_unevenness
+                edges.put(row, last_closed, edge, unevenness, share)
     return edges
 
 
@@ -385,11 +396,11 @@ def stick_by_load(
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
             if edge.is_moved and _comes_to_limit(problem, before, state, edge):
-                by_unevenness = _BY_UNEVENNESS * float(np.max(np.abs(unevenness)))
+                at_nodes, by_unevenness = _shares_of_spacing(edge, last_stuck, unevenness)
                 by_late_start = _share_by_late_start(edge, unevenness)
-                share = _ON_ITS_WAY + max(by_unevenness, by_late_start)
-                share += _BESIDE_ITS_START / n_passed**2
-                edges.put(row, last_stuck, edge, share)
+                share = at_nodes + max(by_unevenness, by_late_start)
+                share += _BY_FEW_NODES / n_passed**2
+                edges.put(row, last_stuck, edge, unevenness, share)
     return edges
 
 
@@ -488,6 +499,37 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
     return np.asarray(np.log(np.maximum(ratios, _LEAST_SHARE)))
 
 
+def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
+    """Place of an edge, moved beyond a mid-side node by what the nodes behind it tell; scaled.
+
+    The load at which elements let an edge meet a mid-side node errs, by how the sizes around it
+    differ. That shows at the first node behind it, not at the second.
+
+    Parameters
+    ----------
+    last_node
+        of the zone that ends at the edge
+    unevenness
+        (3,) by the nodes behind it, `_unevenness`
+    """
+    of_first, of_second, _ = unevenness
+    if _is_corner(edge.interface, last_node) or not np.isfinite([of_first, of_second]).all():
+        return edge.place
+    return edge.place + edge.side * edge.spacing * _OFF_MID_SIDE * float(of_first - of_second)
+
+
+def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float]:
+    """How uncertain the place of an edge is, over the distance of its two nodes: by the kind of the
+    last node of its zone and how near x = 0 is, and by how unevenly the load takes it on,
+    `unevenness` (3,).
+    """
+    is_corner = _is_corner(edge.interface, last_node)
+    at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
+    nodes_from_middle = max(abs(edge.place) / edge.spacing, 1.0)
+    by_few_nodes = _BY_FEW_NODES / nodes_from_middle**2
+    return at_nodes + by_few_nodes, _BY_UNEVENNESS * float(np.max(unevenness**2))
+
+
 def _share_by_late_start(edge: Edge, unevenness: Array) -> float:
     """How far a stick edge may be beyond its place, over the distance of both nodes, because its
     first sliding node began to slide late: at the start of slip, or where the edge has jumped.
@@ -517,6 +559,8 @@ class StickZone(NamedTuple):
     places_by_load
         (2,) of the edge between these two, by `Edge.of_stick`; NaN where no load takes it from the
         one to the other
+    uncertainty_by_load
+        (2,) how far these may be from the true ones, by the mesh
     turn_times
         instants at which the stick zone is as small as this one, at the left and the right end: the
         turning points of slip
@@ -525,6 +569,7 @@ class StickZone(NamedTuple):
     place_at_last_stuck: Array
     place_at_first_sliding: Array
     places_by_load: Array
+    uncertainty_by_load: Array
     turn_times: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
     def in_unit(self, length: float) -> StickZone:
@@ -533,6 +578,15 @@ class StickZone(NamedTuple):
             place_at_last_stuck=self.place_at_last_stuck * length,
             place_at_first_sliding=self.place_at_first_sliding * length,
             places_by_load=self.places_by_load * length,
+            uncertainty_by_load=self.uncertainty_by_load * length,
+        )
+
+    def moved(self, ways: Array) -> StickZone:
+        """The zone with its left and its right end moved by `ways` (2,)."""
+        return self._replace(
+            place_at_last_stuck=self.place_at_last_stuck + ways,
+            place_at_first_sliding=self.place_at_first_sliding + ways,
+            places_by_load=self.places_by_load + ways,
         )
 
     def mirrored(self) -> StickZone:
@@ -542,6 +596,7 @@ class StickZone(NamedTuple):
             place_at_last_stuck=outwards * self.place_at_last_stuck[1],
             place_at_first_sliding=outwards * self.place_at_first_sliding[1],
             places_by_load=outwards * self.places_by_load[1],
+            uncertainty_by_load=np.repeat(self.uncertainty_by_load[1], 2),
             turn_times=(self.turn_times[1], self.turn_times[1]),
         )
 
@@ -561,17 +616,15 @@ class StickZone(NamedTuple):
     def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
         """Uncertainty (2,) of the ends that `confine` returned, by the mesh.
 
-        Where the loads place an edge, it is a fraction of the distance of its two nodes. Elsewhere
-        it is `by_stick_zones` (2,), that of the stick edges of single instants. Between its nodes
-        an edge is never less certain than by its larger distance from them.
+        Where the loads place an edge, they tell it. Elsewhere it is `by_stick_zones` (2,), that of
+        the stick edges of single instants. Between its nodes an edge is never less certain than by
+        its larger distance from them.
         """
         by_nodes = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
         )
         confined = np.where(self.holds(edges), np.minimum(by_nodes, by_stick_zones), by_stick_zones)
-        is_narrow = (_NARROW * self.spacing / (edges[1] - edges[0])) ** 2
-        placed = _PLACED * (1 + is_narrow) * self.spacing
-        return np.where(edges == self.places_by_load, placed, confined)
+        return np.where(edges == self.places_by_load, self.uncertainty_by_load, confined)
 
     def holds(self, edges: Array) -> Mask:
         """(2,) whether each of two edges lies between the nodes around that end of the zone."""
@@ -586,7 +639,7 @@ class StickZone(NamedTuple):
         return np.abs(self.place_at_first_sliding - self.place_at_last_stuck)
 
 
-NO_ZONE = StickZone(np.full(2, np.nan), np.full(2, np.nan), np.full(2, np.nan))
+NO_ZONE = StickZone(*np.full((4, 2), np.nan))
 
 
 class Excess(NamedTuple):
@@ -684,6 +737,7 @@ def _stick_zone(
     places_at_last_stuck = np.full(2, np.nan)
     places_at_first_sliding = np.full(2, np.nan)
     places_by_load = np.full(2, np.nan)
+    uncertainty_by_load = np.full(2, np.nan)
     turn_times: list[tuple[float, ...]] = [(), ()]
     for column, side in enumerate((-1, 1)):
         last_stuck = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
@@ -693,11 +747,13 @@ def _stick_zone(
             places_at_first_sliding[column] = place_when_met(problem.interface, first_sliding, side)
         if side in stick_edges:
             places_by_load[column] = stick_edges[side].place
+            uncertainty_by_load[column] = stick_edges[side].uncertainty
             turn_times[column] = stick_edges[side].turn_times
     return StickZone(
         places_at_last_stuck,
         places_at_first_sliding,
         places_by_load,
+        uncertainty_by_load,
         (turn_times[0], turn_times[1]),
     )
 
@@ -713,11 +769,12 @@ class _ExcessWork(NamedTuple):
 
 class _StickEdgeAtTurns(NamedTuple):
     """An edge of permanent stick at the turning points of slip: the excess work by its place, that
-    place, and the instants at the turning points.
+    place, how far it may be from the true one by the mesh, and the instants at the turning points.
     """
 
     excess: _ExcessWork
     place: float
+    uncertainty: float
     turn_times: tuple[float, ...]
 
 
@@ -769,13 +826,15 @@ def _at_stick_edge(
         states_at_turns[sign] = states[turning_steps[-1]]
         turn_times += [states[step].time for step in turning_steps.tolist()]
     friction = problem.friction
-    force_to_limit_of_both = sum(
-        float(force_to_limit(state.pressure[last_stuck], state.shear[last_stuck], sign, friction))
+    forces_to_limit = [
+        force_to_limit(state.pressure, state.shear, sign, friction)
         for sign, state in states_at_turns.items()
-    )
+    ]
+    forces_to_limit_of_both = np.sum(forces_to_limit, axis=0)
     excess_work = 0.0
     rms = 0.0
     places: list[float] = []
+    uncertainties: list[float] = []
     n_loads = len(states[0].loads)
     for sign, turning_state in states_at_turns.items():
         # Nodes that have only reached the Coulomb limit stick.
@@ -786,12 +845,17 @@ def _at_stick_edge(
         sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
-        turn = TurnOfSlip(sign, slip_range, force_to_limit_of_both)
+        turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
         by_load = nodal(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
         if not edge.is_moved:
             return None
-        places.append(edge.place)
+        _, pressure_rates, shear_rates, _ = by_load
+        rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
+        unevenness = _unevenness(edge, last_stuck, forces_to_limit_of_both, rates_to_limit)
+        places.append(_place_put_right(edge, last_stuck, unevenness))
+        share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck, unevenness))
+        uncertainties.append(edge.spacing * min(share, 1.0))
         opposite_slides = 0 <= opposite_sliding < len(is_sliding) and bool(
             is_sliding[opposite_sliding]
         )
@@ -810,6 +874,7 @@ def _at_stick_edge(
     return _StickEdgeAtTurns(
         excess=_ExcessWork(excess_work, rms),
         place=sum(places) / len(places),
+        uncertainty=sum(uncertainties) / len(uncertainties),
         turn_times=tuple(turn_times),
     )
 

@@ -26,7 +26,7 @@ from halfplane_fe.answer_uncertainty import (
 )
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
-from halfplane_fe.edges import Edges, uncertainty_at_jumps, uncertainty_by_growth
+from halfplane_fe.edges import Edges, uncertainty_at_jumps
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
@@ -550,9 +550,6 @@ def _solution(
     scene = task.scene
     scales = task.scales
     arrays = answer_arrays(task, problem, run)
-    for edge in ("contact_edge", "stick_edge"):
-        by_growth = uncertainty_by_growth(arrays[f"{edge}s"], task.mesh.growth)
-        arrays[f"{edge}_uncertainty"] = read_only_copy(arrays[f"{edge}_uncertainty"] + by_growth)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
     # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty
@@ -564,7 +561,7 @@ def _solution(
                 Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
                 arrays["contact_edges"],
                 run.stored_indices,
-                spacing=task.element * scales.half_width / task.mesh.order,
+                spacing=task.spacing,
             ),
         )
     )
@@ -572,7 +569,8 @@ def _solution(
     audit = penalty_audit(scene, problem, states, arrays, scales)
     notes = notes_of_answer(task, condensed_bodies, problem, run, arrays, work_uncertainty)
     grading = condensed_bodies[0].body.grading
-    del arrays["permanent_stick_uncertainty"]  # part of `uncertainties_of_values`
+    for part_of_uncertainty in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
+        del arrays[part_of_uncertainty]
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
     return FiniteElementSolution(

@@ -8,7 +8,6 @@ from functools import partial
 
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.edges import edge_unit
 from halfplane_fe.resolution import tip_halvings
 from halfplane_fe.scales import RoomForContact, Scales, estimate_room, is_plain_record
 from halfplane_fe.settings import SolverSettings
@@ -47,11 +46,9 @@ class Task:
         return self.mesh.edge_element_size * max(self.mesh.upper_ratio, 1.0)
 
     @property
-    def edge_unit(self) -> float:
-        """What edges are scaled by [length]: a little more than the half-width, for elements that
-        grow hold them back.
-        """
-        return edge_unit(self.scales.half_width, self.mesh.growth)
+    def spacing(self) -> float:
+        """Distance of the nodes at the edges of contact and stick [length]."""
+        return self.element * self.scales.half_width / self.mesh.order
 
     @property
     def work_unit(self) -> float:

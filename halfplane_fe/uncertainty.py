@@ -493,14 +493,14 @@ def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, I
     return np.flatnonzero(is_common), nearest[is_common]
 
 
-# Shares of the mesh in the uncertainty of W, fitted to seeds 284 to 286 of benchmarks/covered.py
-# values, both presets. Of its difference from the coarse run's over r^2 - 1,
+# Shares of the mesh in the uncertainty of W, fitted to seeds 284 to 286, 293, 321 and 401 to 405 of
+# benchmarks/covered.py values, both presets. Of its difference from the coarse run's over r^2 - 1,
 _OF_DIFFERENCE = 1.05
 # and of W (h/a)^2: W is mostly too small, by 0.2 to 1.3 of that, and by up to 2.6 where nothing is
 # taken off for edges between nodes. There this share counts twice.
-_OF_WORK = 0.75
+_OF_WORK = 0.8
 # Share of the rms of what edges between nodes add to W, where that is taken off (`between_nodes`).
-_OF_SCATTER = 0.35
+_OF_SCATTER = 0.4
 # Share of A f^2 P^2 (h/a)^2 that they add where nothing is known of them, as of bodies whose stick
 # edges are not placed: 0.006 to 0.015 where that is the largest term.
 _OF_UNKNOWN_EDGES = 0.013
@@ -512,23 +512,20 @@ _FALSE_WORK = 0.05
 # 0.4.
 _GROWN = 0.009
 # Share of W over the square of the elements that resolve the flank of a flat punch, the rounded
-# part of its contact: 0.08 at 4.4 elements and 0.09 at 0.9, beyond a flat of 0.94 a. Compounds and
-# wedges, whose pressure is less steep there, show nothing.
-_BY_FLANK = 0.15
+# part of its contact: 0.08 at 4.4 elements and 0.09 at 0.9, beyond a flat of 0.94 a; 0.7 of a scene
+# that hardly slips. Compounds and wedges, whose pressure is less steep there, show nothing.
+_BY_FLANK = 0.22
 # Safety factor of a difference whose order is known (Roache 1994).
 _SAFETY = 1.25
 # Share of p0 (h/a)^1.5 a/d, d from the peak to the edge, that edges between nodes move it by, where
-# p is a root: for x^1.9 0.027, 0.043 and 0.036 at h = a/32, a/160 and a/640. Fitted with the next
-# one to seeds 301 and 302 of benchmarks/covered.py values, both presets.
+# p is a root: for x^1.9 0.027, 0.043 and 0.036 at h = a/32, a/160 and a/640; 0.03 to 0.04 in the
+# median of random half-planes. Fitted with the next one to seeds 301 and 302 of
+# benchmarks/covered.py values, both presets, and held to 284 to 286, 293, 321 and 401 to 405.
 _PEAK_BY_EDGES = 0.05
 # Share of how far nodes around the peak stand off the straight line between their neighbours: what
 # the elements there leave of a curved pressure, of its kinks and of the rows of a table. Of smooth
 # profiles whose peak lies between the large elements of the middle 0.01 to 0.15.
 _PEAK_BY_NEIGHBOURS = 0.1
-# Share of p0 (H/t)^2 that the elements H of the middle leave in a body t thin: 0.0035 at most on
-# pairs of layers of 0.17 to 0.4 a with H = a/12 and a/24, of which the terms above cover a part;
-# 0.0036 of layers of 0.27 a on the default mesh.
-_PEAK_BY_DEPTH = 0.0045
 # Share of p0 over the fourth power of the growth of elements away from the edges, as of W: 5e-4 of
 # x^1.7 at 0.5, of which the other terms cover a part.
 _PEAK_GROWN = 0.003
@@ -576,7 +573,7 @@ def uncertainty(
     >>> round(
     ...     uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12
     ... )
-    0.000117060606
+    0.000118060606
     """
     element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     refinement = coarse / element
@@ -611,7 +608,7 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
     >>> round(share_of_flanks(punch, half_width=1.0, element=0.01), 6)
-    0.00024
+    0.000352
     """
     if profile.kind != "flat_rounded":
         return 0.0
@@ -699,15 +696,15 @@ def peak_uncertainty(
 ) -> float:
     """Uncertainty of the largest pressure p0 of a run, from the difference of two meshes [stress].
 
-    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus six terms that
+    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus five terms that
     this difference does not show: the place of the edges of contact, a curved or kinked pressure
     between the nodes around the peak, nodes that stray there, the growth of elements away from the
-    edges, a thin body, and a rounded tip.
+    edges, and a rounded tip.
 
     The order p follows from where the difference is made. With a tip it is made there: n - 1 where
-    the gap rises as |x|^n with n < 2, and 1 where the elements resolve that the tip is rounded.
-    Elsewhere it is made by the edges of contact: 2, or 1 where the curvature of the profile jumps
-    near them. NaN where the elements there are as large as those of the coarse run.
+    the gap rises as |x|^n with n < 2, and 2 where the elements resolve that the tip is rounded.
+    Elsewhere it is made by the edges of contact: 2, or 1 in bodies of finite depth. NaN where the
+    elements there are as large as those of the coarse run.
 
     Parameters
     ----------
@@ -729,11 +726,11 @@ def peak_uncertainty(
     power = tip_power(profile, coarse)
     within_tip = 0.0
     if power >= SMOOTH_TIP:
-        place = Place(coarse / fine.edge_size, 1.0 if profile.kinks else 2.0)
+        place = Place(coarse / fine.edge_size, 1.0 if math.isfinite(depth) else 2.0)
     elif tip_power(profile, fine.tip_size) < SMOOTH_TIP:
         place = Place(coarse / fine.tip_size, power - 1)
     else:
-        place = Place(coarse / fine.tip_size, 1.0)
+        place = Place(coarse / fine.tip_size, 2.0)
         within_tip = _PEAK_WITHIN_TIP
     if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
@@ -741,13 +738,12 @@ def peak_uncertainty(
     # each over p0
     relative_size = fine.edge_size / peak.half_width
     of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
-    of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
     of_growth = _PEAK_GROWN * growth**4
     return (
         _SAFETY * peak.difference * share
         + _PEAK_BY_NEIGHBOURS * peak.stands_off
         + _PEAK_BY_SCATTER * peak.scatter
-        + (of_edges + of_depth + of_growth + within_tip) * peak.value
+        + (of_edges + of_growth + within_tip) * peak.value
     )
 
 
