@@ -431,7 +431,11 @@ class ContactsOfLoads(NamedTuple):
 
 
 def uncertainty_at_jumps(
-    edges: Edges, contact: Array, step_index: Indices, spacing: float
+    edges: Edges,
+    contact: Array,
+    step_index: Indices,
+    spacing: float,
+    first_of_cycle: int | None = None,
 ) -> Array:
     """(k, 2) by how much an edge of stick may be wrong because an increment is wrong about when it
     jumps.
@@ -454,7 +458,19 @@ def uncertainty_at_jumps(
         is known
     spacing
         of the nodes at the edges of contact [length]
+    first_of_cycle
+        row of the first instant of the last cycle, which repeats: it follows the last instant too.
+        None of a path without cycles
     """
+    if first_of_cycle is not None:
+        rows = np.append(np.arange(len(step_index)), first_of_cycle)
+        closed = uncertainty_at_jumps(
+            Edges(edges.places[rows], edges.uncertainty[rows]),
+            contact[rows],
+            np.append(step_index, step_index[-1] + 1),
+            spacing,
+        )
+        return closed[:-1]
     uncertainty = np.zeros(edges.places.shape)
     follows = np.diff(step_index) == 1
     middle = _middle_of_zone(edges.places)

@@ -562,6 +562,7 @@ def _solution(
                 arrays["contact_edges"],
                 run.stored_indices,
                 spacing=task.spacing,
+                first_of_cycle=_first_of_last_cycle(run),
             ),
         )
     )
@@ -599,6 +600,18 @@ def _solution(
         penalty=audit,
         **arrays,
     )
+
+
+def _first_of_last_cycle(run: PathRun) -> int | None:
+    """Row, among the stored instants of a run, of the first one of its last cycle; None where it is
+    not stored, and without cycles.
+    """
+    if not run.cycle_starts:
+        return None
+    index = run.cycle_starts[-1] + 1  # the cycle starts at the end of the increment before
+    row = int(np.searchsorted(run.stored_indices, index))
+    is_stored = row < len(run.stored_indices) and run.stored_indices[row] == index
+    return row if is_stored else None
 
 
 def versions() -> dict[str, str]:

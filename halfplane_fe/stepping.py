@@ -62,6 +62,10 @@ _MOST_PREDICTIONS = 5
 # that is found: slip rests there, so that its square counts.
 _N_INSTANTS_OF_STROKE = 9
 _TOLERANCE_OF_STROKE = 1e-5
+# Share of the step tolerance that may be lost of the friction work by slip that ends within an
+# increment. The shear that it leaves moves edges and U. With all of the tolerance, and bulk stress
+# out of phase with Q, U was up to 13 times as wrong as stated; with this share 0.4 times.
+_LOST_WORK_ALLOWED = 0.03
 # Trials of a regular increment: all of its halves down to the shortest and as many refused.
 _MOST_TRIALS = 2**14
 # Events of a contact node in a regular increment.
@@ -262,7 +266,7 @@ def _end_of_lost_slip(
     tolerance: StepTolerance,
 ) -> float:
     """Instant within an increment at which slip ends that the increment does not count; the end of
-    the increment where the friction work of such slip is within the step tolerance.
+    the increment where the friction work of such slip is at most 0.03 of the step tolerance.
 
     Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
     increments end. In other bodies slip ends a little earlier or later, in one node after the
@@ -278,7 +282,7 @@ def _end_of_lost_slip(
     loads_at
         function of an instant: the scaled loads
     tolerance
-        its `rate` times the duration is the friction work that may be lost
+        of the step error
     """
     end = increment.state.time
     directions = slip_sign(start.node_states)
@@ -301,7 +305,8 @@ def _end_of_lost_slip(
     counted_slip = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
     lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
     lost_work = problem.friction * start.pressure * lost_slip
-    if not lost_work.sum() > tolerance.rate * (end - start.time):
+    allowed_loss = _LOST_WORK_ALLOWED * tolerance.rate * (end - start.time)
+    if not lost_work.sum() > allowed_loss:
         return end
     weights = np.where(lost_work > 0, directions * start.pressure, 0.0)
     return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ weights)

@@ -590,8 +590,8 @@ def test_what_cannot_be_pulled_is_refused_in_a_sentence(name: str) -> None:
         halfplane_fe.solve(question, ROUGH)
 
 
-def test_a_largest_tension_after_slip_has_turned_is_uncertain_by_how_far_it_exceeds_one_before():
-    """Bulk stress rises on after the slip at the edge has turned round in a zone of no node."""
+def out_of_phase() -> Scene:
+    """Constant P, near sliding; bulk stress whose phase is not that of Q."""
     wave = {"mean": 0.0, "amplitude": 20.0, "phase_degrees": 90.0}
     load = {
         "normal_amplitude": 0.0,
@@ -602,8 +602,29 @@ def test_a_largest_tension_after_slip_has_turned_is_uncertain_by_how_far_it_exce
         "initial_loading": "straight",
         "bulk_stress_lower": wave,
     }
-    scene = load_scene("hertz-paper").vary(friction=0.07, load=load)
-    answer = halfplane_fe.solve(scene, MeshSettings.coarse())
+    return load_scene("hertz-paper").vary(friction=0.07, load=load)
+
+
+def test_slip_that_ends_within_an_increment_hardly_changes_displacement_and_work() -> None:
+    """Lost slip of 5e-4 of W moved U by 5e-5 of its range, and W by 1.1e-3."""
+    answer, on_short_increments = (
+        halfplane_fe.solve(
+            out_of_phase(), MeshSettings.coarse(), SolverSettings(step_tolerance=tolerance)
+        )
+        for tolerance in (5e-4, 1e-5)
+    )
+    ranges = [np.ptp(run.tangential_displacement) for run in (answer, on_short_increments)]
+    assert ranges[0] == pytest.approx(ranges[1], rel=1e-6)
+    assert answer.dissipation == pytest.approx(on_short_increments.dissipation, rel=6e-4)
+
+
+def test_a_largest_tension_after_slip_has_turned_is_uncertain_by_how_far_it_exceeds_one_before():
+    """Bulk stress rises on after the slip at the edge has turned round in a zone of no node, within
+    a long increment.
+    """
+    scene = out_of_phase()
+    long_increments = SolverSettings(step_tolerance=1e-2)
+    answer = halfplane_fe.solve(scene, MeshSettings.coarse(), long_increments)
     largest = halfplane_fe.largest_edge_tension(answer)
     step = int(np.argmin(np.abs(answer.time - largest.time)))
     slips = answer.stick_edges[:, 0] != answer.contact_edges[:, 0]

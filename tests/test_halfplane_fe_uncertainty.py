@@ -200,6 +200,16 @@ def test_an_edge_next_to_a_jump_may_be_that_of_the_next_instant() -> None:
     np.testing.assert_allclose(at_jumps(edges, [0, 1, 2, 3, 7]), expected, atol=1e-12)
 
 
+def test_the_first_instant_of_a_cycle_follows_its_last_one() -> None:
+    """A turning point of Q ends the path: the edge is at the contact's an instant later."""
+    places = np.array([[-0.9, 0.9], [-1.2, 1.2], [-0.95, 0.95], [-0.9, 0.9]])
+    edges = Edges(places, np.full((4, 2), 0.001))
+    contact = np.tile([-1.2, 1.2], (4, 1))
+    found = uncertainty_at_jumps(edges, contact, np.arange(4), spacing=0.01, first_of_cycle=1)
+    np.testing.assert_allclose(found[-1], [0.3, 0.3])
+    assert not uncertainty_at_jumps(edges, contact, np.arange(4), spacing=0.01)[-1].any()
+
+
 def test_an_edge_that_is_known_well_goes_far_inwards_and_does_not_jump() -> None:
     """Where slip ends it jumps outwards all the same."""
     edges = np.array([[-0.9, 0.9], [-0.88, 0.88], [-0.5, 0.5], [-0.88, 0.5]])
