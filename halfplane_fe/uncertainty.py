@@ -512,9 +512,9 @@ _FALSE_WORK = 0.05
 # 0.4.
 _GROWN = 0.009
 # Share of W over the square of the elements that resolve the flank of a flat punch, the rounded
-# part of its contact: 0.08 at 4.4 elements and 0.09 at 0.9, beyond a flat of 0.94 a; 0.7 of a scene
-# that hardly slips. Compounds and wedges, whose pressure is less steep there, show nothing.
-_BY_FLANK = 0.22
+# part of its contact: 0.08 at 4.4 elements and 0.09 at 0.9, beyond a flat of 0.94 a; 0.75 of two
+# scenes that hardly slip. Compounds and wedges, whose pressure is less steep there, show nothing.
+_BY_FLANK = 0.28
 # Safety factor of a difference whose order is known (Roache 1994).
 _SAFETY = 1.25
 # Share of p0 (h/a)^1.5 a/d, d from the peak to the edge, that edges between nodes move it by, where
@@ -608,7 +608,7 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
     >>> round(share_of_flanks(punch, half_width=1.0, element=0.01), 6)
-    0.000352
+    0.000448
     """
     if profile.kind != "flat_rounded":
         return 0.0
