@@ -71,7 +71,7 @@ _RMS = 0.0155
 _BEYOND_CORNER = 0.02
 _BEYOND_MID_SIDE = 0.006
 _BY_UNEVENNESS = 0.6
-_BY_FEW_NODES = 0.2
+_BY_FEW_NODES = 0.1
 # Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
 # median on the coarse mesh, by 0.002 on the default one.
 _AT_TURNS = 0.85
