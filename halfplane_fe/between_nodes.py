@@ -74,7 +74,7 @@ _BY_UNEVENNESS = 0.6
 _BY_FEW_NODES = 0.1
 # Share of that at the edges of permanent stick, whose two turning points err less: by 0.004 in the
 # median on the coarse mesh, by 0.002 on the default one.
-_AT_TURNS = 0.85
+_AT_TURNS = 0.78
 # Share of the distance of two nodes, over a logarithm, by which an edge errs beyond a mid-side
 # node: the slope is 0.12 to 0.15 on both presets. Putting that right takes the median error from
 # 0.0045 to 0.0019 of the distance on the default mesh. Beyond corners no such logarithm tells.
