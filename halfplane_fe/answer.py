@@ -30,6 +30,7 @@ from halfplane_fe.edges import (
     stick_edges,
     stick_with_uncertainty,
 )
+from halfplane_fe.interface import least_depth
 from halfplane_fe.law import slip_sign
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import PathRun
@@ -52,6 +53,8 @@ _LARGEST_CREEP_OF_COUPLED = 3e-5
 # Distances of nodes beyond the intersection of all stick zones, of like bodies, as far as which the
 # edges of single instants tell the end of the permanent stick zone better than creep.
 _NODES_OF_CREEP = 2.0
+# Half-widths of contact from which on a body is thick.
+_THICK = 3.0
 
 
 def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str, Any]:
@@ -146,6 +149,8 @@ def _edges_put_right(
     edges = {name: values * half_width for name, values in scaled_edges.items()}
     contact = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
 
+    is_thick = _is_thick(task)
+
     def held_back(places: Array) -> Array:
         next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
         spacing = np.minimum(x[next_node] - x[next_node - 1], task.spacing)
@@ -155,13 +160,22 @@ def _edges_put_right(
     for edge in ("contact_edge", "stick_edge"):
         way = np.where(is_pressed, held_back(edges[f"{edge}s"]), 0.0)
         edges[f"{edge}s"] = edges[f"{edge}s"] + way
-        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + left_of_growth(way)
+        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + left_of_growth(way, is_thick)
     ends = scaled_permanent_stick.places * half_width
     way_of_ends = held_back(ends)
     permanent_stick = Edges(
         places=ends + way_of_ends, uncertainty=scaled_permanent_stick.uncertainty * half_width
     )
     return edges, permanent_stick, way_of_ends
+
+
+def _is_thick(task: Task) -> bool:
+    """Whether growing elements hold edges back as on half-planes: of half-planes and thick bodies
+    with flat faces.
+    """
+    bodies = task.scene.bodies
+    has_cylinder = "cylinder" in {bodies.lower.kind, bodies.upper.kind}
+    return not has_cylinder and least_depth(task.scene) >= _THICK * task.scales.half_width
 
 
 def _edges_of_run(
