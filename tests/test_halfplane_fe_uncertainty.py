@@ -441,6 +441,22 @@ def test_edges_that_growing_elements_hold_back_are_put_right(profile: str) -> No
     assert np.median(uncertainty_of_edge) > np.median(left_of_growth(held_back))
 
 
+@pytest.mark.parametrize("name", ["two-cylinders", "layer"])
+def test_edges_of_cylinders_and_layers_state_half_of_what_is_put_right(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Growing elements hold them back as those of half-planes only in part."""
+    answer = halfplane_fe.solve(name, COARSE)
+    monkeypatch.setattr(halfplane_fe.answer, "_is_thick", lambda _task: True)
+    as_of_half_planes = halfplane_fe.solve(name, COARSE)
+    contact = ContactsOfLoads(answer.contact_half_width, answer.normal_load)
+    spacing = np.full(2, answer.settings["element_size"] / 2)
+    held_back = held_back_by_growth(answer.contact_edges, contact, COARSE.growth, spacing)
+    more = answer.contact_edge_uncertainty - as_of_half_planes.contact_edge_uncertainty
+    largest = int(np.argmax(answer.contact_half_width))
+    np.testing.assert_allclose(more[largest], 0.45 * np.abs(held_back[largest]), rtol=0.02)
+
+
 def test_nothing_is_held_back_without_growth_or_load() -> None:
     """Nor farther than on a mesh whose elements grow more."""
     edges = np.array([[-0.5, 0.5]])
