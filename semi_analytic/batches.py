@@ -57,8 +57,8 @@ from semi_analytic.steady_ellipse import (
     careful_power_law_kernel,
     dissipation_and_error,
     ellipses_of,
+    error_of_works_by_lam,
     groups_by_largest_load,
-    lam_error,
     quadrature_error,
     quick_power_law_kernel,
     work_density_of,
@@ -77,25 +77,25 @@ _FEW_CORNERS = 8
 _DISTANCES_TO_KINK = 0.03 * np.power(0.1, np.arange(4))
 # Neighbouring samples that differ by less than this fraction of the largest W, at a distance of
 # more than this fraction of the slip zone, get others in between.
-_LEVEL_FRACTION = 0.01
-_QUARTERS = np.array([0.25, 0.5, 0.75])
+_NEARLY_LEVEL_FRACTION = 0.01
+_QUARTER_FRACTIONS = np.array([0.25, 0.5, 0.75])
 # Fraction of the slip zone within which two samples are one.
-_SAME_POINT = 1e-10
+_SAME_POINT_WIDTH_SHARE = 1e-10
 # A maximum is located when W may rise by this fraction of it at most: the first with every second
 # node of the quadrature, the last with all.
-_FIRST_TOLERANCE = 1e-5
-_LAST_TOLERANCE = 1e-10
+_FIRST_RISE_TOLERANCE = 1e-5
+_LAST_RISE_TOLERANCE = 1e-10
 # Each round takes a bracket to a fourth where W is smooth, every other one to half at worst.
 _MOST_ROUNDS = 40
-_EVEN_FRACTIONS = np.array([0.21, 0.47, 0.73])
+_EVEN_BRACKET_FRACTIONS = np.array([0.21, 0.47, 0.73])
 # From the number of a sample to those of itself and of its neighbours.
-_NEIGHBOURS = np.array([[-1], [0], [1]])
+_NEIGHBOUR_OFFSETS = np.array([[-1], [0], [1]])
 # Of what the rule over punches misses of W of half-planes, what it may leave in the change by
 # bodies: 1.4 at most on five profiles with three curvatures, against 200 nodes.
 _FACTOR_ON_RULE_ERROR = 4
 # A second maximum counts where W falls between the two by this fraction of the larger; samples are
 # good to 1e-6.
-_LEAST_FALL = 1e-3
+_LEAST_FALL_SHARE = 1e-3
 
 
 def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
@@ -154,13 +154,13 @@ class _LocalMaxima(NamedTuple):
     sample: Indices
     vertex: _Vertex
 
-    def by_work(self) -> Indices:
+    def numbers_by_ascending_work(self) -> Indices:
         """Numbers of the maxima by ascending W."""
         return np.argsort(self.vertex.work, kind="stable")
 
     def largest_of_ellipses(self, n_ellipses: int) -> Indices:
         """Number of the largest maximum of each ellipse, -1 where there is none: (m,)."""
-        numbers = self.by_work()
+        numbers = self.numbers_by_ascending_work()
         largest = np.full(n_ellipses, -1)
         largest[self.ellipse[numbers]] = numbers
         return largest
@@ -177,18 +177,18 @@ def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMax
     is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
     sample_numbers = np.flatnonzero(is_local_maximum) + 1
     ellipse = samples.ellipse[sample_numbers]
-    bracket_numbers = sample_numbers + _NEIGHBOURS
+    bracket_numbers = sample_numbers + _NEIGHBOUR_OFFSETS
     bracket_places, _ = _narrowed_brackets(
         partial(density, node_stride=2),
         ellipse,
         samples.x[bracket_numbers],
         work[bracket_numbers],
-        _FIRST_TOLERANCE,
+        _FIRST_RISE_TOLERANCE,
     )
     # With all nodes from here on.
     bracket_works = np.stack([density(ellipse, places) for places in bracket_places])
     bracket_places, bracket_works = _narrowed_brackets(
-        density, ellipse, bracket_places, bracket_works, _LAST_TOLERANCE
+        density, ellipse, bracket_places, bracket_works, _LAST_RISE_TOLERANCE
     )
     return _LocalMaxima(ellipse, sample_numbers, _vertex_of_parabola(bracket_places, bracket_works))
 
@@ -240,7 +240,7 @@ def _largest_maximum(
     error_without_maximum = (
         2
         / math.pi
-        * (ellipses.u + ellipses.v)
+        * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
         * largest_slip_load
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
@@ -264,7 +264,7 @@ def _largest_maximum(
     relative_rule_error = quadrature_error(works_by_stride, works_by_stride[0])
     relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
     error[slipping_ellipses] = (
-        vertex.rise[maxima_of_slipping] + vertex.work[maxima_of_slipping] * relative_error
+        vertex.possible_rise[maxima_of_slipping] + vertex.work[maxima_of_slipping] * relative_error
     )
     return _Peaks(work, error, place, maximum_number)
 
@@ -288,9 +288,9 @@ def _second_maximum(
     range_ends = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
     # Every other minimum is that from one range to the next.
     least_work_in_range = np.minimum.reduceat(sampled_work, range_ends.T.ravel())[::2]
-    least_fall = np.maximum(_LEAST_FALL * peaks.work, 2 * peaks.error)
+    least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.work, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
-    maximum_numbers = maxima.by_work()
+    maximum_numbers = maxima.numbers_by_ascending_work()
     ellipse = maxima.ellipse[maximum_numbers]
     work = maxima.vertex.work[maximum_numbers]
     is_not_largest = maximum_numbers != peaks.maximum_number[ellipse]
@@ -321,7 +321,10 @@ def _sampled_density(
     numbers, x) gives W.
     """
     widths_of_zones = points[:, -1] - points[:, 0]
-    is_new = np.diff(points, axis=1, prepend=-np.inf) > _SAME_POINT * widths_of_zones[:, None]
+    is_new = (
+        np.diff(points, axis=1, prepend=-np.inf)
+        > _SAME_POINT_WIDTH_SHARE * widths_of_zones[:, None]
+    )
     ellipse_of_point = np.nonzero(is_new)[0]
     x = points[is_new]
     work = density(ellipse_of_point, x)
@@ -335,13 +338,13 @@ def _sampled_density(
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed.
     largest_works = np.maximum.reduceat(work, first_numbers)
-    level_change = (_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
+    level_change = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
     is_high = (work[:-1] > level_change) & (work[1:] > level_change)
     is_level = (np.abs(np.diff(work)) < level_change) & is_high
-    is_wide = np.diff(x) > _LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
+    is_wide = np.diff(x) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
     level_intervals = np.flatnonzero(is_level & is_wide)
-    new_x = (x[level_intervals] + np.diff(x)[level_intervals] * _QUARTERS[:, None]).ravel()
-    ellipse_of_new_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTERS))
+    new_x = (x[level_intervals] + np.diff(x)[level_intervals] * _QUARTER_FRACTIONS[:, None]).ravel()
+    ellipse_of_new_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTER_FRACTIONS))
     work = np.concatenate([work, density(ellipse_of_new_point, new_x)])
     ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_new_point])
     x = np.concatenate([x, new_x])
@@ -432,14 +435,14 @@ def _narrowed_brackets(
         vertex = _vertex_of_parabola(
             bracket_places[:, wide_brackets], bracket_works[:, wide_brackets]
         )
-        is_wide = vertex.rise > rise_tolerance * np.abs(bracket_works[1, wide_brackets])
+        is_wide = vertex.possible_rise > rise_tolerance * np.abs(bracket_works[1, wide_brackets])
         wide_brackets = wide_brackets[is_wide]
         if not len(wide_brackets):
             break
         places_before = bracket_places[:, wide_brackets]
         width_before = places_before[2] - places_before[0]
-        places_by_parabola = _next_points(places_before, vertex.place[is_wide])
-        even_places = places_before[0] + width_before * _EVEN_FRACTIONS[:, None]
+        places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide])
+        even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
         new_works = [density(ellipse_of_maximum[wide_brackets], places) for places in new_places]
         # Of the six places the highest and its neighbours are the new bracket.
@@ -449,7 +452,7 @@ def _narrowed_brackets(
         six_places = np.take_along_axis(six_places, ascending, 0)
         six_works = np.take_along_axis(six_works, ascending, 0)
         highest = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
-        rows_of_bracket = highest + _NEIGHBOURS
+        rows_of_bracket = highest + _NEIGHBOUR_OFFSETS
         bracket_places[:, wide_brackets] = np.take_along_axis(six_places, rows_of_bracket, 0)
         bracket_works[:, wide_brackets] = np.take_along_axis(six_works, rows_of_bracket, 0)
         width = bracket_places[2, wide_brackets] - bracket_places[0, wide_brackets]
@@ -457,7 +460,7 @@ def _narrowed_brackets(
     return bracket_places, bracket_works
 
 
-def _next_points(bracket: Array, vertex_place: Array) -> Array:
+def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
     """Three places (3, n) at which W is evaluated next in the search for a maximum: one at
     `vertex_place` (n,), the vertex of a parabola, and one on each side of it.
 
@@ -490,7 +493,7 @@ class _Vertex(NamedTuple):
 
     work: Array
     place: Array
-    rise: Array
+    possible_rise: Array
 
 
 def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
@@ -515,7 +518,9 @@ def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
     return _Vertex(
         work=work[1] + slope_at_middle * vertex_distance / 2,
         place=x[1] + vertex_distance,
-        rise=np.maximum(np.abs(slope_before) * length_after, np.abs(slope_after) * length_before),
+        possible_rise=np.maximum(
+            np.abs(slope_before) * length_after, np.abs(slope_after) * length_before
+        ),
     )
 
 
@@ -530,9 +535,9 @@ _LOAD_NAMES = (
 _MEMBERS_AT_ONCE = 16384
 # Fractions of P0 that P - P_c must reach for the quick way to the kernel Lam of W, see
 # `steady_ellipse`. There it loses 6e-11 of W by formulas, 1e-12 by the table.
-_DEEP_SLIP = 0.02
-_DEEP_SLIP_ON_TABLE = 0.04
-_LEAST_SCALE = 1 / LARGEST
+_DEEP_SLIP_LOAD_SHARE = 0.02
+_DEEP_SLIP_LOAD_SHARE_ON_TABLE = 0.04
+_LEAST_PARAMETER = 1 / LARGEST
 _BODY_OF_UNIT_MODULUS = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
 
@@ -696,7 +701,7 @@ def dissipation(
         phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
-    material = _of_both(material)
+    material = _materials_of_both_bodies(material)
     effects = checked_effects(effects)
     works_of_members = _works_of_members
     notes = list(neglected_coupling(material))
@@ -733,9 +738,9 @@ def _works_of_members(members: Members) -> Array:
     works = np.empty((3, len(members.is_mirrored)))
     if kind in ("hertz", "power_law"):
         works[:2] = works_by_lam(
-            ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP
+            ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE
         )
-        works[2] = lam_error(ellipses, works[0] + works[1], _DEEP_SLIP, 1.0)
+        works[2] = error_of_works_by_lam(ellipses, works[0] + works[1], _DEEP_SLIP_LOAD_SHARE, 1.0)
         # The kernels are those of ln P. Lam of a profile |x|^n is 1/n of that: a goes as P^(1/n).
         exponent = members.parameters[0] if kind == "power_law" else 2
         works /= exponent
@@ -787,23 +792,33 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         ).divided_by(load_units)
         # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
         contact_modulus = members.modulus if members.contact is not None else 1.0
-        scaled_curvatures = CurvatureColumns.of(
+        scaled_curvatures = CurvatureColumns.from_curvatures(
             curvatures, members.modulus / contact_modulus * squared_length_units
         )
-        no_curvatures = CurvatureColumns.of(Curvatures(), ones)
-        half_planes = works_of_ellipses(loads, no_curvatures, group.contact, contact_modulus)
-        bodies = works_of_ellipses(loads, scaled_curvatures, group.contact, contact_modulus)
+        no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
+        works_of_half_planes = works_of_ellipses(
+            loads, no_curvatures, group.contact, contact_modulus
+        )
+        works_of_bodies = works_of_ellipses(
+            loads, scaled_curvatures, group.contact, contact_modulus
+        )
         # Works of ellipses are times pi E*/2, without 1/f^2.
         work_unit = np.square(group.load_unit / members.loads.friction[numbers])
-        forward_change = work_unit * (bodies.forward - half_planes.forward)
-        reverse_change = work_unit * (bodies.reverse - half_planes.reverse)
-        half_plane_work_by_rule = work_unit * (half_planes.forward + half_planes.reverse)
+        forward_change = work_unit * (
+            works_of_bodies.forward_work - works_of_half_planes.forward_work
+        )
+        reverse_change = work_unit * (
+            works_of_bodies.reverse_work - works_of_half_planes.reverse_work
+        )
+        half_plane_work_by_rule = work_unit * (
+            works_of_half_planes.forward_work + works_of_half_planes.reverse_work
+        )
         rule_error = np.abs(half_plane_work_by_rule - work[numbers])
         work[numbers] += forward_change + reverse_change
         forward_work[numbers] += forward_change
         reverse_work[numbers] += reverse_change
         work_error[numbers] += _FACTOR_ON_RULE_ERROR * rule_error
-        stick_half_width = bodies.permanent_stick_half_width
+        stick_half_width = works_of_bodies.permanent_stick_half_width
         permanent_stick_load[numbers] = group.load_unit * group.contact.load(stick_half_width)
     return results
 
@@ -866,7 +881,7 @@ def peak_dissipation(
         phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
-    material = _of_both(material)
+    material = _materials_of_both_bodies(material)
     results, reason = _results_of_members(
         profile, material, loads, _maxima_of_members, n_results=6, n_normalised=3
     )
@@ -914,14 +929,18 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
         careful_kernel = table.careful_kernel  # to round-off of itself
         largest_log_half_width = table.largest_log_half_width
         forward_work, reverse_work = works_by_lam(
-            ellipses_of_table, quick_kernel, careful_kernel, _DEEP_SLIP_ON_TABLE, LEAST_LOAD_SHARE
+            ellipses_of_table,
+            quick_kernel,
+            careful_kernel,
+            _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
+            LEAST_LOAD_SHARE,
         )
         works[0, numbers] = forward_work
         works[1, numbers] = reverse_work
-        works[2, numbers] = lam_error(
+        works[2, numbers] = error_of_works_by_lam(
             ellipses_of_table,
             forward_work + reverse_work,
-            _DEEP_SLIP_ON_TABLE,
+            _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
             largest_log_half_width,
         )
     return works * load_unit * load_unit
@@ -1020,7 +1039,7 @@ class Members:
             )
 
 
-def _of_both(material: Materials | Elastic) -> Materials:
+def _materials_of_both_bodies(material: Materials | Elastic) -> Materials:
     return Materials(upper=material, lower=material) if isinstance(material, Elastic) else material
 
 
@@ -1070,7 +1089,7 @@ def _results_of_members(
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
         end_member = min(first_member + _MEMBERS_AT_ONCE, n_members)
         arrays_of_block = [
-            _block_of(array, batch_shape, first_member, end_member) for array in arguments
+            _values_of_block(array, batch_shape, first_member, end_member) for array in arguments
         ]
         reasons_of_block, numbers_in_block, members = batch.members_of(
             LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
@@ -1182,7 +1201,7 @@ class _Batch:
         return is_invalid
 
 
-def _block_of(
+def _values_of_block(
     array: Array, batch_shape: tuple[int, ...], first_member: int, end_member: int
 ) -> Array:
     """Values of the members `first_member` to `end_member` - 1 of an array that broadcasts to
@@ -1244,8 +1263,8 @@ def _reasons_of_loads(
     )
     is_sliding = (
         np.maximum(
-            friction * ellipses.u + mean_tangential_load,
-            friction * ellipses.v - mean_tangential_load,
+            friction * ellipses.forward_amplitude + mean_tangential_load,
+            friction * ellipses.reverse_amplitude - mean_tangential_load,
         )
         > mean_limit + round_off
     )
@@ -1381,11 +1400,11 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     """Whether the profile parameters of each member of a batch are not admitted, (m,): numbers
     outside their range, or shapes under which the contact would split.
     """
-    least_values = (_LEAST_SCALE,) * len(parameters)
+    least_values = (_LEAST_PARAMETER,) * len(parameters)
     if kind == "power_law":
-        least_values = (1.0, _LEAST_SCALE, _LEAST_SCALE)
+        least_values = (1.0, _LEAST_PARAMETER, _LEAST_PARAMETER)
     elif kind == "polynomial":
-        least_values = (_LEAST_SCALE, *[-LARGEST] * (len(parameters) - 1))
+        least_values = (_LEAST_PARAMETER, *[-LARGEST] * (len(parameters) - 1))
     is_in_range = [
         (values >= least_value) & (values <= LARGEST)
         for values, least_value in zip(parameters, least_values, strict=True)

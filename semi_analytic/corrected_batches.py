@@ -31,12 +31,12 @@ from semi_analytic.profiles import SymmetricContact
 
 # Gauss nodes in each of two ranges of punches. At other punches, where slip changes from one kind
 # to another, w has a kink: these leave 2e-5 of W.
-_GAUSS_NODES = 32
+_GAUSS_NODE_COUNT = 32
 # Iterations of the Illinois rule at most, and the residual at which it ends, over the value scale.
 _MOST_SECANTS = 40
 _RESIDUAL_OF_ROOT = 1e-13
 # Fraction of a value at the other end of a bracket below which one is round-off.
-_ROUND_OFF_SHARE = 1e-9
+_ROUND_OFF_VALUE_SHARE = 1e-9
 _SMALLEST_FLOAT = float(np.finfo(float).tiny)
 # Ellipses that are taken at once: bounds the memory of arrays (m, punches).
 _ELLIPSES_AT_ONCE = 2048
@@ -69,7 +69,7 @@ class EllipseOfLoads:
             tangential_amplitude=self.tangential_amplitude / unit,
         )
 
-    def combination(
+    def load_combination(
         self, *, normal_factor: Array, tangential_factor: Array, constant: Array
     ) -> _Sinusoid:
         """`normal_factor` P + `tangential_factor` Q + `constant` over the cycle, for factors
@@ -95,7 +95,7 @@ class CurvatureColumns(NamedTuple):
     tangential_under_pressure: Array
 
     @classmethod
-    def of(cls, curvatures: Curvatures, factor: Array) -> CurvatureColumns:
+    def from_curvatures(cls, curvatures: Curvatures, factor: Array) -> CurvatureColumns:
         """The same curvatures for all ellipses, times `factor` (m, 1), their change of units."""
         return cls(
             normal=curvatures.normal * factor,
@@ -116,7 +116,7 @@ class _Sinusoid(NamedTuple):
     amplitude: Array
     phase: Array
 
-    def at(self, angle: Array) -> Array:
+    def values_at(self, angle: Array) -> Array:
         """Values at the phase angles t, (m, k) [rad]."""
         return np.asarray(self.mean + self.amplitude * np.cos(angle - self.phase))
 
@@ -162,17 +162,17 @@ def cycle_of_punches(
     gap_per_tangential = parabola_load * curvatures.normal_under_shear
     faces_per_tangential = parabola_load * curvatures.tangential
     faces_per_normal = parabola_load * curvatures.tangential_under_pressure
-    forward_bound = loads.combination(
+    forward_bound = loads.load_combination(
         normal_factor=-friction * (1 - gap_per_normal) - faces_per_normal,
         tangential_factor=1 - faces_per_tangential + friction * gap_per_tangential,
         constant=friction * profile_load,
     )
-    reverse_bound = loads.combination(
+    reverse_bound = loads.load_combination(
         normal_factor=-friction * (1 - gap_per_normal) + faces_per_normal,
         tangential_factor=faces_per_tangential - 1 + friction * gap_per_tangential,
         constant=friction * profile_load,
     )
-    load_outside = loads.combination(
+    load_outside = loads.load_combination(
         normal_factor=1 - gap_per_normal,
         tangential_factor=-gap_per_tangential,
         constant=-profile_load,
@@ -185,8 +185,8 @@ class WorkOfEllipses(NamedTuple):
     half-width of permanent stick, 0 where no point sticks all through, (m,) each.
     """
 
-    forward: Array
-    reverse: Array
+    forward_work: Array
+    reverse_work: Array
     permanent_stick_half_width: Array
 
 
@@ -211,9 +211,11 @@ def works_of_ellipses(
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
     >>> one, half = np.ones((1, 1)), np.full((1, 1), 0.5)
     >>> loads = EllipseOfLoads(one, 0 * one, 0 * one, half, 0 * one, one)
-    >>> no_curvatures = CurvatureColumns.of(Curvatures(), one)
+    >>> no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), one)
     >>> work = works_of_ellipses(loads, no_curvatures, contact, 1.0)
-    >>> round(float(work.forward[0] + work.reverse[0]), 5)  # -2 int (2 z - 1/2) ln(1 - z) dz
+    >>> round(
+    ...     float(work.forward_work[0] + work.reverse_work[0]), 5
+    ... )  # -2 int (2 z - 1/2) ln(1 - z) dz
     0.05685
     """
     n_ellipses = len(loads.friction)
@@ -270,9 +272,9 @@ def _works_and_stick(
     largest_load = loads.mean_normal + loads.normal_amplitude
     largest_half_width = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
     middle = np.zeros_like(largest_half_width)
-    contact_edge = _root(minus_largest_load_outside, middle, largest_half_width)
-    least_contact_edge = _root(minus_least_load_outside, middle, contact_edge)
-    stick_edge = np.minimum(_root(overlap_of_bounds, middle, contact_edge), contact_edge)
+    contact_edge = _roots_between(minus_largest_load_outside, middle, largest_half_width)
+    least_contact_edge = _roots_between(minus_least_load_outside, middle, contact_edge)
+    stick_edge = np.minimum(_roots_between(overlap_of_bounds, middle, contact_edge), contact_edge)
 
     works = np.zeros((2, len(contact_edge)))
     fractions, weights = _crowded_gauss_rule()
@@ -295,7 +297,7 @@ def _crowded_gauss_rule() -> tuple[Array, Array]:
     """Nodes and weights (k,) of a rule on 0 to 1 whose nodes crowd at both ends, where slip begins
     like a square root: Gauss' rule over g, at g^2 (3 - 2 g).
     """
-    nodes, gauss_weights = np.polynomial.legendre.leggauss(_GAUSS_NODES)
+    nodes, gauss_weights = np.polynomial.legendre.leggauss(_GAUSS_NODE_COUNT)
     g = (1 + nodes) / 2
     return g**2 * (3 - 2 * g), gauss_weights / 2 * 6 * g * (1 - g)
 
@@ -328,7 +330,9 @@ def _least_stiffness_at_edge(
     )
 
 
-def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
+def _roots_between(
+    function: Callable[[Array], Array], lower_bound: Array, upper_bound: Array
+) -> Array:
     """Roots x (m, 1) of m rising functions between `lower_bound` and `upper_bound` (m, 1), by the
     Illinois rule: secants that keep the root between them.
 
@@ -340,7 +344,7 @@ def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: A
     value_at_lower = function(lower_bound)
     value_at_upper = function(upper_bound)
     value_scale = np.maximum(np.abs(value_at_lower), np.abs(value_at_upper))
-    has_no_root = value_at_upper < -_ROUND_OFF_SHARE * value_scale
+    has_no_root = value_at_upper < -_ROUND_OFF_VALUE_SHARE * value_scale
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
     for _ in range(_MOST_SECANTS):
@@ -399,11 +403,11 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     )
     angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_turn), contact_angle)
     angles_since_begin.sort(axis=0)
-    locked_in_force = forward_bound.at(begin_angle)
+    locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
     for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
-            bound_at_angle = bound.at(angle)
+            bound_at_angle = bound.values_at(angle)
             slips = bound_at_angle > direction * locked_in_force
             integral_to_angle = _load_integral(bound, load_outside, bound_at_angle)
             integral_to_force = _load_integral(bound, load_outside, direction * locked_in_force)

@@ -60,7 +60,7 @@ from semi_analytic.quadrature import GRADED_RULE, gauss_rule, graded_nodes
 
 Indices = NDArray[np.intp]
 
-PHASES = ("E-G", "I-J", "J-M")
+PHASE_NAMES = ("E-G", "I-J", "J-M")
 # Quadrature nodes that are evaluated at once: arrays of 128 kB and more get fresh memory at every
 # call, which costs half as much again. Places x at once.
 _PIECE_NODES_AT_ONCE = 16000
@@ -68,9 +68,9 @@ _POINTS_AT_ONCE = 500
 # An interval has converged where every second node alone changes this share of W, which leaves
 # 2e-14 or less (10 times as much where P hardly grows). After a few halvings this share of P0^2 is
 # enough; an interval is halved so often at most.
-_GRADED_SHARE = 1e-9
+_CONVERGED_SHARE_OF_GRADED_RULE = 1e-9
 _FEW_HALVINGS = 3
-_NEGLIGIBLE_CHECK = 1e-14
+_NEGLIGIBLE_CHECK_SHARE = 1e-14
 _MOST_HALVINGS = 15
 
 
@@ -82,8 +82,9 @@ class Ellipses:
     ----------
     mean_load, load_amplitude
         P0, P1
-    u, v
-        amplitudes of (Q -+ f P)/f
+    forward_amplitude, reverse_amplitude
+        u and v, the amplitudes of (Q - f P)/f and (Q + f P)/f, which grow in forward slip and
+        fall in reverse slip
     cosine_of_start, sine_of_start
         of t_E, at which reverse slip begins
     slip_angle
@@ -94,8 +95,8 @@ class Ellipses:
 
     mean_load: Array
     load_amplitude: Array
-    u: Array
-    v: Array
+    forward_amplitude: Array
+    reverse_amplitude: Array
     cosine_of_start: Array
     sine_of_start: Array
     slip_angle: Array
@@ -109,7 +110,13 @@ class Ellipses:
         """The ellipses with every load divided by a unit of force per thickness, (m,)."""
         loads = {
             name: vars(self)[name] / unit
-            for name in ("mean_load", "load_amplitude", "u", "v", "permanent_stick_load")
+            for name in (
+                "mean_load",
+                "load_amplitude",
+                "forward_amplitude",
+                "reverse_amplitude",
+                "permanent_stick_load",
+            )
         }
         return replace(self, **loads)
 
@@ -132,7 +139,7 @@ class Ellipses:
         """
         tangent = np.tan(self.slip_angle / 2)
         square = tangent * tangent
-        ends = np.maximum(self.u, self.v) * square / (1 + square)
+        ends = np.maximum(self.forward_amplitude, self.reverse_amplitude) * square / (1 + square)
         sine = np.where(tangent > 1, 2 * tangent / (1 + square), 1.0)
         return np.maximum(ends, 2 * self.load_amplitude * self.sine_of_start * sine)
 
@@ -192,8 +199,8 @@ def ellipses_of(
     return Ellipses(
         mean_load=mean,
         load_amplitude=amplitude,
-        u=u,
-        v=v,
+        forward_amplitude=u,
+        reverse_amplitude=v,
         cosine_of_start=(shear_cosine - amplitude) / positive_u,
         sine_of_start=shear_sine / positive_u,
         slip_angle=np.arctan2(2 * amplitude * shear_sine, difference_of_squares),
@@ -215,7 +222,7 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
         sine_of_rate, _ = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
         return (
-            ellipses.u * sine_of_rate,
+            ellipses.forward_amplitude * sine_of_rate,
             2 * ellipses.load_amplitude * ellipses.sine_of_start * sine_of_rate,
             ellipses.load(2 * squared_sine_of_half_time - 1),
         )
@@ -223,14 +230,14 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
         sine_of_rate, _ = _sine_and_square(ellipses.slip_angle - s)
         _, squared_sine_of_slip = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
-        rate = ellipses.v * sine_of_rate
-        slip_zone_load = ellipses.u * squared_sine_of_slip
+        rate = ellipses.reverse_amplitude * sine_of_rate
+        slip_zone_load = ellipses.forward_amplitude * squared_sine_of_slip
     else:
         sine_of_rate, _ = _sine_and_square(s)
         _, squared_sine_of_slip = _sine_and_square(ellipses.slip_angle + s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start - s)
-        rate = ellipses.u * sine_of_rate
-        slip_zone_load = ellipses.v * squared_sine_of_slip
+        rate = ellipses.forward_amplitude * sine_of_rate
+        slip_zone_load = ellipses.reverse_amplitude * squared_sine_of_slip
     return rate, slip_zone_load, ellipses.load(1 - 2 * squared_sine_of_half_time)
 
 
@@ -241,7 +248,7 @@ def _sine_and_square(angle: Array) -> tuple[Array, Array]:
     return 2 * tangent / secant_square, tangent * tangent / secant_square
 
 
-def half_angle(squared_sine: Array) -> Array:
+def angle_of_squared_half_sine(squared_sine: Array) -> Array:
     """Angle [rad] whose half has the given sin^2, clipped to 0..1: 2 arcsin(sqrt(squared_sine))."""
     return 2 * np.arcsin(np.sqrt(np.clip(squared_sine, 0.0, 1.0)))
 
@@ -253,15 +260,15 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     Both count back from the end of the phase. They are 0 for P below P_T, the load of the permanent
     stick zone, and pi for loads that the stick edge does not reach.
     """
-    u = ellipses.u
-    v = ellipses.v
+    u = ellipses.forward_amplitude
+    v = ellipses.reverse_amplitude
     load_above = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
-    angle_in_e_to_g = half_angle(load_above / np.where(v > 0, v, np.inf))
-    angle_in_j_to_m = half_angle(load_above / np.where(u > 0, u, np.inf))
+    angle_in_e_to_g = angle_of_squared_half_sine(load_above / np.where(v > 0, v, np.inf))
+    angle_in_j_to_m = angle_of_squared_half_sine(load_above / np.where(u > 0, u, np.inf))
     return angle_in_e_to_g, angle_in_j_to_m
 
 
-def corner_angles(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
+def cut_angles_of_phases(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
     """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
     by the name of the phase.
 
@@ -331,7 +338,7 @@ def work_density_of(
     `contact` is the normal contact P(a) of the profile. With `node_stride` = 2 every second node of
     the quadrature rule is taken, which is right to some 1e-6.
     """
-    works = np.zeros((len(PHASES), len(x)))
+    works = np.zeros((len(PHASE_NAMES), len(x)))
     for first_point in range(0, len(x), _POINTS_AT_ONCE):
         points_at_once = np.arange(first_point, min(first_point + _POINTS_AT_ONCE, len(x)))
         works[:, points_at_once] = _work_density_of_phases(
@@ -353,9 +360,11 @@ def _work_density_of_phases(
     load_at_x = contact.load(x)
     ranges_of_slip = _ranges_of_slip(ellipses, load_at_x)
     cuts_of_phases = list(
-        corner_angles(ellipses.take((slice(None), 0)), contact.corner_loads[:, None]).values()
+        cut_angles_of_phases(
+            ellipses.take((slice(None), 0)), contact.corner_loads[:, None]
+        ).values()
     )
-    density = np.zeros((len(PHASES), len(x)))
+    density = np.zeros((len(PHASE_NAMES), len(x)))
     for phase_number, begin, end in ranges_of_slip:
         inner_cuts = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
         cuts = np.concatenate([begin, inner_cuts, end], axis=1)
@@ -368,7 +377,7 @@ def _work_density_of_phases(
             node_stride,
         )
         rate, slip_zone_load, load = rate_and_loads_in_phase(
-            PHASES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
+            PHASE_NAMES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
         )
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         load_excess = np.maximum(load_at_x[ellipse_of_piece] - stick_edge_load, 0.0)
@@ -388,8 +397,9 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     and last angle s in the phase, (m, 1) each. It does not slip where the last is below the first.
 
     # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
-    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E to
-    #           G; s angle from the begin of E-G and I-J, back from the end of J-M; t_E time of E
+    #           the edge of stick, P_min least P; u, v forward and reverse amplitude, of (Q -+ f
+    #           P)/f; D angle from E to G; s angle from the begin of E-G and I-J, back from the end
+    #           of J-M; t_E time of E
 
     The phases are E-G, reverse slip, and I-J, J-M, forward slip. E-G comes twice, before and after
     the least load, at which the point may be open. The point is in contact for
@@ -402,7 +412,7 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     )
     # At constant P the point is open throughout or never.
     share_at_constant_load = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
-    open_angle = half_angle(
+    open_angle = angle_of_squared_half_sine(
         np.where(ellipses.load_moves, share_of_load_range, share_at_constant_load)
     )
     start_angle = ellipses.slip_start
@@ -433,8 +443,8 @@ BufferedKernel = Callable[[Array, Array, Array], Array]
 array for intermediate values, (phases, n, m) each; may overwrite all but P - P_c.
 """
 
-_TINY = 1e-100
-_LEAST_SHARE = 1e-200
+_LEAST_DIVISOR = 1e-100
+_LEAST_SHARE_OF_MEAN_LOAD = 1e-200
 
 
 # ------------------------------------------------- any profile: pieces of phases, and series of Lam
@@ -509,15 +519,15 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
 _GRADED_RULES = (_graded_piece_rule(),)
 _PHASE_RULES = (_legendre_piece_rule(20, 0), _legendre_piece_rule(24, 2))
 _COURSE_RULES = tuple(_legendre_piece_rule(count, 1) for count in (8, 10, 12, 16, 24))
-_COURSE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
+_COURSE_RULE_LENGTHS = np.array([0.1, 0.3, 0.6, 1.0])
 # The share of W below which the three last coefficients have converged: they fall like a power
 # where two corners are close, and leave 1e-3 of themselves. In courses of loads the share is one of
 # 50 P0^2 where W is less: that leaves 2e-12 of P0^2 where P hardly grows, 1e-14 elsewhere.
-_COEFFICIENT_SHARE = 3e-8
+_CONVERGED_COEFFICIENT_SHARE = 3e-8
 _LEAST_WORK_OF_COURSES = 50.0
 # Error of an integral over its largest error check, at most: where the interval has converged, and
 # where W is too small for that.
-_ERROR_OVER_CHECK = 1e-2
+_ERROR_OVER_SMALL_CHECK = 1e-2
 _ERROR_OVER_LARGE_CHECK = 4.0
 # Shares of P0 down to which Lam is taken from L = ln a at P and at P_c, and from L between them:
 # they keep 1e-10 of Lam.
@@ -531,7 +541,7 @@ Kernel = Callable[[Array, Array], Array]
 """Lam from P and P - P_c, (nodes, pieces) each."""
 
 
-class Pieces(NamedTuple):
+class AnglePieces(NamedTuple):
     """Intervals of angle [rad] over which the work of ellipses is integrated, (n,) each, sorted by
     group: group, number of the ellipse, begin, end and number of the quadrature rule.
 
@@ -540,48 +550,48 @@ class Pieces(NamedTuple):
 
     group: Indices
     ellipse: Indices
-    begin: Array
-    end: Array
-    rule: Indices
+    begin_angle: Array
+    end_angle: Array
+    rule_number: Indices
 
     @classmethod
     def of_group(
         cls, group: int, ellipse: Indices, begin: Array, end: Array, rule: Indices
-    ) -> Pieces:
+    ) -> AnglePieces:
         """Intervals of one group from the angles `begin` to `end`."""
         return cls(np.full(len(ellipse), group), ellipse, begin, end, rule)
 
     @classmethod
-    def together(cls, parts: Sequence[Pieces]) -> Pieces:
+    def joined(cls, parts: Sequence[AnglePieces]) -> AnglePieces:
         """The intervals of all `parts`, one after the other."""
         return cls._make(np.concatenate(column) for column in zip(*parts, strict=True))
 
-    def take(self, numbers: Indices | NDArray[np.bool_]) -> Pieces:
+    def take(self, numbers: Indices | NDArray[np.bool_]) -> AnglePieces:
         """The intervals of the given numbers, or of a mask."""
-        return Pieces._make(column[numbers] for column in self)
+        return AnglePieces._make(column[numbers] for column in self)
 
-    def halved(self) -> Pieces:
+    def halved(self) -> AnglePieces:
         """Both halves of each interval, side by side so that groups stay in order."""
-        middle = (self.begin + self.end) / 2
-        return Pieces(
+        middle = (self.begin_angle + self.end_angle) / 2
+        return AnglePieces(
             group=np.repeat(self.group, 2),
             ellipse=np.repeat(self.ellipse, 2),
-            begin=np.ravel([self.begin, middle], order="F"),
-            end=np.ravel([middle, self.end], order="F"),
-            rule=np.repeat(self.rule, 2),
+            begin_angle=np.ravel([self.begin_angle, middle], order="F"),
+            end_angle=np.ravel([middle, self.end_angle], order="F"),
+            rule_number=np.repeat(self.rule_number, 2),
         )
 
 
 # Relative error of W by the phase integrals, of the last digits of loads and angles, and of Lam by
 # series.
-_RELATIVE_ERROR = 2e-12
-_LAST_DIGIT = 1e-15
-_ERROR_OF_SERIES = 1e-13
+_RELATIVE_ERROR_OF_PHASE_INTEGRALS = 2e-12
+_LAST_DIGIT_SHARE = 1e-15
+_LAM_ERROR_OF_SERIES = 1e-13
 # Last digits of a loop in W: a power of three of its amplitudes, and as much for their angles.
-_LOOP_DIGITS = 6.0
+_LAST_DIGITS_OF_LOOP = 6.0
 # Of W: what the rules leave out that are picked by where Lam is singular; at most 1.7e-11 in 36,000
 # random loops.
-_ERROR_OF_RULES = 5e-11
+_RELATIVE_ERROR_OF_LAM_RULES = 5e-11
 
 
 def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
@@ -591,17 +601,21 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     u and v, the amplitudes of (Q -+ f P)/f, are differences of Q1/f and P1. Digits are lost as u, v
     are small against the loads, or the angles D and pi - D of the phases of slip against pi.
     """
-    loop_size = ellipses.load_amplitude + (ellipses.u + ellipses.v) / 2
-    smaller_amplitude = np.minimum(ellipses.u, ellipses.v)
+    loop_size = (
+        ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
+    )
+    smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_angle = np.minimum(ellipses.slip_angle, math.pi - ellipses.slip_angle)
     # Nothing slips where one of them is 0.
     lost_by_size = loop_size / np.where(
-        smaller_amplitude > _TINY * loop_size, smaller_amplitude, np.inf
+        smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
-    lost_by_angle = math.pi / np.where(least_angle > _TINY, least_angle, np.inf)
+    lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
-    least_slip = _LAST_DIGIT * loop_size
-    relative_error = _RELATIVE_ERROR + _LAST_DIGIT * (lost_by_size + lost_by_angle)
+    least_slip = _LAST_DIGIT_SHARE * loop_size
+    relative_error = _RELATIVE_ERROR_OF_PHASE_INTEGRALS + _LAST_DIGIT_SHARE * (
+        lost_by_size + lost_by_angle
+    )
     return relative_error * np.abs(work) + least_slip * least_slip
 
 
@@ -613,16 +627,20 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
     sin(phase) has only the digits of pi - phase.
     """
-    loop_size = ellipses.load_amplitude + (ellipses.u + ellipses.v) / 2
-    smaller_amplitude = np.minimum(ellipses.u, ellipses.v)
-    shear_sine = ellipses.u * ellipses.sine_of_start  # Q1/f |sin(phase)|
-    shear_cosine = ellipses.u * ellipses.cosine_of_start + ellipses.load_amplitude
-    cotangent = -shear_cosine / np.where(shear_sine > _TINY * loop_size, shear_sine, np.inf)
+    loop_size = (
+        ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
+    )
+    smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
+    shear_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
+    shear_cosine = ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
+    cotangent = -shear_cosine / np.where(
+        shear_sine > _LEAST_DIVISOR * loop_size, shear_sine, np.inf
+    )
     lost_by_phase = np.where(shear_cosine < 0, cotangent, 0.0)
     lost_by_size = loop_size / np.where(
-        smaller_amplitude > _TINY * loop_size, smaller_amplitude, np.inf
+        smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
-    return _LOOP_DIGITS * _LAST_DIGIT * (1 + lost_by_size + math.pi * lost_by_phase)
+    return _LAST_DIGITS_OF_LOOP * _LAST_DIGIT_SHARE * (1 + lost_by_size + math.pi * lost_by_phase)
 
 
 def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]:
@@ -647,7 +665,11 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     (0.106967414501, 0.106967414501)
     """
     forward_work, reverse_work, _ = _work_over_phases(
-        ellipses, contact, contact.dissipation_kernel, _GRADED_RULES, _GRADED_SHARE
+        ellipses,
+        contact,
+        contact.dissipation_kernel,
+        _GRADED_RULES,
+        _CONVERGED_SHARE_OF_GRADED_RULE,
     )
     return forward_work, reverse_work
 
@@ -753,7 +775,11 @@ def _dissipation_of_group(
     takes_direct_kernel = ~has_deep_slip & ~takes_series
     if np.any(takes_direct_kernel):
         works[:, takes_direct_kernel] = _work_over_phases(
-            ellipses.take(takes_direct_kernel), contact, kernel, _PHASE_RULES, _COEFFICIENT_SHARE
+            ellipses.take(takes_direct_kernel),
+            contact,
+            kernel,
+            _PHASE_RULES,
+            _CONVERGED_COEFFICIENT_SHARE,
         )
     if table is not None and np.any(takes_series):
         works_by_series = _work_over_phases(
@@ -761,12 +787,12 @@ def _dissipation_of_group(
             contact,
             table.dissipation_kernel_by_series,
             _PHASE_RULES,
-            _COEFFICIENT_SHARE,
+            _CONVERGED_COEFFICIENT_SHARE,
         )
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
         forward_work, reverse_work, error = works_by_series
         work = np.abs(forward_work + reverse_work)
-        error += _ERROR_OF_SERIES / slip_zone_share[takes_series] * work
+        error += _LAM_ERROR_OF_SERIES / slip_zone_share[takes_series] * work
         works[:, takes_series] = works_by_series
     if np.any(has_deep_slip):
         works[:, has_deep_slip] = _work_over_loads(
@@ -798,7 +824,7 @@ def _work_over_phases(
     )
     corners_in_range = corners[is_above_least_load & is_below_largest_load, None]
     pieces_of_phases = []
-    for phase_number, cuts in enumerate(corner_angles(ellipses, corners_in_range).values()):
+    for phase_number, cuts in enumerate(cut_angles_of_phases(ellipses, corners_in_range).values()):
         has_length = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
         ellipse_of_piece, cut_number = np.nonzero(
             has_length.T & (ellipses.largest_slip_zone_load > 0)[:, None]
@@ -809,13 +835,15 @@ def _work_over_phases(
         is_part_of_phase = end_angle - begin_angle < cuts[-1, ellipse_of_piece]
         rule_number = np.minimum(is_part_of_phase, len(rules) - 1)
         pieces_of_phases.append(
-            Pieces.of_group(phase_number, ellipse_of_piece, begin_angle, end_angle, rule_number)
+            AnglePieces.of_group(
+                phase_number, ellipse_of_piece, begin_angle, end_angle, rule_number
+            )
         )
 
     def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
         """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,)."""
         rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
-        for phase_number, name in enumerate(PHASES):
+        for phase_number, name in enumerate(PHASE_NAMES):
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
             rate[:, columns], slip_zone_load[:, columns], load[:, columns] = (
                 rate_and_loads_in_phase(
@@ -824,15 +852,15 @@ def _work_over_phases(
             )
         return rate * kernel(load, np.minimum(slip_zone_load, load))
 
-    pieces = Pieces.together(pieces_of_phases)
+    pieces = AnglePieces.joined(pieces_of_phases)
     works_of_phases, error = _integrals_by_group(
-        ellipses, pieces, len(PHASES), work_rate, rules, converged_share
+        ellipses, pieces, len(PHASE_NAMES), work_rate, rules, converged_share
     )
     reverse_work, forward_work_early, forward_work_later = works_of_phases
     return np.stack([forward_work_early + forward_work_later, reverse_work, error])
 
 
-_COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
+_COURSE_NAMES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
 def _work_over_loads(
@@ -854,7 +882,7 @@ def _work_over_loads(
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,)."""
         weight, load = np.empty((2, *angle.shape))
-        for course_number, name in enumerate(_COURSES):
+        for course_number, name in enumerate(_COURSE_NAMES):
             columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
             weight[:, columns], load[:, columns] = log_weight_and_load(
                 name, ellipses.take(ellipse_of_piece[columns]), angle[:, columns]
@@ -865,10 +893,10 @@ def _work_over_loads(
     works_of_courses, error = _integrals_by_group(
         ellipses,
         pieces,
-        len(_COURSES),
+        len(_COURSE_NAMES),
         weighted_log,
         _COURSE_RULES,
-        _COEFFICIENT_SHARE,
+        _CONVERGED_COEFFICIENT_SHARE,
         _LEAST_WORK_OF_COURSES,
     )
     (
@@ -878,13 +906,13 @@ def _work_over_loads(
         stick_course_early,
         stick_course_later,
     ) = works_of_courses
-    error += _LAST_DIGIT * np.square(ellipses.mean_load + ellipses.load_amplitude)
+    error += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
     forward_work = load_course_of_forward + stick_course_early + stick_course_later
     reverse_work = load_course_of_reverse + stick_course_of_reverse
     return np.stack([forward_work, reverse_work, error])
 
 
-def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> Pieces:
+def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge,
     cut where the load is one of the `corner_loads` (n,).
 
@@ -936,11 +964,13 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> Pieces:
             begin_angle, end_angle = np.where(
                 load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
-        rule_number = np.searchsorted(_COURSE_LENGTHS, np.abs(end_angle - begin_angle))
+        rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(
-            Pieces.of_group(course_number, ellipse_of_piece, begin_angle, end_angle, rule_number)
+            AnglePieces.of_group(
+                course_number, ellipse_of_piece, begin_angle, end_angle, rule_number
+            )
         )
-    return Pieces.together(pieces_of_courses)
+    return AnglePieces.joined(pieces_of_courses)
 
 
 def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
@@ -959,8 +989,8 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     if name == "P_c, E-G":
         return _log_weight_and_stick_edge_load(
             ellipses,
-            ellipses.v,
-            ellipses.u,
+            ellipses.reverse_amplitude,
+            ellipses.forward_amplitude,
             ellipses.slip_angle,
             squared_tangent * squared_cosine,
             cosine,
@@ -969,8 +999,8 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     if name == "P_c, J-M":
         return _log_weight_and_stick_edge_load(
             ellipses,
-            ellipses.u,
-            ellipses.v,
+            ellipses.forward_amplitude,
+            ellipses.reverse_amplitude,
             -ellipses.slip_angle,
             squared_tangent * squared_cosine,
             cosine,
@@ -985,12 +1015,12 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
         sine_from_start = ellipses.cosine_of_start * sine - ellipses.sine_of_start * cosine
         squared_sine = 2 * ellipses.sine_of_start * sine_from_start * sine_from_start
         weight = (1 - cosine_from_start) * sine + squared_sine
-        return -ellipses.u * ellipses.load_amplitude * weight, load
+        return -ellipses.forward_amplitude * ellipses.load_amplitude * weight, load
     if name == "P, E-G":
-        amplitude = ellipses.v
+        amplitude = ellipses.reverse_amplitude
         end_angle = ellipses.slip_start + ellipses.slip_angle
     else:
-        amplitude = ellipses.u
+        amplitude = ellipses.forward_amplitude
         end_angle = ellipses.slip_start
     cosine_to_end = np.cos(end_angle) * cosine + np.sin(end_angle) * sine
     return amplitude * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
@@ -1024,7 +1054,7 @@ def _log_weight_and_stick_edge_load(
 
 def _integrals_by_group(
     ellipses: Ellipses,
-    pieces: Pieces,
+    pieces: AnglePieces,
     n_groups: int,
     integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
@@ -1051,7 +1081,7 @@ def _integrals_by_group(
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _FEW_ELLIPSES:  # one rule: the number of calls costs, not the nodes
-        pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
+        pieces = pieces._replace(rule_number=np.full(len(pieces.rule_number), len(rules) - 1))
         least_work = 0.0
     works_of_groups = np.zeros((n_groups, n_ellipses))
     error_of_ellipse = np.zeros(n_ellipses)
@@ -1063,7 +1093,7 @@ def _integrals_by_group(
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
             work_size = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
         is_check_small = ~(checks > converged_share * work_size[ellipse_of_piece])
-        is_check_negligible = checks <= _NEGLIGIBLE_CHECK * np.square(
+        is_check_negligible = checks <= _NEGLIGIBLE_CHECK_SHARE * np.square(
             ellipses.mean_load[ellipse_of_piece]
         )
         has_converged = is_check_small | ((halvings >= _FEW_HALVINGS) & is_check_negligible)
@@ -1072,7 +1102,7 @@ def _integrals_by_group(
             (pieces.group[has_converged], ellipse_of_piece[has_converged]),
             integrals[has_converged],
         )
-        errors = checks * np.where(is_check_small, _ERROR_OVER_CHECK, _ERROR_OVER_LARGE_CHECK)
+        errors = checks * np.where(is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK)
         np.add.at(error_of_ellipse, ellipse_of_piece[has_converged], errors[has_converged])
         pieces = pieces.take(~has_converged).halved()
         if not len(pieces.ellipse):
@@ -1082,7 +1112,7 @@ def _integrals_by_group(
 
 
 def _piece_integrals(
-    pieces: Pieces,
+    pieces: AnglePieces,
     integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
 ) -> tuple[Array, Array]:
@@ -1095,12 +1125,12 @@ def _piece_integrals(
     integrals = np.empty(len(pieces.ellipse))
     largest_checks = np.empty(len(pieces.ellipse))
     for rule_number, rule in enumerate(rules):
-        numbers_of_rule = np.flatnonzero(pieces.rule == rule_number)
+        numbers_of_rule = np.flatnonzero(pieces.rule_number == rule_number)
         pieces_at_once = _PIECE_NODES_AT_ONCE // len(rule.weight)
         for k in range(0, len(numbers_of_rule), pieces_at_once):
             numbers = numbers_of_rule[k : k + pieces_at_once]
-            begin_angle = pieces.begin[numbers]
-            end_angle = pieces.end[numbers]
+            begin_angle = pieces.begin_angle[numbers]
+            end_angle = pieces.end_angle[numbers]
             angle = (
                 np.where(rule.starts_at_lower_end, begin_angle, end_angle)
                 + (end_angle - begin_angle) * rule.distance_from_end
@@ -1246,7 +1276,7 @@ _NODES_AT_ONCE = 16384
 # Gauss rules on [0, 1], symmetric about the middle; the last one for singularities at the ends.
 _NODE_COUNTS = (12, 14, 16, 18, 20, 23, 26, 32, 42)
 _LAM_RULES = (*(gauss_rule(count) for count in _NODE_COUNTS), graded_nodes(0.0, 1.0))
-_LEAST_HALF_SUMS = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
+_LEAST_HALF_SUMS_OF_DISTANCES = np.cosh(30.0 / (2 * np.array(_NODE_COUNTS)))[:, None]
 
 
 def works_by_lam(
@@ -1254,7 +1284,7 @@ def works_by_lam(
     quick_kernel: BufferedKernel,
     careful_kernel: BufferedKernel,
     deep_share: float,
-    least_share: float = _LEAST_SHARE,
+    least_share: float = _LEAST_SHARE_OF_MEAN_LOAD,
 ) -> tuple[Array, Array]:
     """Friction work W of forward and of reverse slip in a steady cycle, times pi E*/(2 f^2), (m,)
     each [force^2 per thickness^2].
@@ -1300,14 +1330,16 @@ def works_by_lam(
     twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     integral_early *= (
         (math.pi - ellipses.slip_angle)
-        * ellipses.u
+        * ellipses.forward_amplitude
         / np.where(
-            twice_largest_slip > _LEAST_SHARE * ellipses.mean_load, twice_largest_slip, np.inf
+            twice_largest_slip > _LEAST_SHARE_OF_MEAN_LOAD * ellipses.mean_load,
+            twice_largest_slip,
+            np.inf,
         )
     )
     return (
-        integral_later * ellipses.slip_angle * ellipses.u + integral_early,
-        integral_of_reverse * ellipses.slip_angle * ellipses.v,
+        integral_later * ellipses.slip_angle * ellipses.forward_amplitude + integral_early,
+        integral_of_reverse * ellipses.slip_angle * ellipses.reverse_amplitude,
     )
 
 
@@ -1320,14 +1352,16 @@ def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.b
     loads from P_c, that at the stick edge, to P.
     """
     # Where u is almost 0, as at tangency, a phase of almost no slip would add rounding times v.
-    has_unlike_amplitudes = np.minimum(ellipses.u, ellipses.v) <= deep_share * np.maximum(
-        ellipses.u, ellipses.v
-    )
+    has_unlike_amplitudes = np.minimum(
+        ellipses.forward_amplitude, ellipses.reverse_amplitude
+    ) <= deep_share * np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     has_shallow_slip = ellipses.largest_slip_zone_load <= deep_share * ellipses.mean_load
     return has_shallow_slip | has_unlike_amplitudes
 
 
-def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Array | float) -> Array:
+def error_of_works_by_lam(
+    ellipses: Ellipses, work: Array, deep_share: float, log_size: Array | float
+) -> Array:
     """Upper bound of the error of the friction work W pi E*/(2 f^2), (m,) [force^2 per
     thickness^2], by its kernel Lam, which a quick or a careful formula gives.
 
@@ -1344,14 +1378,14 @@ def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Arra
         size of L = ln a, (m,) or one for all
     """
     last_digits = (
-        _LAST_DIGIT
+        _LAST_DIGIT_SHARE
         * (ellipses.mean_load + ellipses.load_amplitude)
-        * (ellipses.u + ellipses.v)
+        * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
         * log_size
     )
     return (
         roundoff_error(ellipses, work)
-        + _ERROR_OF_RULES * np.abs(work)
+        + _RELATIVE_ERROR_OF_LAM_RULES * np.abs(work)
         + np.where(_takes_careful_kernel(ellipses, deep_share), 0.0, last_digits)
     )
 
@@ -1361,8 +1395,9 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     friction work of each ellipse, (m,); of the graded rule, the last, where none is.
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
-    #           P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; s angle from the begin of E-G
-    #           and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E time of E
+    #           P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; s angle from
+    #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E time
+    #           of E
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
     and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
@@ -1373,9 +1408,9 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip
     the integrand is a cube of sines.
     """
-    length_of_e_to_g = np.maximum(ellipses.slip_angle, _TINY)
-    length_of_i_to_j = np.maximum(math.pi - ellipses.slip_angle, _TINY)
-    larger_amplitude = np.maximum(ellipses.u, ellipses.v)
+    length_of_e_to_g = np.maximum(ellipses.slip_angle, _LEAST_DIVISOR)
+    length_of_i_to_j = np.maximum(math.pi - ellipses.slip_angle, _LEAST_DIVISOR)
+    larger_amplitude = np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_load = ellipses.mean_load - ellipses.load_amplitude
     square_at_no_stick = _square_of_imaginary(ellipses.permanent_stick_load, larger_amplitude)
     square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
@@ -1398,14 +1433,14 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
         distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
         half_sum_of_distance = (distance_from_plus_1 + distance_from_minus_1) / 2
         np.minimum(half_sum_of_distances, half_sum_of_distance, out=half_sum_of_distances)
-    return np.sum(half_sum_of_distances < _LEAST_HALF_SUMS, axis=0, dtype=np.uint8)
+    return np.sum(half_sum_of_distances < _LEAST_HALF_SUMS_OF_DISTANCES, axis=0, dtype=np.uint8)
 
 
 def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
     """Square of twice the imaginary part 2 arsinh(sqrt(least_load/load_size)) of a singularity,
     (m,): twice, since a phase of slip of length 1 is the interval [-1, 1] of length 2.
     """
-    return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _TINY))))
+    return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _LEAST_DIVISOR))))
 
 
 def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
@@ -1413,8 +1448,9 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     m): h, g, P_T, P_min, u, v, alpha, beta, k.
 
     # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
-    #           P_min least load, P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; alpha =
-    #           sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E; k = 4 alpha beta
+    #           P_min least load, P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f
+    #           P)/f; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E; k
+    #           = 4 alpha beta
 
     E-G is reverse slip, I-J the first part of forward slip. Loads below `least_share` of the mean
     load count as that.
@@ -1430,8 +1466,8 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
         least_share * ellipses.mean_load,
         out=parameters[3],
     )
-    parameters[4] = ellipses.u
-    parameters[5] = ellipses.v
+    parameters[4] = ellipses.forward_amplitude
+    parameters[5] = ellipses.reverse_amplitude
     # alpha and beta by half-angle formulas; the smaller one from alpha beta = P1 sin(t_E),
     # without cancellation.
     larger_root = np.sqrt(ellipses.load_amplitude * (1 + np.abs(ellipses.cosine_of_start)))
@@ -1454,10 +1490,10 @@ def phase_integrals(
     (J-M) and earlier forward slip (I-J), (m,) each, without factors that are constant in a phase.
 
     # notation: P normal load, P_c load at the edge of stick, P_T least P_c, P_min least P, P1
-    # amplitude of P; u, v amplitudes of (Q -+ f P)/f; D angle from E to G, t_E time of E;
-    # h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0, ellipses along axis 1;
-    # alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), k = 4 alpha beta = 4 P1
-    # sin(t_E)
+    #           amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; D angle from E
+    #           to G, t_E time of E; h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0,
+    #           ellipses along axis 1; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2),
+    #           k = 4 alpha beta = 4 P1 sin(t_E)
 
     With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the
     same rule:

@@ -463,8 +463,8 @@ def test_bad_parameters_are_the_members_own():
 
 
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
-    monkeypatch.setattr(steady_ellipse, "_COEFFICIENT_SHARE", -1.0)
-    monkeypatch.setattr(steady_ellipse, "_NEGLIGIBLE_CHECK", -1.0)
+    monkeypatch.setattr(steady_ellipse, "_CONVERGED_COEFFICIENT_SHARE", -1.0)
+    monkeypatch.setattr(steady_ellipse, "_NEGLIGIBLE_CHECK_SHARE", -1.0)
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
     assert np.isnan(batch.value[0])
@@ -603,7 +603,7 @@ def test_a_member_without_a_root_gets_one_reason():
 
 
 # ------------------------------------------------------------------------------ angles at the doors
-PHASES = [-120.0, 0.0, 37.5, 90.0, 180.0]
+PHASE_NAMES = [-120.0, 0.0, 37.5, 90.0, 180.0]
 ELLIPSES = {
     "profile": HERTZ,
     "material": MATERIAL,
@@ -623,12 +623,12 @@ DOORS = {
 @pytest.mark.parametrize("name", DOORS)
 def test_a_phase_is_in_degrees_or_says_radians(name):
     call = DOORS[name]
-    of_degrees = call(phase_degrees=PHASES)
+    of_degrees = call(phase_degrees=PHASE_NAMES)
     assert len(np.unique(of_degrees.round(12))) > 3
-    np.testing.assert_array_equal(call(phase_radians=np.radians(PHASES)), of_degrees)
+    np.testing.assert_array_equal(call(phase_radians=np.radians(PHASE_NAMES)), of_degrees)
     np.testing.assert_array_equal(call(), call(phase_degrees=90.0))
     with pytest.warns(DeprecationWarning, match="phase_degrees or phase_radians") as notices:
-        of_old_name = call(phase=np.radians(PHASES))
+        of_old_name = call(phase=np.radians(PHASE_NAMES))
     assert len(notices) == 1
     assert notices[0].filename == __file__
     np.testing.assert_array_equal(of_old_name, of_degrees)
