@@ -567,7 +567,7 @@ class _CoarsePair:
             self.scene.friction.coefficient,
             no_layer,
             has_shear=has_shear,
-            has_given_moment=path_of(self.scene).moment_given,
+            has_given_moment=path_of(self.scene).moment_is_given,
             actuators=actuators,
         )
 

@@ -507,7 +507,7 @@ def _contact_problem(
         has_shear=needs_shear(scene),
         max_iterations=settings.max_iterations,
         augmentation=augmentation,
-        has_given_moment=path_of(scene).moment_given,
+        has_given_moment=path_of(scene).moment_is_given,
         work_counts=work_counts,
         method=settings.method,
         actuators=actuators_of(scene, datum_length),

@@ -574,13 +574,13 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     if not scene.load.has_bulk_or_tilt:
         return {}
     path = scene.load.path()
-    key = "moment" if path.moment_given else "tilt"
+    key = "moment" if path.moment_is_given else "tilt"
     value_by_key: dict[str, float] = {}
     for segment in (*path.initial_loading, *path.cycle):
         # tilt and moment over time; None where the segment has neither
         if segment.tilt_and_moment is not None and segment.start <= time <= segment.end:
             tilt, moment = segment.tilt_and_moment.loads(time)
-            value_by_key = {key: float(moment if path.moment_given else tilt)}
+            value_by_key = {key: float(moment if path.moment_is_given else tilt)}
     return value_by_key
 
 
@@ -660,7 +660,7 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     radius = scene.profile.radius
     modulus = composite_modulus(scene.material)
     half_width = np.sqrt(4 * radius * normal_load[is_pressed] / (np.pi * modulus))
-    if path.moment_given:
+    if path.moment_is_given:
         middle_x = moment[is_pressed] / normal_load[is_pressed]
     else:
         middle_x = -radius * tilt[is_pressed]

@@ -286,7 +286,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         return any(getattr(self, key) is not None for key in BULK_AND_TILT_KEYS)
 
     @property
-    def moment_given(self) -> bool:
+    def moment_is_given(self) -> bool:
         """Whether the moment is stated, by itself or by a line of action, so that the tilt follows
         from it.
         """
@@ -330,7 +330,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         return LoadPath(
             tuple(complete_segments[:initial_count]),
             tuple(complete_segments[initial_count:]),
-            self.moment_given,
+            self.moment_is_given,
         )
 
     @abc.abstractmethod

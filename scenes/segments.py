@@ -934,7 +934,7 @@ class LoadPath:
 
     initial_loading: tuple[LoadSegment, ...]
     cycle: tuple[LoadSegment, ...]
-    moment_given: bool = False
+    moment_is_given: bool = False
     """Whether the segments' `tilt_and_moment` states the moment, from which the tilt follows, and
     not the tilt.
     """

@@ -1018,7 +1018,7 @@ def _values_with_bulk_and_tilt(
     `values` are those of a contact centred at x = 0. `snapshot` has the friction states.
     """
     tilted_contact = bulk_tilt_path.contact
-    tilted_values = bulk_tilt_path.series(request.time, snapshot.load)
+    tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
     # The curve may be locked-in bulk strain in terms of a load: the fraction of Q is then 0.
     tilted_values["tangential_load"] = snapshot.force * tilted_contact.tangential_fraction
     moment_contact = replace(tilted_contact, kernel_quantity="shear_moment")
@@ -1125,7 +1125,7 @@ def _state_of(
     distances = request.distance
     # Where both ends of the contact slip in opposite directions, that of the snapshot is one end's.
     sign_at_points = (
-        contact.sense(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
+        contact.slip_direction_at(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
     )
     codes_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     direction_at_points = snapshot.direction[:, None] * sign_at_points  # -1, 0 or 1

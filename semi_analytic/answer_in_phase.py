@@ -21,10 +21,10 @@ from semi_analytic.answer import (
     neglected_coupling,
 )
 from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
-from semi_analytic.loops_in_phase import STROKE_NODES, Stroke, work_by_loads
+from semi_analytic.loops_in_phase import STROKE_NODE_COUNT, Stroke, work_by_loads
 from semi_analytic.memory import PROMISED_ERROR
 
-_INSTANTS = 400  # of the cycle, besides turning points
+_INSTANTS_PER_CYCLE = 400  # of the cycle, besides turning points
 
 
 def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
@@ -56,11 +56,11 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
     if x is None:
         x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
 
-    field_of_nan = np.broadcast_to(np.nan, (len(time), len(x)))
-    series_of_nan = field_of_nan[:, 0]
-    pressure = field_of_nan
-    state = np.full(field_of_nan.shape, np.int8(OPEN))
-    approach = series_of_nan
+    nan_at_points = np.broadcast_to(np.nan, (len(time), len(x)))
+    nan_at_instants = nan_at_points[:, 0]
+    pressure = nan_at_points
+    state = np.full(nan_at_points.shape, np.int8(OPEN))
+    approach = nan_at_instants
     friction_work = math.nan
     loop_work = math.nan
     density = np.full(len(x), math.nan)
@@ -80,7 +80,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_and_error(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
-    stress_of_lower, stress_of_upper = path_loads.stresses(time)
+    stress_of_lower, stress_of_upper = path_loads.bulk_stresses(time)
     return Findings(
         time=time + period,  # the second cycle, of which the loads are those of the first
         x=x,
@@ -88,14 +88,14 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
             "normal_load": normal_load,
             "tangential_load": tangential_load,
             "pressure": pressure,
-            "shear": field_of_nan,
-            "slip": field_of_nan,
+            "shear": nan_at_points,
+            "slip": nan_at_points,
             "state": state,
             "contact_edges": contact_edges,
             "stick_edges": stick_edges,
             "contact_half_width": contact_half_width,
             "stick_half_width": stick_half_width,
-            "tangential_displacement": series_of_nan,
+            "tangential_displacement": nan_at_instants,
             "normal_approach": approach,
             "dissipation": friction_work,
             "loop_work": loop_work,
@@ -113,7 +113,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
         message="the second cycle ends in the state it started from",
         notes=tuple(neglected_coupling(scene.material)),
         errors={name: error for name, error in errors.items() if error > PROMISED_ERROR},
-        counts={"quadrature_nodes": 4 * STROKE_NODES**2, "cycles_solved": 1},
+        counts={"quadrature_nodes": 4 * STROKE_NODE_COUNT**2, "cycles_solved": 1},
         seconds={"dissipation": clock.perf_counter() - started},
     )
 
@@ -125,10 +125,12 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     segments = loads.path.cycle
     times = []
     for segment in segments:
-        n_times = _INSTANTS // len(segments) + 2
+        n_times = _INSTANTS_PER_CYCLE // len(segments) + 2
         even_times = np.linspace(segment.start, segment.end, n_times)[1:]
         times.append(np.unique(np.append(even_times, loads.turning_times(segment))))
-    return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
+    return np.concatenate(times), np.concatenate(
+        [loads.loads_in_segment(time) for time in times], axis=1
+    )
 
 
 def _is_rising(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
@@ -150,7 +152,7 @@ def _stick_zones(
     """
     forward_stroke, reverse_stroke = strokes
     share_of_stroke = np.clip(
-        (tangential_load - forward_stroke.begin[1]) / forward_stroke.change[1], 0, 1
+        (tangential_load - forward_stroke.loads_at_begin[1]) / forward_stroke.load_changes[1], 0, 1
     )
     middle, half_width = np.where(
         is_forward,
@@ -164,8 +166,8 @@ def _work_and_error(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
     """Friction work W of the steady cycle [energy per thickness], and its relative error: what half
     as many quadrature nodes change.
     """
-    work = math.fsum(stroke.work(STROKE_NODES) for stroke in strokes)
-    work_by_half_the_nodes = math.fsum(stroke.work(STROKE_NODES // 2) for stroke in strokes)
+    work = math.fsum(stroke.work(STROKE_NODE_COUNT) for stroke in strokes)
+    work_by_half_the_nodes = math.fsum(stroke.work(STROKE_NODE_COUNT // 2) for stroke in strokes)
     return work, abs(work_by_half_the_nodes / work - 1)
 
 
@@ -174,12 +176,12 @@ def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array,
     largest: what half as many quadrature nodes change.
     """
     forward_stroke, reverse_stroke = strokes
-    density = forward_stroke.work_density(x, STROKE_NODES) + reverse_stroke.work_density(
-        x, STROKE_NODES
+    density = forward_stroke.work_density(x, STROKE_NODE_COUNT) + reverse_stroke.work_density(
+        x, STROKE_NODE_COUNT
     )
     by_half_the_nodes = forward_stroke.work_density(
-        x, STROKE_NODES // 2
-    ) + reverse_stroke.work_density(x, STROKE_NODES // 2)
+        x, STROKE_NODE_COUNT // 2
+    ) + reverse_stroke.work_density(x, STROKE_NODE_COUNT // 2)
     largest_density = float(np.max(density))
     change = largest_error(np.abs(by_half_the_nodes - density))
     return density, change / largest_density if largest_density > 0 else 0.0

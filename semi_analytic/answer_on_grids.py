@@ -207,7 +207,7 @@ class GridAnswer:
         stick_edges = path_on_grids.stick_edges[rows]
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
-        stress_of_lower, stress_of_upper = self._path_loads.stresses(time)
+        stress_of_lower, stress_of_upper = self._path_loads.bulk_stresses(time)
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
         works = path_on_grids.works[-1:] if self._steady_only else path_on_grids.works

@@ -42,7 +42,7 @@ _ROUND_OFF_SHARE = 1e-11
 # point that it may have.
 _INSTANTS_OF_CURVED_SEGMENT = 40
 
-NO_ONE_CURVE = (
+REASON_WITHOUT_ONE_CURVE = (
     "load: events are turns of the one memory curve, and these loads have none: that takes bulk"
     " strain that is kappa Q and tilt that is kappa P, with the same kappa and each with a"
     " constant, and contact intervals that stay nested; `solve` answers them"
@@ -64,7 +64,7 @@ class OneCurve:
         the memory curve is
     bulk, tilt_and_moment
         stresses of both bodies, tilt and moment as paths over the same time; None for none
-    moment_given
+    moment_is_given
         whether `tilt_and_moment` states the moment
     neglected_loads
         loads below round-off that were left out, each over the load that makes an edge of
@@ -75,10 +75,10 @@ class OneCurve:
     path: LoadPath
     bulk: LoadPath | None
     tilt_and_moment: LoadPath | None
-    moment_given: bool
+    moment_is_given: bool
     neglected_loads: Mapping[str, float] = field(default_factory=dict)
 
-    def series(self, time: Array, load: Array) -> dict[str, Array]:
+    def values_over_time(self, time: Array, load: Array) -> dict[str, Array]:
         """Bulk stress of both bodies, tilt [rad], moment of the pressure, contact edges (n, 2) and
         normal approach [length] at instants (n,), by name.
 
@@ -95,14 +95,14 @@ class OneCurve:
         tilt, moment = np.zeros((2, len(time)))
         if self.tilt_and_moment is not None:
             tilt, moment = self.tilt_and_moment.at(path_time)
-        if self.moment_given:
+        if self.moment_is_given:
             tilt = contact.tilt_under(load, moment)
         m, c = contact.centre_and_half_width_under(load, tilt)
         return {
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,
             "tilt": tilt,
-            "moment": moment if self.moment_given else contact.moment(m, c, load, tilt),
+            "moment": moment if self.moment_is_given else contact.moment(m, c, load, tilt),
             "contact_edges": np.stack([m - c, m + c], axis=-1),
             "normal_approach": contact.approach(m, c, load, tilt),
         }
@@ -158,12 +158,13 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     friction = scene.friction.coefficient
     strain_per_stress = strain_per_stress_of(scene.material)
     contact_under_moment = None
-    if path.moment_given:
+    if path.moment_is_given:
         contact_under_moment = _contact_of_any_load(convex_shape, compliance, datum_length)
     samples_of_segments = [
-        _loads_along(segment, contact_under_moment, strain_per_stress) for segment in segments
+        _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
+        for segment in segments
     ]
-    load_sizes = LoadSizes.of(
+    load_sizes = LoadSizes.of_samples(
         np.concatenate(samples_of_segments, axis=1), convex_shape, compliance, friction
     )
 
@@ -183,8 +184,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     may_slip_opposite_ways = bool(
         is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
-    strain_changes = np.ptp(eps) > load_sizes.strain_rounding
-    has_shear_force = np.max(np.abs(q)) > load_sizes.shear_rounding
+    strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
+    has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
     is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
     first_strain = float(eps[0])
     equivalent_shear = q
@@ -197,7 +198,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         largest_change = float(np.max(np.abs(eps - first_strain)))
         equivalent_shear = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
 
-    relation = _AffineRelation.fitted(p, equivalent_shear, eps, alpha, load_sizes)
+    relation = _AffineRelation.fitted_to_samples(p, equivalent_shear, eps, alpha, load_sizes)
     if not relation.holds:
         return None
     neglected_loads |= relation.neglected_loads
@@ -235,7 +236,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         path=path_of_curve,
         bulk=path.companion("bulk"),
         tilt_and_moment=path.companion("tilt_and_moment"),
-        moment_given=path.moment_given,
+        moment_is_given=path.moment_is_given,
         neglected_loads=neglected_loads,
     )
 
@@ -322,7 +323,7 @@ class _AffineRelation(NamedTuple):
     neglected_loads: dict[str, float]
 
     @classmethod
-    def fitted(
+    def fitted_to_samples(
         cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
         """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q [1/(force per
@@ -346,20 +347,20 @@ class _AffineRelation(NamedTuple):
         is_tilt_known = np.isfinite(alpha)
         p_with_tilt = p[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
-        if np.ptp(q) > load_sizes.shear_rounding:
-            slope = _slope_of(q, eps, load_sizes.strain_rounding)
+        if np.ptp(q) > load_sizes.shear_roundoff:
+            slope = _least_squares_slope(q, eps, load_sizes.strain_roundoff)
         else:
-            slope = _slope_of(p_with_tilt, known_tilt, load_sizes.tilt_rounding)
+            slope = _least_squares_slope(p_with_tilt, known_tilt, load_sizes.tilt_roundoff)
         tilt_without_load = 0.0
         if np.any(is_tilt_known):
             tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
-        strain_limit = load_sizes.strain_rounding + _ROUND_OFF_SHARE * abs(slope) * np.max(
+        strain_limit = load_sizes.strain_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(
             np.abs(q)
         )
-        tilt_limit = load_sizes.tilt_rounding + _ROUND_OFF_SHARE * abs(slope) * np.max(p)
+        tilt_limit = load_sizes.tilt_roundoff + _ROUND_OFF_SHARE * abs(slope) * np.max(p)
         holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
         neglected_loads = {}
         if holds:
@@ -420,25 +421,25 @@ class LoadSizes:
     slipping_strain, lifting_tilt
         A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact slip, or
         lift
-    strain_rounding, tilt_rounding, shear_rounding
+    strain_roundoff, tilt_roundoff, shear_roundoff
         below it a change of bulk strain, tilt and Q changes no digit
     """
 
     slipping_strain: float
     lifting_tilt: float
-    strain_rounding: float
-    tilt_rounding: float
-    shear_rounding: float
+    strain_roundoff: float
+    tilt_roundoff: float
+    shear_roundoff: float
 
     @property
-    def rounding(self) -> Array:
+    def roundoff(self) -> Array:
         """Round-off of P, Q, eps and alpha, (4,)."""
         return np.array(
-            [self.shear_rounding, self.shear_rounding, self.strain_rounding, self.tilt_rounding]
+            [self.shear_roundoff, self.shear_roundoff, self.strain_roundoff, self.tilt_roundoff]
         )
 
     @classmethod
-    def of(
+    def of_samples(
         cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
         """The bulk strain that makes an edge of contact slip and the tilt that lifts one, at the
@@ -464,9 +465,9 @@ class LoadSizes:
         return cls(
             slipping_strain=slipping_strain,
             lifting_tilt=lifting_tilt,
-            strain_rounding=_ROUND_OFF_SHARE * max(float(np.max(np.abs(eps))), slipping_strain),
-            tilt_rounding=_ROUND_OFF_SHARE * max(largest_tilt, lifting_tilt),
-            shear_rounding=_ROUND_OFF_SHARE
+            strain_roundoff=_ROUND_OFF_SHARE * max(float(np.max(np.abs(eps))), slipping_strain),
+            tilt_roundoff=_ROUND_OFF_SHARE * max(largest_tilt, lifting_tilt),
+            shear_roundoff=_ROUND_OFF_SHARE
             * max(float(np.max(np.abs(q))), friction * largest_load),
         )
 
@@ -479,7 +480,7 @@ def cycle_samples(scene: Scene) -> Array:
     """
     path = scene.load.path()
     contact_under_moment = None
-    if path.moment_given:
+    if path.moment_is_given:
         contact_under_moment = _contact_of_any_load(
             convex_profile(scene.profile),
             2 / composite_modulus(scene.material),
@@ -487,7 +488,10 @@ def cycle_samples(scene: Scene) -> Array:
         )
     strain_per_stress = strain_per_stress_of(scene.material)
     return np.concatenate(
-        [_loads_along(segment, contact_under_moment, strain_per_stress) for segment in path.cycle],
+        [
+            _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
+            for segment in path.cycle
+        ],
         axis=1,
     )
 
@@ -508,7 +512,9 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         return None
     _, tangential_loads, bulk_strains, _ = np.concatenate(
         [
-            _loads_along(replace(segment, tilt_and_moment=None), None, strain_per_stress)
+            _load_samples_of_segment(
+                replace(segment, tilt_and_moment=None), None, strain_per_stress
+            )
             for segment in path.cycle
         ],
         axis=1,
@@ -531,7 +537,9 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         # The bulk stress of the lower body is set for that; that of the upper body is constant.
         lower_stress_before = (
             stress_of_lower
-            - _slope_of(tangential_loads, bulk_strains) * tangential_load / strain_per_stress[0]
+            - _least_squares_slope(tangential_loads, bulk_strains)
+            * tangential_load
+            / strain_per_stress[0]
         )
         stresses_before = (lower_stress_before, stress_of_upper)
         pressing_segment = replace(
@@ -558,7 +566,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
             ),
         )
     return one_curve(
-        scene, LoadPath((pressing_segment, shearing_segment), path.cycle, path.moment_given)
+        scene, LoadPath((pressing_segment, shearing_segment), path.cycle, path.moment_is_given)
     )
 
 
@@ -668,7 +676,9 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     strain_per_stress = strain_per_stress_of(scene.material)
     p, q, eps, _ = np.concatenate(
         [
-            _loads_along(replace(segment, tilt_and_moment=None), None, strain_per_stress)
+            _load_samples_of_segment(
+                replace(segment, tilt_and_moment=None), None, strain_per_stress
+            )
             for segment in segments
         ],
         axis=1,
@@ -709,7 +719,7 @@ def followed_path(scene: Scene) -> LoadPath:
     curve = one_curve(scene)
     # Where bulk strain alone shears, the curve is not one of Q: its `tangential_fraction` is 0.
     if curve is None or not curve.contact.tangential_fraction:
-        raise InputError(NO_ONE_CURVE)
+        raise InputError(REASON_WITHOUT_ONE_CURVE)
     return curve.path
 
 
@@ -747,7 +757,7 @@ class PathLoads:
                 return segment, completed_cycles
         return segments[-1], completed_cycles
 
-    def values(self, time: Array) -> Array:
+    def loads_in_segment(self, time: Array) -> Array:
         """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
         segment of the load path, as rows of (4, n).
 
@@ -762,11 +772,11 @@ class PathLoads:
         lower_compliance, upper_compliance = self.strain_per_stress
         eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
-        if self.path.moment_given:
+        if self.path.moment_is_given:
             tilt = self.contact.tilt_under(p, moment)
         return np.stack([p, q, eps, tilt])
 
-    def stresses(self, time: Array) -> Array:
+    def bulk_stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body [stress], (2, n), for any times (n,)."""
         stresses = np.zeros((2, len(time)))
         for number, instant in enumerate(time.tolist()):
@@ -800,10 +810,10 @@ class PathLoads:
 def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
     """Whether samples (4, n) of a segment have no Q and no change of bulk strain, to round-off."""
     _, q, eps, _ = samples
-    return bool(np.max(np.abs(q)) <= sizes.shear_rounding and np.ptp(eps) <= sizes.strain_rounding)
+    return bool(np.max(np.abs(q)) <= sizes.shear_roundoff and np.ptp(eps) <= sizes.strain_roundoff)
 
 
-def _loads_along(
+def _load_samples_of_segment(
     segment: LoadSegment,
     contact_under_moment: TiltedProfile | None,
     strain_per_stress: tuple[float, float],
@@ -860,7 +870,7 @@ def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array,
     return first_load + zeros, second_load + zeros
 
 
-def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
+def _least_squares_slope(load: Array, values: Array, rounding: float = 0.0) -> float:
     """Least-squares slope of values over a load, (n,) each; 0 where the load is constant to
     round-off, or the values are to their `rounding`.
     """

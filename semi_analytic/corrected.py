@@ -930,7 +930,7 @@ class PointFields:
         for index, inner_slip_of_row in self.series.inner_slips(rows):
             row = int(rows[index])
             if row not in self._inner_slips:
-                self._inner_slips[row] = inner_slip_of_row.at(self._x)
+                self._inner_slips[row] = inner_slip_of_row.at_points(self._x)
             yield index, self._inner_slips[row]
 
     @cached_property
@@ -1525,9 +1525,9 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
     for index, extra_slip in point_fields.inner_slips(row_numbers):
-        state_of_extra_slip = states_by_direction[extra_slip.sense + 1]
+        state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
         states[index] = np.where(
-            extra_slip.slips, state_of_extra_slip, states_without_inner_zone[index]
+            extra_slip.is_slipping, state_of_extra_slip, states_without_inner_zone[index]
         )
     is_pressed = followed_path.normal_load[row_numbers, None] > 0
     is_in_contact = is_between_edges(half_width * sides, distance) & is_pressed

@@ -913,7 +913,7 @@ class _PathInIncrements:
         for times_of_segment in times_of_segments:
             key_of_times = times_of_segment.tobytes()
             if key_of_times not in self._loads_by_times:
-                self._loads_by_times[key_of_times] = self.loads.values(times_of_segment).T
+                self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times_of_segment).T
             loads.append(self._loads_by_times[key_of_times])
         all_times = np.concatenate(times_of_segments)
         # The start of a cycle is the end of the one before.
@@ -1634,7 +1634,7 @@ def _run_coarse_and_fine(
     stride = max(len(time) // _INSTANTS_COMPARED, 1)
     fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
     if is_resumed:
-        loads_at_cycle_start = loads.values(np.array([path.cycle_start]))[:, 0]
+        loads_at_cycle_start = loads.loads_in_segment(np.array([path.cycle_start]))[:, 0]
         fine_grids.resume(first_answers.slip_at_starts[cycle_numbers[0]], loads_at_cycle_start)
     fine_answers = _follow_cycles(
         fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride

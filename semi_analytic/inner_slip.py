@@ -41,24 +41,24 @@ Indices = NDArray[np.int64]
 # Half-widths of punches at first, and how often and how finely those around an end of the zone are
 # divided: q has a root there. 96 leave 10 % of what q is beyond the limit, four divisions 0.5 %.
 _FIRST_PUNCHES = 96
-_DIVISIONS = 4
+_MOST_DIVISIONS = 4
 _PARTS_OF_INTERVAL = 4
 # Punches on either side of an end of the zone that are divided.
-_AROUND_END = 2
-# Friction state of a point: it slips in the direction `sense`, sticks, or slips the other way, as
-# the edge does.
-_SLIPS = 1
-_RESTS = 0
-_SLIPS_BACK = -1
+_PUNCHES_AROUND_END = 2
+# Friction state of a point: it slips in the direction `direction`, sticks, or slips the other way,
+# as the edge does.
+_SLIPPING = 1
+_STICKING = 0
+_SLIPPING_BACK = -1
 # Trials of the slip zone (active set) at most: some ten are needed.
 _MOST_TRIALS = 200
 # Trials in which all wrong points change at once. They may come back to a zone that was tried:
 # later ones change one point at a time.
 _TRIALS_OF_ALL_POINTS = 30
 # Share of a within which slip at the edge is too narrow to be told from an edge that rests.
-_AT_EDGE = 1e-3
+_EDGE_WIDTH_SHARE = 1e-3
 # Share of the largest excess, and of the largest slip, that is round-off.
-_ROUNDING = 1e-9
+_ROUND_OFF_SHARE = 1e-9
 
 
 def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
@@ -119,13 +119,13 @@ def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive:
 
 class SlipAtPoints(NamedTuple):
     """What the extra slip adds at points (k,): shear r [stress] and slip w [length]; whether each
-    point lies in its slip zone; direction of that slip `sense`, +1 or -1.
+    point lies in its slip zone; `direction` of that slip, +1 or -1.
     """
 
     shear: Array
     slip: Array
-    slips: NDArray[np.bool_]
-    sense: int
+    is_slipping: NDArray[np.bool_]
+    direction: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ class InnerSlip:
         (m,) mu at all but the last of them [1 / length]
     slip_at_middle
         C, the slip at x = 0 [length]
-    sense
+    direction
         sigma, direction of the extra slip, +1 or -1
     friction_states
         (m,) of the points at all but the last half-width: 1 slips, 0 sticks, -1 slips the other way
@@ -152,15 +152,15 @@ class InnerSlip:
     half_widths: Array
     densities: Array
     slip_at_middle: float
-    sense: int
+    direction: int
     friction_states: Indices
 
     @property
-    def slips(self) -> NDArray[np.bool_]:
-        """(m,) whether the points at all but the last half-width slip in the direction `sense`."""
-        return np.asarray(self.friction_states == _SLIPS)
+    def is_slipping(self) -> NDArray[np.bool_]:
+        """(m,) whether the points at all but the last half-width slip in `direction`."""
+        return np.asarray(self.friction_states == _SLIPPING)
 
-    def at(self, x: Array) -> SlipAtPoints:
+    def at_points(self, x: Array) -> SlipAtPoints:
         """Shear [stress] and slip [length] that the extra slip adds at distances x (k,) >= 0 from
         the middle, and whether each point lies in its slip zone.
 
@@ -171,16 +171,16 @@ class InnerSlip:
             x, self.half_widths, self.modulus
         )
         punch_within_x = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside = punch_within_x < len(self.slips)
-        next_one_slips = np.append(self.slips[1:], False)
-        slips_at_both_ends = (self.slips & next_one_slips)[
-            np.minimum(punch_within_x, len(self.slips) - 1)
+        is_inside = punch_within_x < len(self.is_slipping)
+        next_one_slips = np.append(self.is_slipping[1:], False)
+        slips_at_both_ends = (self.is_slipping & next_one_slips)[
+            np.minimum(punch_within_x, len(self.is_slipping) - 1)
         ]
         return SlipAtPoints(
             shear=shear_per_density @ self.densities,
             slip=self.slip_at_middle + slip_per_density @ self.densities,
-            slips=is_inside & slips_at_both_ends,
-            sense=self.sense,
+            is_slipping=is_inside & slips_at_both_ends,
+            direction=self.direction,
         )
 
 
@@ -196,7 +196,7 @@ class _MemoryContact:
     """
 
     tractions: Tractions
-    sense: int
+    direction: int
     half_width: float
     slip_ends: Array
     stick_half_width: float
@@ -205,7 +205,7 @@ class _MemoryContact:
 
 def inner_slip(
     tractions: Tractions,
-    sense: int,
+    direction: int,
     half_width: float,
     ends: Array,
     edge_of_stick: float,
@@ -223,7 +223,7 @@ def inner_slip(
     ----------
     tractions
         function of points x (k,): q and f p of the memory curve, (k,) each [stress]
-    sense
+    direction
         direction of the extra slip, +1 or -1; slip at the edge has the other one
     half_width
         a [length]
@@ -240,8 +240,8 @@ def inner_slip(
     NotFoundError
         Where no slip zone is found with the first half-widths.
     """
-    slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
-    contact = _MemoryContact(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
+    slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _EDGE_WIDTH_SHARE))]
+    contact = _MemoryContact(tractions, direction, half_width, slip_ends, edge_of_stick, modulus)
     graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
     # The interval between a half-width and a slip end next to it would have no length.
     is_apart = np.all(
@@ -252,8 +252,8 @@ def inner_slip(
     solution = _slip_on_punches(contact, half_widths, None)
     if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
-    for _ in range(_DIVISIONS):
-        half_widths = _refined_half_widths(half_widths, solution.slips, slip_ends)
+    for _ in range(_MOST_DIVISIONS):
+        half_widths = _refined_half_widths(half_widths, solution.is_slipping, slip_ends)
         finer_solution = _slip_on_punches(contact, half_widths, solution)
         if finer_solution is None:
             # The check of the Coulomb limit sees by how much the coarser one still exceeds it.
@@ -268,7 +268,9 @@ def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends
     """
     numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
-    intervals_around = (numbers_of_ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
+    intervals_around = (
+        numbers_of_ends[:, None] + np.arange(-_PUNCHES_AROUND_END, _PUNCHES_AROUND_END)
+    ).ravel()
     intervals = np.unique(np.clip(intervals_around, 0, len(slips) - 1))
     shares = np.arange(1, _PARTS_OF_INTERVAL) / _PARTS_OF_INTERVAL
     new_widths = half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares
@@ -296,22 +298,24 @@ def _slip_on_punches(
     point exceeds the limit and no slipping point moves against its direction. Unknowns are the
     density mu at the points, (m,), and the slip at x = 0; int r dx = 0 is the last equation.
     """
-    sense = contact.sense
+    direction = contact.direction
     points = half_widths[:-1]
     shear_per_density, slip_per_density = _shear_and_slip_of_punches(
         points, half_widths, contact.modulus
     )
     shear, limit = contact.tractions(points)
-    excess = sense * shear - limit  # beyond the limit of slip in the direction `sense` [stress]
-    excess_of_reverse = -sense * shear - limit
-    excess_tolerance = _ROUNDING * float(np.max(excess))
+    excess = (
+        direction * shear - limit
+    )  # beyond the limit of slip in the direction `direction` [stress]
+    excess_of_reverse = -direction * shear - limit
+    excess_tolerance = _ROUND_OFF_SHARE * float(np.max(excess))
     is_at_edge = points >= contact.stick_half_width
-    states = np.where(excess > excess_tolerance, _SLIPS, _RESTS)
+    states = np.where(excess > excess_tolerance, _SLIPPING, _STICKING)
     if coarser_solution is not None:
         states = coarser_solution.friction_states[
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]
-    states = np.where(is_at_edge, _SLIPS_BACK, states)
+    states = np.where(is_at_edge, _SLIPPING_BACK, states)
     n_points = len(points)
     matrix = np.zeros((n_points + 1, n_points + 1))
     matrix[n_points, :n_points] = _force_of_punches(half_widths)
@@ -319,27 +323,27 @@ def _slip_on_punches(
     for trial in range(_MOST_TRIALS):
         # A sticking point does not slip further; the shear of a slipping one comes to the limit.
         # Slip at the edge is at its limit already: r = 0.
-        is_resting = states == _RESTS
+        is_resting = states == _STICKING
         matrix[:n_points, :n_points] = np.where(
             is_resting[:, None], slip_per_density, shear_per_density
         )
         matrix[:n_points, n_points] = is_resting
-        right_side[:n_points] = np.where(states == _SLIPS, -sense * excess, 0.0)
+        right_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
         right_side[:n_points] += np.where(
-            (states == _SLIPS_BACK) & ~is_at_edge, sense * excess_of_reverse, 0.0
+            (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse, 0.0
         )
         *densities, slip_at_middle = np.linalg.solve(matrix, right_side)
 
-        added_shear = sense * (shear_per_density @ densities)
-        slip = sense * (slip_per_density @ densities + slip_at_middle)
-        slip_roundoff = _ROUNDING * float(np.max(np.abs(slip)))
-        moves_back = (states == _SLIPS) & (slip < -slip_roundoff)
-        moves_back |= (states == _SLIPS_BACK) & (slip > slip_roundoff) & ~is_at_edge
-        new_states = np.where(moves_back, _RESTS, states)
+        added_shear = direction * (shear_per_density @ densities)
+        slip = direction * (slip_per_density @ densities + slip_at_middle)
+        slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(slip)))
+        moves_back = (states == _SLIPPING) & (slip < -slip_roundoff)
+        moves_back |= (states == _SLIPPING_BACK) & (slip > slip_roundoff) & ~is_at_edge
+        new_states = np.where(moves_back, _STICKING, states)
         exceeds_limit = is_resting & (excess + added_shear > excess_tolerance)
-        new_states = np.where(exceeds_limit, _SLIPS, new_states)
+        new_states = np.where(exceeds_limit, _SLIPPING, new_states)
         exceeds_limit_of_reverse = is_resting & (excess_of_reverse - added_shear > excess_tolerance)
-        new_states = np.where(exceeds_limit_of_reverse, _SLIPS_BACK, new_states)
+        new_states = np.where(exceeds_limit_of_reverse, _SLIPPING_BACK, new_states)
         changed_points = np.flatnonzero(new_states != states)
         if not len(changed_points):
             return InnerSlip(
@@ -347,7 +351,7 @@ def _slip_on_punches(
                 half_widths,
                 np.array(densities),
                 float(slip_at_middle),
-                sense,
+                direction,
                 states,
             )
         if trial > _TRIALS_OF_ALL_POINTS:

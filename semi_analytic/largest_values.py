@@ -44,23 +44,23 @@ _KINKS_ON_EACH_SIDE = 12
 _PLACES_IN_ROUND = 11
 # Candidates: local maxima of at least this share of the largest.
 _MOST_CANDIDATES = 3
-_SHARE_OF_CANDIDATE = 0.97
+_LEAST_CANDIDATE_SHARE = 0.97
 # Rounds at most, each six times closer, and the changes of the largest value in two rounds in a row
 # at which the search ends, the former and the latter. A smooth maximum is met by the vertex of a
 # parabola, with an error of the fourth power of the spacing, any other by the places themselves,
 # which leave a fifth of the former change: less than 1e-10.
-_ROUNDS = 16
-_NEARLY_SETTLED = 1e-10
-_SETTLED = 1e-12
+_MOST_SEARCH_ROUNDS = 16
+_NEARLY_SETTLED_CHANGE_SHARE = 1e-10
+_SETTLED_CHANGE_SHARE = 1e-12
 # The same on hundreds of straight steps: with a kink at each there is no square of the spacing.
-_SETTLED_ON_STEPS = 1e-9
+_SETTLED_CHANGE_SHARE_ON_STEPS = 1e-9
 # Instants at which the tension is looked at first.
 _INSTANTS_AT_FIRST = 120
 # Parts of a load path, between turning points of P, beyond which it is a long record.
 _PARTS_OF_LONG_RECORD = 400
 # A place at the edge of contact counts as in contact, since its instant is rounded: share of the
 # contact width. Also the share of a time below which it is round-off.
-_AT_EDGE = 1e-10
+_EDGE_TOLERANCE_SHARE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,11 @@ class Extremes:
     sampled: str = ""
 
 
-SEARCHED = ("slip", "dissipation_density", "edge_tension")
+SEARCHED_VALUES = ("slip", "dissipation_density", "edge_tension")
 """What is searched for over x or time; pressure and half-width are largest at the largest load."""
 
 
-def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extremes:
+def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) -> Extremes:
     """Largest values through the last cycle of an answer of half-plane theory, to 1e-9 of each:
     pressure, slip, friction work per area, half-width, and tension at the edges of contact.
 
@@ -113,8 +113,8 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
         of half-plane theory, for the load path of its scene or for straight steps between its
         instants; its instants say which cycle is the last
     names
-        which of `SEARCHED` are searched for. The others are NaN where the friction history is one
-        memory curve: the tangential force, or bulk strain, locked in up to each load.
+        which of `SEARCHED_VALUES` are searched for. The others are NaN where the friction history
+        is one memory curve: the tangential force, or bulk strain, locked in up to each load.
 
     Returns
     -------
@@ -144,14 +144,14 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
 
 def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     """Largest values of half-plane theory for the answer's scene through the last cycle; `names`
-    are those of `SEARCHED` to search for.
+    are those of `SEARCHED_VALUES` to search for.
 
     Where one memory curve is the whole friction history, the maxima are searched for. For other
     scenes they are the largest at the default points and instants. A memory curve is the tangential
     force, or the bulk strain, locked in up to each load.
     """
     scene = answer.scene
-    contact = _contact(scene)
+    contact = _contact_of_one_curve(scene)
     if contact is None:
         return _extremes_at_default_points(scene)
     rows_of_cycle = answer.last_cycle
@@ -168,15 +168,15 @@ def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
 @lru_cache(maxsize=32)
 def _extremes_of_cycle(scene: Scene, start: float, end: float, names: tuple[str, ...]) -> Extremes:
     """Largest values of half-plane theory between the times `start` and `end` of the scene's own
-    load path; those of `SEARCHED` that are in `names` are searched for.
+    load path; those of `SEARCHED_VALUES` that are in `names` are searched for.
     """
-    contact = _contact(scene)
+    contact = _contact_of_one_curve(scene)
     assert contact is not None
     answer_at_ends = solve(scene, x=0.0, time=[start, end], fields=())
     return _Search(answer_at_ends, contact, has_cycle=True).extremes(names)
 
 
-def _contact(scene: Scene) -> Contact | None:
+def _contact_of_one_curve(scene: Scene) -> Contact | None:
     """The normal contact of a scene whose friction history is one memory curve, the tangential
     force, or the bulk strain, locked in up to each load; None where it is not.
     """
@@ -302,7 +302,7 @@ class _Search:
         def pressures(x: Array) -> Array:
             return np.asarray(solve(self.scene, x=x, time=time, fields=("pressure",)).pressure[0])
 
-        largest_pressure, place = _largest_value(pressures, self.kinks)
+        largest_pressure, place = _largest_value_and_place(pressures, self.kinks)
         return largest_pressure, place, float(np.diff(self.widest_edges)[0]) / 2
 
     def largest_slip_range(self) -> tuple[float, float]:
@@ -327,7 +327,7 @@ class _Search:
                 answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
             )
             edges = answer.contact_edges[cycle_rows]
-            edge_tolerance = _AT_EDGE * float(np.diff(self.widest_edges)[0])
+            edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
             within_edges = (x >= edges[:, :1] - edge_tolerance) & (
                 x <= edges[:, 1:] + edge_tolerance
             )
@@ -384,13 +384,17 @@ class _Search:
         `place_name` of `Extremes`. Only the kinks nearest to it are searched.
         """
         if not self.on_straight_steps or len(self.kinks) <= _PLACES_AT_FIRST:
-            return _largest_value(values, self.kinks)
+            return _largest_value_and_place(values, self.kinks)
         start, end = self.instants[[0, -1]].tolist()
-        place_on_path = getattr(_extremes_of_cycle(self.scene, start, end, SEARCHED), place_name)
+        place_on_path = getattr(
+            _extremes_of_cycle(self.scene, start, end, SEARCHED_VALUES), place_name
+        )
         nearest = int(np.abs(self.kinks - place_on_path).argmin())
         first = max(nearest - _KINKS_ON_EACH_SIDE, 0)
         kinks_nearby = self.kinks[first : nearest + _KINKS_ON_EACH_SIDE + 1]
-        return _largest_value(values, kinks_nearby, settled_share=_SETTLED_ON_STEPS)
+        return _largest_value_and_place(
+            values, kinks_nearby, settled_share=_SETTLED_CHANGE_SHARE_ON_STEPS
+        )
 
     def largest_edge_tension(self) -> tuple[float, float]:
         """Largest tension over the cycle: stress along a face at an edge of contact, tensile
@@ -401,7 +405,7 @@ class _Search:
         """
         if self.scene.unsymmetric:
             return _largest_tension(
-                self.scene, _spread_between(self.turning_times, _INSTANTS_AT_FIRST)
+                self.scene, _places_between_kinks(self.turning_times, _INSTANTS_AT_FIRST)
             )
         largest_uncertainty = 0.0
 
@@ -412,7 +416,7 @@ class _Search:
             return np.asarray(tension.max(axis=(1, 2)))
 
         kink_times = self.turning_times if self.monotonic_parts else self.instants
-        largest_tension, _ = _largest_value(tensions, kink_times, _INSTANTS_AT_FIRST)
+        largest_tension, _ = _largest_value_and_place(tensions, kink_times, _INSTANTS_AT_FIRST)
         return max(largest_tension, 0.0), largest_uncertainty
 
 
@@ -428,11 +432,11 @@ def _monotonic_parts(
     path = scene.load.path()
     segments = list(path.initial_loading)
     if path.period is not None:
-        first_cycle = math.floor((start - path.cycle_start) / path.period + _AT_EDGE)
-        last_cycle = math.ceil((end - path.cycle_start) / path.period - _AT_EDGE)
+        first_cycle = math.floor((start - path.cycle_start) / path.period + _EDGE_TOLERANCE_SHARE)
+        last_cycle = math.ceil((end - path.cycle_start) / path.period - _EDGE_TOLERANCE_SHARE)
         for number in range(max(first_cycle, 0), last_cycle):
             segments += path.segments_of_cycle(number)
-    least_duration = _AT_EDGE * (end - start)
+    least_duration = _EDGE_TOLERANCE_SHARE * (end - start)
     parts = []
     for segment in segments:
         part_begin = max(segment.start, start)
@@ -450,11 +454,11 @@ def _monotonic_parts(
     return parts
 
 
-def _largest_value(
+def _largest_value_and_place(
     values: Callable[[Array], Array],
     kinks: Array,
     first_count: int = _PLACES_AT_FIRST,
-    settled_share: float = _SETTLED,
+    settled_share: float = _SETTLED_CHANGE_SHARE,
 ) -> tuple[float, float]:
     """Largest value of a function of place or time, and where it is, over the range of `kinks`
     (n,), ascending, between which the function is smooth.
@@ -464,21 +468,21 @@ def _largest_value(
     `settled_share` of itself ends the search, if the round before raised it by less than 1e-10. So
     do 16 rounds, and a value that is not finite, which is returned. One kink alone is the place.
 
-    >>> top, place = _largest_value(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
+    >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
     (1.0, 0.3)
     """
     if len(kinks) == 1:
         return float(values(kinks)[0]), float(kinks[0])
-    first_places = _spread_between(kinks, first_count)
+    first_places = _places_between_kinks(kinks, first_count)
     first_values = values(first_places)
     number_of_largest = int(np.argmax(first_values))
     largest_value = float(first_values[number_of_largest])
     place = float(first_places[number_of_largest])
     maxima = _local_maxima(first_places, first_values)
-    nearly_settled_share = max(settled_share, _NEARLY_SETTLED)
+    nearly_settled_share = max(settled_share, _NEARLY_SETTLED_CHANGE_SHARE)
     is_nearly_settled = False
-    for _ in range(_ROUNDS):
+    for _ in range(_MOST_SEARCH_ROUNDS):
         if not np.isfinite(largest_value):
             break
         places_by_maximum = [maximum.places_around() for maximum in maxima]
@@ -493,17 +497,17 @@ def _largest_value(
             break
         is_nearly_settled = value_change <= nearly_settled_share * abs(largest_value)
         maxima = [
-            maximum.closer(places, new_values[np.searchsorted(all_places, places)])
+            maximum.narrowed(places, new_values[np.searchsorted(all_places, places)])
             for maximum, places in zip(maxima, places_by_maximum, strict=True)
         ]
     return largest_value, place
 
 
-def _spread_between(kinks: Array, count: int) -> Array:
+def _places_between_kinks(kinks: Array, count: int) -> Array:
     """The kinks (n,), ascending, and about `count` places between them, equally spaced from each
     kink to the next, one at least; a single kink alone.
 
-    >>> _spread_between(np.array([0.0, 1.0, 3.0]), 4).tolist()
+    >>> _places_between_kinks(np.array([0.0, 1.0, 3.0]), 4).tolist()
     [0.0, 0.5, 1.0, 2.0, 3.0]
     """
     if len(kinks) == 1:
@@ -546,7 +550,7 @@ class _LocalMaximum(NamedTuple):
         between = np.linspace(self.places[0], self.places[-1], _PLACES_IN_ROUND + 2)[1:-1]
         return np.unique(np.append(between, self.vertex()))
 
-    def closer(self, places: Array, values: Array) -> _LocalMaximum:
+    def narrowed(self, places: Array, values: Array) -> _LocalMaximum:
         """The local maximum among `values` at `places` between the neighbours, (n,) each, with its
         neighbours among these and the former ones.
         """
@@ -564,7 +568,7 @@ def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     beyond_end = np.array([-np.inf])
     is_above_last = values >= np.concatenate([beyond_end, values[:-1]])
     is_above_next = values >= np.concatenate([values[1:], beyond_end])
-    is_high = values >= _SHARE_OF_CANDIDATE * np.max(values)
+    is_high = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
     numbers = np.flatnonzero(is_above_last & is_above_next & is_high)
     highest_numbers = numbers[np.argsort(-values[numbers], kind="stable")][:_MOST_CANDIDATES]
     last_number = len(places) - 1

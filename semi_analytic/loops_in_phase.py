@@ -33,13 +33,13 @@ from semi_analytic.profiles import convex_profile
 from semi_analytic.tilted_profile import ConvexProfile
 
 # Gauss nodes over a stroke and over a slip zone; half as many give the error.
-STROKE_NODES = 48
+STROKE_NODE_COUNT = 48
 # Fractions u of a stroke between which an edge of the slip zone is looked for that passes a point,
 # and bisections between two of them: to the last digit.
-_FRACTIONS = np.linspace(0, 1, 129)
-_HALVINGS = 46
+_SAMPLED_STROKE_FRACTIONS = np.linspace(0, 1, 129)
+_BISECTIONS_OF_CROSSING = 46
 # Round-off, relative: of slip rates against their direction, and of the fraction u.
-_ROUNDING = 1e-12
+_ROUND_OFF_SHARE = 1e-12
 
 
 def _end_root_quadrature(count: int) -> tuple[Array, Array]:
@@ -60,7 +60,7 @@ class Stroke:
     ----------
     shape, compliance, friction
         the profile, A = 2/E*, f
-    begin, change
+    loads_at_begin, load_changes
         (4,) P, Q, eps and alpha at its begin, and their changes over the stroke
     direction
         d of slip: +1 forward, -1 in reverse
@@ -69,14 +69,14 @@ class Stroke:
     shape: ConvexProfile
     compliance: float
     friction: float
-    begin: Array
-    change: Array
+    loads_at_begin: Array
+    load_changes: Array
     direction: int
 
     @cached_property
-    def rates(self) -> tuple[float, float]:
+    def equivalent_load_and_tilt_rates(self) -> tuple[float, float]:
         """dN/du and da/du of N = f P - d Q and a = f alpha - d eps, constant over the stroke."""
-        load, force, strain, tilt = self.change.tolist()
+        load, force, strain, tilt = self.load_changes.tolist()
         return (
             self.friction * load - self.direction * force,
             self.friction * tilt - self.direction * strain,
@@ -84,15 +84,17 @@ class Stroke:
 
     def load_and_tilt(self, u: Array) -> tuple[Array, Array]:
         """P and tilt alpha of the contact at fractions u of the stroke, arrays like u."""
-        return self.begin[0] + u * self.change[0], self.begin[3] + u * self.change[3]
+        return self.loads_at_begin[0] + u * self.load_changes[0], self.loads_at_begin[
+            3
+        ] + u * self.load_changes[3]
 
     def equivalent_load_and_tilt_of_stick(self, u: Array) -> tuple[Array, Array]:
         """Load and tilt under which the frictionless contact would be the stick zone, at fractions
         u of the stroke, arrays like u.
         """
-        load_rate, tilt_rate = self.rates
-        load = self.begin[0] + u * load_rate / (2 * self.friction)
-        tilt = self.begin[3] + u * tilt_rate / (2 * self.friction)
+        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
+        load = self.loads_at_begin[0] + u * load_rate / (2 * self.friction)
+        tilt = self.loads_at_begin[3] + u * tilt_rate / (2 * self.friction)
         return load, tilt
 
     def middle_and_half_width(self, load: Array, tilt: Array) -> tuple[Array, Array]:
@@ -120,7 +122,7 @@ class Stroke:
         zone and fractions u of the stroke, arrays that broadcast [length].
         """
         m, c = self.stick_zone(u)
-        load_rate, tilt_rate = self.rates
+        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
         distance = np.maximum(np.abs(x - m), c)
         root_of_squares = np.sqrt((distance - c) * (distance + c))
         return (
@@ -132,14 +134,14 @@ class Stroke:
         """Whether all along this stroke the stick zone lies inside the contact, recedes at both
         ends, and all points outside it slip in the direction d: only then its closed form holds.
         """
-        load_rate, tilt_rate = self.rates
-        stick_middle, stick_half_width = self.stick_zone(_FRACTIONS)
-        contact_middle, contact_half_width = self.contact_at(_FRACTIONS)
+        load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
+        stick_middle, stick_half_width = self.stick_zone(_SAMPLED_STROKE_FRACTIONS)
+        contact_middle, contact_half_width = self.contact_at(_SAMPLED_STROKE_FRACTIONS)
         if load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
         if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
-        round_off = _ROUNDING * np.max(contact_half_width)
+        round_off = _ROUND_OFF_SHARE * np.max(contact_half_width)
         left_inside = np.all(
             contact_middle - contact_half_width <= stick_middle - stick_half_width + round_off
         )
@@ -148,14 +150,14 @@ class Stroke:
         )
         if not (left_inside and right_inside):
             return False
-        least_slip_rate = load_rate * self.compliance * _ROUNDING
+        least_slip_rate = load_rate * self.compliance * _ROUND_OFF_SHARE
         rates_at_edges = [
-            self.slip_rate(contact_middle + side * contact_half_width, _FRACTIONS)
+            self.slip_rate(contact_middle + side * contact_half_width, _SAMPLED_STROKE_FRACTIONS)
             for side in (-1, 1)
         ]
         return all(bool(np.min(slip_rates) >= least_slip_rate) for slip_rates in rates_at_edges)
 
-    def work(self, count: int = STROKE_NODES) -> float:
+    def work(self, count: int = STROKE_NODE_COUNT) -> float:
         """Friction work of this stroke, from one end of the cycle to the other: the integral of f p
         |ds| over both slip zones and the stroke [energy per thickness].
 
@@ -197,7 +199,7 @@ class Stroke:
         change_since_begin = of_contact - 2 * of_stick_zone + at_begin
         return self.direction * self.friction * change_since_begin
 
-    def work_density(self, x: Array, count: int = STROKE_NODES) -> Array:
+    def work_density(self, x: Array, count: int = STROKE_NODE_COUNT) -> Array:
         """Friction work per area of this stroke at points x (k,): the integral of f p |ds| from its
         begin, u = 0, to its end, u = 1, (k,) [energy per area].
 
@@ -213,12 +215,12 @@ class Stroke:
                 np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
             )
 
-        is_inside = depth_in_slip_zone(x, _FRACTIONS[:, None]) > 0
+        is_inside = depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
         # Fractions u at which an edge of the slip zone passes a point, by bisection.
         interval_of_crossing, crossed_points = np.nonzero(is_inside[1:] != is_inside[:-1])
-        least_fraction = _FRACTIONS[interval_of_crossing]
-        largest_fraction = _FRACTIONS[interval_of_crossing + 1]
-        for _ in range(_HALVINGS):
+        least_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing]
+        largest_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing + 1]
+        for _ in range(_BISECTIONS_OF_CROSSING):
             middle_fraction = (least_fraction + largest_fraction) / 2
             has_crossed = (depth_in_slip_zone(x[crossed_points], middle_fraction) > 0) != is_inside[
                 interval_of_crossing, crossed_points
@@ -271,7 +273,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     loads_at_begin = samples[:, np.argmin(force)]
     loads_at_end = samples[:, np.argmax(force)]
     change_of_loads = loads_at_end - loads_at_begin
-    roundoff_of_loads = LoadSizes.of(samples, profile, compliance, friction).rounding
+    roundoff_of_loads = LoadSizes.of_samples(samples, profile, compliance, friction).roundoff
     if change_of_loads[1] <= roundoff_of_loads[1] or not np.min(load) > 0:
         return None
     fraction_of_force = (force - loads_at_begin[1]) / change_of_loads[1]
@@ -280,7 +282,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     )
     distances = np.max(deviations, axis=1)
     fraction_steps = np.diff(fraction_of_force, append=fraction_of_force[0])
-    signs_of_steps = np.sign(fraction_steps[np.abs(fraction_steps) > _ROUNDING])
+    signs_of_steps = np.sign(fraction_steps[np.abs(fraction_steps) > _ROUND_OFF_SHARE])
     if np.any(distances > roundoff_of_loads):
         return None
     if np.count_nonzero(signs_of_steps != np.roll(signs_of_steps, 1)) != 2:
@@ -297,14 +299,14 @@ def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear. It is
     a second route to W, without slip.
     """
-    nodes, weights = _end_root_quadrature(STROKE_NODES)
+    nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)
     u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
     change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle
     loop_work = 0.0
     for stroke in strokes:
         displacement, moment = change_at_begin + stroke.displacement_and_moment_change(u)
         loop_work -= weights @ (
-            stroke.change[1] * displacement[:-1] + stroke.change[2] * moment[:-1]
+            stroke.load_changes[1] * displacement[:-1] + stroke.load_changes[2] * moment[:-1]
         )
         change_at_begin = np.array([displacement[-1:], moment[-1:]])
     return float(loop_work)

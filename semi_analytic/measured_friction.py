@@ -58,7 +58,7 @@ _ROUNDOFF_OF_LIMIT = 1e-12
 # larger residual was not found.
 _LEAST_RISE = 1e-10
 _LARGEST_RESIDUAL = 1e-8
-_LOADS = (
+_LOAD_NAMES = (
     "mean_normal_load",
     "normal_amplitude",
     "mean_tangential_load",
@@ -200,7 +200,7 @@ def friction_from(
             tangential_amplitude,
             phase_in_radians(phase_degrees, phase_radians),
         )
-        loads = dict(zip(_LOADS, load_values, strict=True))
+        loads = dict(zip(_LOAD_NAMES, load_values, strict=True))
         missing_names = [
             name for name, value in (profile_and_material | loads).items() if value is None
         ]
@@ -228,7 +228,7 @@ def friction_from(
             " `solve` takes others"
         )
     if isinstance(scene.load, EllipseLoad):
-        loads = {name: getattr(scene.load, name) for name in _LOADS}
+        loads = {name: getattr(scene.load, name) for name in _LOAD_NAMES}
         profile_and_material = {"profile": scene.profile, "material": scene.material}
         return _friction_of_ellipses(dissipation, profile_and_material, loads)
     return _friction_of_path(dissipation, scene)
@@ -580,7 +580,7 @@ def _roots_of(
     """Every coefficient f at which the friction work W of a member is its target: (n, k), ascending
     and NaN behind the last. Also the number of roots, and whether a search failed, (n,) each.
 
-    Each profile_and_material of neighbouring samples with the target between their W encloses one
+    Each pair of neighbouring samples with the target between their W encloses one
     root.
 
     Parameters

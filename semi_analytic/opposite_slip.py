@@ -284,19 +284,19 @@ class OppositeSlip(TiltedProfile):
         distance_beyond = np.abs(relative_x) - 1
         return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), loads)
 
-    def sense(self, x: ArrayLike) -> Array:
+    def slip_direction_at(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
         _, middle, _ = self._contact
         side = np.where(np.asarray(x, dtype=float) > middle, -1.0, 1.0)
         return side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
+        """p(x) at the constant load, with the sign of `slip_direction_at`: q/f where x slips [stress]."""
         _, middle, half_width = self._contact
         pressure = self.shape.pressure(
             np.asarray(x, dtype=float), np.array(middle), np.array(half_width)
         ) / (np.pi * self.intervals.compliance)
-        return np.asarray(self.sense(x) * pressure + 0 * np.asarray(load, dtype=float))
+        return np.asarray(self.slip_direction_at(x) * pressure + 0 * np.asarray(load, dtype=float))
 
     def _integral_up_to_largest_load(
         self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]

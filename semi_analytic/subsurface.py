@@ -61,8 +61,8 @@ _KERNELS_AT_ONCE = 1_000_000
 _CURVES_AT_ONCE = 128
 # Where there is no one memory curve: places across a contact at which q is asked for, contacts that
 # are taken of those of all instants, and terms of the sine series.
-_PLACES_ACROSS = 601
-_CONTACTS_WITH_PLACES = 4
+_PLACE_COUNT_ACROSS_CONTACT = 601
+_MOST_CONTACTS_WITH_PLACES = 4
 _SERIES_TERMS = 2048
 # Instants that are solved together; places within a contact that are enough to take p and q from a
 # given answer.
@@ -70,15 +70,15 @@ _INSTANTS_AT_ONCE = 20
 _FEWEST_PLACES_IN_CONTACT = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
 # load has turned.
-_SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
+_WIDTH_SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
 # Places across a contact at which the pressure is taken for a tension.
 _PLACES_OF_TENSION = 512
 # Error of a tension on grids that its change by coarse grids does not show, over the error of the
 # shear, each as share of its largest value: measured up to 0.35, most below 0.03.
-_TENSION_BY_SHEAR = 0.125
+_TENSION_ERROR_OVER_SHEAR_ERROR = 0.125
 # What straight lines of q/p between places leave of the tension, as share of f times the largest
 # pressure: measured 5e-4.
-_ERROR_BETWEEN_PLACES = 1e-3
+_TENSION_ERROR_SHARE_BETWEEN_PLACES = 1e-3
 # Powers of omega below this are left out.
 _NEGLIGIBLE_POWER = 1e-17
 # Error of a tension by quadrature, as share of P/a.
@@ -294,8 +294,8 @@ def _edge_tensions_of_curves(
     panel_begin = np.array([panel.first_half_width for panel in panels])[:, None]
     panel_end = np.array([panel.last_half_width for panel in panels])[:, None]
     edge = contact_half_widths[instant_numbers, None]
-    half_widths = _nodes_from(0.0, panel_begin, panel_end)
-    distance_from_edge = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
+    half_widths = _distances_to_nodes(0.0, panel_begin, panel_end)
+    distance_from_edge = _distances_to_nodes(edge, panel_begin, panel_end)  # a(eta) - a(P)
     loads = contact.load(half_widths)
     slopes_at_nodes = np.empty_like(loads)  # M'
     for panel_number, panel in enumerate(panels):
@@ -407,12 +407,16 @@ def _places_for_tractions(edges: Array) -> Array:
     """Places x, ascending [length]: across several of the contacts with the edges (n, 2), which
     ascend in length, and close to the edges of all.
     """
-    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS_WITH_PLACES).round().astype(int))
+    numbers = np.unique(
+        np.linspace(0, len(edges) - 1, _MOST_CONTACTS_WITH_PLACES).round().astype(int)
+    )
     chosen_edges = edges[numbers]
-    cosines = np.cos(np.linspace(0, math.pi, _PLACES_ACROSS))
+    cosines = np.cos(np.linspace(0, math.pi, _PLACE_COUNT_ACROSS_CONTACT))
     nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
     inwards = np.array([[1.0], [-1.0]])
-    places_at_edges = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _SHARES_FROM_EDGE
+    places_at_edges = (
+        edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _WIDTH_SHARES_FROM_EDGE
+    )
     return np.unique(np.concatenate([nodes.ravel(), places_at_edges.ravel()]))
 
 
@@ -501,7 +505,7 @@ def _edge_tensions_of_answer(
 
     tension = tensions_by(answer.shear[row], points_in_contact)
     largest_friction = answer.scene.friction.coefficient * float(pressure_at_points.max())
-    uncertainty = np.full(2, _ERROR_BETWEEN_PLACES * largest_friction)
+    uncertainty = np.full(2, _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction)
     changes_by_points = [
         np.abs(tensions_by(answer.shear[row], half_of_points) - tension)
         for half_of_points in (points_in_contact[::2], points_in_contact[1::2])
@@ -511,7 +515,7 @@ def _edge_tensions_of_answer(
     if coarse_shear is not None:
         error_of_shear = answer.record.errors.get("shear", 0.0)
         uncertainty += np.abs(tensions_by(coarse_shear, points_in_contact) - tension)
-        uncertainty += _TENSION_BY_SHEAR * error_of_shear * largest_friction
+        uncertainty += _TENSION_ERROR_OVER_SHEAR_ERROR * error_of_shear * largest_friction
     return tension, uncertainty
 
 
@@ -679,15 +683,15 @@ def _panels_between(
     """First and last half-width [length] of panels between two half-widths, cut where the profile
     has a corner.
     """
-    inner_breaks = (
+    inner_corners = (
         place for place in contact.corner_half_widths if least_width < place < largest_width
     )
-    for first_half_width, last_half_width in pairwise([least_width, *inner_breaks, largest_width]):
+    for first_half_width, last_half_width in pairwise([least_width, *inner_corners, largest_width]):
         if last_half_width > first_half_width:
             yield first_half_width, last_half_width
 
 
-def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
+def _distances_to_nodes(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
     """Distances from `place` of the quadrature nodes for inverse roots between `begin` and `end`,
     without cancellation at either end; a new last axis is that of the nodes.
     """
@@ -716,13 +720,13 @@ def _add_panel_of_punches(
     panel_width = end_width - begin_width
     rule = RULE_FOR_INVERSE_ROOTS
     in_lower_half = rule.distance_from_begin < 0.5
-    half_widths = _nodes_from(0.0, begin_width, end_width)
+    half_widths = _distances_to_nodes(0.0, begin_width, end_width)
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
     points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
-        distance_to_punch = _nodes_from(x[point_numbers, None], begin_width, end_width)
+        distance_to_punch = _distances_to_nodes(x[point_numbers, None], begin_width, end_width)
         _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
     points_in_panel = np.flatnonzero(is_in_panel)
     for point_numbers in np.array_split(

@@ -33,10 +33,10 @@ from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES, DeclinedError, secon
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.
-_GRID_ERROR = 3e-4
+_CHANGE_ERROR_OF_GRIDS = 3e-4
 _GRID_ERROR_PER_CHANGE = 0.01
 # Segments of a path at most: each takes four increments of the grids or more.
-_MOST_SEGMENTS = 60
+_MOST_SEGMENTS_ON_GRIDS = 60
 _GRID_REQUEST = GridRequest(cells=80, increments=160, pointwise=False)
 
 
@@ -52,11 +52,11 @@ class FollowingLoads(PathLoads):
 
     effects: BodyEffects
 
-    def values(self, time: Array) -> Array:
+    def loads_in_segment(self, time: Array) -> Array:
         """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
         segment of the load path, as rows of (4, n).
         """
-        normal_load, tangential_load, _, _ = super().values(time)
+        normal_load, tangential_load, _, _ = super().loads_in_segment(time)
         effects = self.effects
         strain = effects.strain_under_pressure.value * normal_load
         strain = strain + effects.strain_under_shear.value * tangential_load
@@ -135,7 +135,7 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
 
 def _uncertainty_of_grids(change: float) -> float:
     """Uncertainty of a relative change of work on grids, by the size of their cells alone."""
-    return _GRID_ERROR + _GRID_ERROR_PER_CHANGE * abs(change)
+    return _CHANGE_ERROR_OF_GRIDS + _GRID_ERROR_PER_CHANGE * abs(change)
 
 
 def _change_by_second_order(scene: Scene, effects: BodyEffects, work: float) -> Estimate | None:
@@ -168,10 +168,10 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     """
     path = scene.load.path()
     segment_count = len(path.initial_loading) + len(path.cycle)
-    if segment_count > _MOST_SEGMENTS:
+    if segment_count > _MOST_SEGMENTS_ON_GRIDS:
         raise InputError(
-            f"load: grids take a path of {_MOST_SEGMENTS} segments at most, not {segment_count};"
-            " take a part of the path"
+            f"load: grids take a path of {_MOST_SEGMENTS_ON_GRIDS} segments at most, not"
+            f" {segment_count}; take a part of the path"
         )
     path_loads, contact = path_loads_and_contact(scene)
     loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}

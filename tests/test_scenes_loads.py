@@ -598,7 +598,7 @@ def test_stresses_and_tilt_follow_the_loads_in_every_cycle(kind: str) -> None:
     """P and Q are those of the load without them."""
     plain = STATED[kind].vary(bulk_stress_lower=None, bulk_stress_upper=None, tilt=None).path()
     path = STATED[kind].path()
-    assert (path.has_bulk_or_tilt, path.moment_given, plain.has_bulk_or_tilt) == (
+    assert (path.has_bulk_or_tilt, path.moment_is_given, plain.has_bulk_or_tilt) == (
         True,
         False,
         False,
@@ -637,7 +637,7 @@ def test_a_number_grows_with_p_then_stays_and_a_line_of_action_makes_the_moment(
         **NUMBERS[kind], bulk_stress_upper=50.0, line_of_action={"x": 0.2, "height": 3.0}
     )
     path: LoadPath = load.path()
-    assert path.moment_given
+    assert path.moment_is_given
     end = float(path.initial_loading[-1].loads(path.cycle_start)[0])
     for leg in path.segments(2):
         assert leg.bulk is not None

@@ -186,7 +186,7 @@ def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_
         looked_at.append(len(marks))
         return search(values, marks, *arguments, **keywords)
 
-    monkeypatch.setattr(largest_values, "_largest_value", counted)
+    monkeypatch.setattr(largest_values, "_largest_value_and_place", counted)
     nearby = semi_analytic.extremes(steps)
     assert min(looked_at) < 30
     assert nearby.dissipation_density == pytest.approx(everywhere.dissipation_density, rel=1e-9)

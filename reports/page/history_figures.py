@@ -419,7 +419,7 @@ def _lines_of_bulk_and_tilt(view: CycleView) -> Iterator[tuple[str, str, list[_L
         yield "bulk-stress", f"bulk stress σ  [{stress_unit}]", stresses
     if cycle.tilt is not None and np.any(cycle.tilt):
         yield "tilt", "tilt α  [rad]", [_Line("line-2 fine", "tilt of the upper body", cycle.tilt)]
-    if cycle.moment is not None and np.any(cycle.moment) and view.scene.load.moment_given:
+    if cycle.moment is not None and np.any(cycle.moment) and view.scene.load.moment_is_given:
         yield (
             "moment",
             f"moment M  [{unit_of_force}]",

@@ -377,7 +377,7 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
         ("tilt_and_moment", ("tilt",)),
     ):
-        if companion_name == "tilt_and_moment" and path.moment_given:
+        if companion_name == "tilt_and_moment" and path.moment_is_given:
             continue
         # history of these loads along the path; None where the scene has none of them
         companion = path.companion(companion_name)

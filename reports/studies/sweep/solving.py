@@ -538,7 +538,7 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
 
     load = question.scene.load
     notes: dict[str, str] = {}
-    if question.share_condensations and (load.tilt is not None or load.moment_given):
+    if question.share_condensations and (load.tilt is not None or load.moment_is_given):
         notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
     elif question.share_condensations and load.states_approach:
         notes = {"": "the load follows from the approach; solved on bodies of its own"}

@@ -343,7 +343,7 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
         histories["bulk_stress"] = tuple(read_only_copy(stress) for stress in bulk.at(time))
     if (tilt_and_moment := path.companion("tilt_and_moment")) is not None:
         tilt, moment = tilt_and_moment.at(time)
-        if path.moment_given:
+        if path.moment_is_given:
             histories["moment"] = read_only_copy(moment)
         else:
             histories["tilt"] = read_only_copy(tilt)
