@@ -143,9 +143,9 @@ def claim_values(sections: Mapping[str, Any]) -> dict[str, str]:
 def limit_values() -> dict[str, str]:
     """Key -> how large a file, how many rows or nodes are taken at most."""
     sizes = {
-        "TOML": files.LARGEST_TOML,
-        "text": files.LARGEST_TEXT,
-        "NetCDF": netcdf.LARGEST_SOLUTION,
+        "TOML": files.LARGEST_TOML_BYTES,
+        "text": files.LARGEST_TEXT_BYTES,
+        "NetCDF": netcdf.LARGEST_SOLUTION_BYTES,
         "fields": field_files.LARGEST,
         "unpacked": field_files.UNPACKED,
         ".frd and .dat": calculix_files.LARGEST,

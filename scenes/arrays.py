@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.errors import InputError, shown
+from scenes.errors import InputError, shortened_repr
 
-LARGEST = 1e100
+LARGEST_NUMBER = 1e100
 """Largest number that is admitted, and the inverse of the smallest scale: their squares and
 products are numbers.
 """
@@ -62,4 +62,4 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
 
 
 def _refusal(values: Any, name: str, rule: str) -> InputError:
-    return InputError(f"{name} = {shown(values)} is refused: {rule}")
+    return InputError(f"{name} = {shortened_repr(values)} is refused: {rule}")

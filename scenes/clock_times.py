@@ -15,7 +15,7 @@ _HALF_AND_ZONE = r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?\s*(?P<zone>Z|[-+]\d{2}:?\d{2})
 _INSTANT = re.compile(rf"(?:{_DATE}(?:[T;,]?\s*|\s+))?{_TIME}{_HALF_AND_ZONE}$")
 _DATE_ALONE = re.compile(rf"{_DATE}$")
 
-WORDS = "12:30:05.25, 29.11.2026 12:30:05 or 2026-11-29T12:30:05Z"
+EXAMPLES_OF_CLOCK_TIMES = "12:30:05.25, 29.11.2026 12:30:05 or 2026-11-29T12:30:05Z"
 """Examples, for a sentence."""
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 # Characters of a sentence, of a value in it.
-_LONGEST = 2000
-_SHOWN = 120
+_MOST_CHARACTERS_OF_MESSAGE = 2000
+_MOST_CHARACTERS_OF_VALUE = 120
 
 
 class InputError(ValueError):
@@ -23,11 +23,10 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str = "") -> None:
-        short = (
-            sentence
-            if len(sentence) <= _LONGEST
-            else f"{sentence[: _LONGEST // 2]} ... {sentence[-_LONGEST // 2 :]}"
-        )
+        short = sentence
+        if len(sentence) > _MOST_CHARACTERS_OF_MESSAGE:
+            half_length = _MOST_CHARACTERS_OF_MESSAGE // 2
+            short = f"{sentence[:half_length]} ... {sentence[-half_length:]}"
         super().__init__(
             "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short)
         )
@@ -192,20 +191,24 @@ def in_words(size: int) -> str:
     return f"{size} bytes"
 
 
-def shown(value: object) -> str:
+def shortened_repr(value: object) -> str:
     """A value of a file in a sentence: as Python writes it, its beginning where it is long.
 
-    >>> shown([0.5]), len(shown("x" * 10**6))
+    >>> shortened_repr([0.5]), len(shortened_repr("x" * 10**6))
     ('[0.5]', 124)
     """
     try:
         text = repr(value)
     except RecursionError:
         return "something nested too deeply"
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+    return (
+        text
+        if len(text) <= _MOST_CHARACTERS_OF_VALUE
+        else f"{text[:_MOST_CHARACTERS_OF_VALUE]} ..."
+    )
 
 
 def first_line(reason: BaseException) -> str:
     """The first line of an error's text, its beginning; its kind where it says nothing."""
     lines = str(reason).splitlines()
-    return shown(lines[0])[1:-1] if lines and lines[0] else type(reason).__name__
+    return shortened_repr(lines[0])[1:-1] if lines and lines[0] else type(reason).__name__

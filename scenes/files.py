@@ -20,20 +20,20 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
 
-from scenes.errors import InputError, in_words, shown
+from scenes.errors import InputError, in_words, shortened_repr
 
 # None where the system has no such thing; the sizes that files state are checked all the same.
 resource = import_module("resource") if find_spec("resource") else None
 
 # Largest files that are read [bytes]. A TOML file is written by hand, and its parser is slow;
 # tables of numbers go to CSV, answers to NetCDF.
-LARGEST_TOML = 2**20
-LARGEST_TEXT = 2**28
+LARGEST_TOML_BYTES = 2**20
+LARGEST_TEXT_BYTES = 2**28
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
 # up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
-_LARGEST_DEPTH = 8
+_LARGEST_NESTING_DEPTH = 8
 _MOST_KEYS = 10_000
-_LONGEST_NAME = 250
+_MOST_CHARACTERS_OF_NAME = 250
 # Only repeats of single characters are possessive: those of groups match wrongly before Python
 # 3.11.5 (Debian 12 has 3.11.2).
 _KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
@@ -43,15 +43,15 @@ _TOML_TOKENS = re.compile(
     | "{{3}}[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*(?:"{{3,5}}|\\?\Z)     # strings of several lines
     | '{{3}}[^']*+(?:'(?!'')[^']*+)*(?:'{{3,5}}|\Z)
     # keys, and numbers, which look like them
-    | (?P<deep>{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LARGEST_DEPTH},}})
-    | (?P<long>[A-Za-z0-9_-]{{{_LONGEST_NAME},}}+)
+    | (?P<deep>{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LARGEST_NESTING_DEPTH},}})
+    | (?P<long>[A-Za-z0-9_-]{{{_MOST_CHARACTERS_OF_NAME},}}+)
     | {_KEY_PART}
     | (?P<sign>[][{{}}=])""",
     re.DOTALL | re.VERBOSE,
 )
 
 
-def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT, advice: str = "") -> str:
+def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT_BYTES, advice: str = "") -> str:
     """Read a text file in UTF-8, after a check of its kind and size; without a byte-order mark.
 
     Parameters
@@ -151,12 +151,12 @@ def parsed_toml(text: str) -> dict[str, Any]:
         n_keys += symbol == "=" or is_table_heading
         n_open_brackets += (symbol in "[{") - (symbol in "]}") if symbol else 0
         symbol_before = symbol
-        is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_DEPTH
+        is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_NESTING_DEPTH
         if is_too_deep or token["long"] or n_keys > _MOST_KEYS:
             if is_too_deep:
-                fault = f"Tables nested deeper than {_LARGEST_DEPTH}"
+                fault = f"Tables nested deeper than {_LARGEST_NESTING_DEPTH}"
             elif token["long"]:
-                fault = f"A key or a number of {_LONGEST_NAME} characters or more"
+                fault = f"A key or a number of {_MOST_CHARACTERS_OF_NAME} characters or more"
             else:
                 fault = f"More than {_MOST_KEYS:,} keys"
             line = text.count("\n", 0, token.start()) + 1
@@ -185,7 +185,7 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         JSON, with the line; or holds a list.
     """
     is_json = path.suffix == ".json"
-    text = text_of(path, role, LARGEST_TEXT if is_json else LARGEST_TOML, advice)
+    text = text_of(path, role, LARGEST_TEXT_BYTES if is_json else LARGEST_TOML_BYTES, advice)
     if not text.strip():
         return {}
     try:
@@ -210,7 +210,7 @@ def _fault_of_toml(text: str, reason: str) -> str:
         line = lines[int(place_in_message[1]) - 1].strip()
         has_decimal_comma = re.search(r"=\s*[-+]?\d+,\d", line) is not None
         advice = "; write a decimal point, not a comma" if has_decimal_comma else ""
-        fault += f", in {shown(line)}{advice}"
+        fault += f", in {shortened_repr(line)}{advice}"
     return fault
 
 
@@ -279,7 +279,7 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     content = (
         json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)
     ).encode()
-    most_bytes = LARGEST_TEXT if is_json else LARGEST_TOML
+    most_bytes = LARGEST_TEXT_BYTES if is_json else LARGEST_TOML_BYTES
     if len(content) > most_bytes:
         remark = "" if is_json else "; save it as .json"
         raise InputError(

@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 
 from scenes.array_types import Array
 from scenes.errors import NotFoundError, RowError
-from scenes.spikes import LARGEST_FRACTION_OF_SPIKES, STANDS_OUT, rows_that_stand_out
+from scenes.spikes import LARGEST_FRACTION_OF_SPIKES, LEAST_RESIDUAL_OF_SPIKE, rows_that_stand_out
 
 # Points that a fit needs: it has up to six parameters, and residuals have to be left for the noise.
 _FEWEST_ROWS = 8
@@ -155,7 +155,9 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
     # A corner of the profile stands out from its neighbours, but not from the fit: it stays.
     distances_from_fit = np.abs(h[candidate_rows] - fit.height_at(x[candidate_rows]))
-    spikes = candidate_rows[distances_from_fit > STANDS_OUT * fit.keys["fitted"]["noise"]]
+    spikes = candidate_rows[
+        distances_from_fit > LEAST_RESIDUAL_OF_SPIKE * fit.keys["fitted"]["noise"]
+    ]
     if len(spikes) < len(candidate_rows):
         fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
     if len(spikes):
@@ -164,8 +166,8 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
 
 
 def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
-    """Indices (m,) of residuals that are spikes, not noise: more than STANDS_OUT standard
-    deviations in size, and more than twice the size of both neighbours.
+    """Indices (m,) of residuals that are spikes, not noise: more than LEAST_RESIDUAL_OF_SPIKE
+    standard deviations in size, and more than twice the size of both neighbours.
 
     The standard deviation comes from the median, which spikes do not move. `residuals` are (n,).
     """
@@ -177,7 +179,8 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
         np.append(residual_sizes[1:], 0.0), np.append(0.0, residual_sizes[:-1])
     )
     return np.flatnonzero(
-        (residual_sizes > STANDS_OUT * sigma) & (residual_sizes > 2 * larger_neighbour_sizes)
+        (residual_sizes > LEAST_RESIDUAL_OF_SPIKE * sigma)
+        & (residual_sizes > 2 * larger_neighbour_sizes)
     )
 
 

@@ -28,8 +28,8 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, ErrorDetails
 
-from scenes.arrays import LARGEST
-from scenes.errors import InputError, shown
+from scenes.arrays import LARGEST_NUMBER
+from scenes.errors import InputError, shortened_repr
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -130,7 +130,7 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
                 or f"{did_you_mean(unknown_key, keys_of_all_tables(model) - {unknown_key})}"
                 f" {model.keys_listed} lists the keys"
             )
-            return f"unknown key {key} = {shown(value)};{hint}"
+            return f"unknown key {key} = {shortened_repr(value)};{hint}"
         case "missing" if isinstance(value, dict):
             return f"the key {key} is missing; {model.keys_listed} lists the keys"
         case "key_missing":
@@ -140,12 +140,14 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
             return f"the key {key}.kind is missing; {model.keys_listed} lists the kinds"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
-            return f"{key}.kind = {shown(fault['ctx']['tag'])} is refused: should be {kinds}"
+            return (
+                f"{key}.kind = {shortened_repr(fault['ctx']['tag'])} is refused: should be {kinds}"
+            )
         case "too_long":
             rule = f"should have at most {fault['ctx']['max_length']} entries"
         case "value_error":
             return f"{key} is refused: {rule}" if key else rule
-    return f"{key} = {shown(value)} is refused: {rule}"
+    return f"{key} = {shortened_repr(value)} is refused: {rule}"
 
 
 @cache
@@ -251,9 +253,10 @@ def _numbers_in(value: Any) -> Iterator[float]:
 
 def a_scale(number: float) -> float:
     """A positive number as it is; ValueError where its square would be 0."""
-    if number < 1 / LARGEST:
+    if number < 1 / LARGEST_NUMBER:
         raise ValueError(
-            f"{number:g} is below {1 / LARGEST:g}, and its square would be 0: choose other units"
+            f"{number:g} is below {1 / LARGEST_NUMBER:g}, and its square would be 0: choose other"
+            " units"
         )
     return number
 
@@ -301,9 +304,10 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         (ValueError); the value itself otherwise.
         """
         for number in _numbers_in(value):
-            if abs(number) > LARGEST:
+            if abs(number) > LARGEST_NUMBER:
                 raise ValueError(
-                    f"{number:g} is above {LARGEST:g}, and its square would be no number: choose"
+                    f"{number:g} is above {LARGEST_NUMBER:g}, and its square would be no number:"
+                    " choose"
                     " other units"
                 )
         return value
@@ -459,9 +463,9 @@ def validated(table: M, model: type[Frozen]) -> M:
         advice = (
             "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
         )
-        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{advice}")
+        raise InputError(f"a {model.__name__} is needed, not {shortened_repr(table)}{advice}")
     name = getattr(table, "name", "")
-    where = f"{model.__name__} {shown(name)}" if name else type(table).__name__
+    where = f"{model.__name__} {shortened_repr(name)}" if name else type(table).__name__
     return checked(type(table), table, where)
 
 

@@ -62,7 +62,7 @@ if TYPE_CHECKING:
     from scenes.text_tables import MissingColumnError, TextTable
 
 # Loads that differ by less than this, over their size, are taken as equal.
-_ROUNDOFF = 1e-12
+_ROUND_OFF_LOAD_SHARE = 1e-12
 
 
 InitialLoading = Literal["straight"] | tuple[Point, ...]
@@ -175,7 +175,7 @@ class LineOfAction(Frozen):
     )
 
 
-DRIVEN = (
+REFUSAL_OF_DISPLACEMENTS = (
     "load.tangential_displacement: P and Q follow from the displacement that is prescribed, and"
     " this takes loads. `halfplane exact` finds them by corrected half-plane theory, `halfplane fe`"
     " by finite elements; the scene.json that they write states them, without slides of the whole"
@@ -186,11 +186,15 @@ DRIVEN = (
 V = TypeVar("V")
 Pair = tuple[Any, Any]
 # Attribute of a load segment -> keys of the two quantities that it carries.
-_KEY_PAIRS = {
+_KEYS_OF_SEGMENT_ATTRIBUTES = {
     "bulk": ("bulk_stress_lower", "bulk_stress_upper"),
     "tilt_and_moment": ("tilt", "moment"),
 }
-BULK_AND_TILT_KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["tilt_and_moment"], "line_of_action")
+BULK_AND_TILT_KEYS = (
+    *_KEYS_OF_SEGMENT_ATTRIBUTES["bulk"],
+    *_KEYS_OF_SEGMENT_ATTRIBUTES["tilt_and_moment"],
+    "line_of_action",
+)
 """Keys of bulk stress, tilt and moment, which every load has."""
 
 
@@ -302,7 +306,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             Where a displacement is prescribed: the loads follow from the contact.
         """
         if self.is_driven:
-            raise InputError(DRIVEN)
+            raise InputError(REFUSAL_OF_DISPLACEMENTS)
         path = self.path_of_loads()
         if not self.has_bulk_or_tilt:
             return path
@@ -316,7 +320,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             companions["tilt_and_moment"] = [
                 segment.companion_of(moment_of_loads) for segment in load_segments
             ]
-        for attribute, (first_key, second_key) in _KEY_PAIRS.items():
+        for attribute, (first_key, second_key) in _KEYS_OF_SEGMENT_ATTRIBUTES.items():
             pair = getattr(self, first_key), getattr(self, second_key)
             if pair != (None, None):
                 companions[attribute] = self._companion_segments(path, load_segments, pair)
@@ -1196,7 +1200,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             Where a displacement is prescribed: the loads follow from the contact.
         """
         if self.is_driven:
-            raise InputError(DRIVEN)
+            raise InputError(REFUSAL_OF_DISPLACEMENTS)
         return self._rows_from_rest()
 
     def _rows_from_rest(self) -> NDArray[np.float64]:
@@ -1305,7 +1309,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             for name, value_before, value_after in zip(
                 ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
             ):
-                if abs(float(value_before - value_after)) > 1e3 * _ROUNDOFF * max(
+                if abs(float(value_before - value_after)) > 1e3 * _ROUND_OFF_LOAD_SHARE * max(
                     abs(float(loads_before[0])), abs(float(loads_after[0]))
                 ):
                     raise ValueError(
@@ -1376,7 +1380,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         segments = tuple(self._segments())
         first_loads = np.abs(segments[0].loads(0.0))
         last_loads = np.abs(segments[-1].loads(self.duration))
-        starts_loaded = np.max(first_loads) > _ROUNDOFF * np.max(last_loads)
+        starts_loaded = np.max(first_loads) > _ROUND_OFF_LOAD_SHARE * np.max(last_loads)
         initial_loading: tuple[LoadSegment, ...] = ()
         if self.repeats or self.initial_loading != "straight" or starts_loaded:
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)

@@ -22,8 +22,8 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from scenes.array_types import Array
-from scenes.arrays import LARGEST, real_numbers
-from scenes.errors import InputError, RowError, shown
+from scenes.arrays import LARGEST_NUMBER, real_numbers
+from scenes.errors import InputError, RowError, shortened_repr
 from scenes.frozen import Frozen
 from scenes.unit_words import Kind, short_unit_in, unit_factor, unit_in
 
@@ -57,10 +57,10 @@ class Table:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
-        rule = f"is not all finite numbers of at most {LARGEST:g}"
+        rule = f"is not all finite numbers of at most {LARGEST_NUMBER:g}"
         RowError.refuse(
-            ~(np.abs(values) <= LARGEST).all(axis=1),
-            lambda row: f"{shown(values[row].tolist())} {rule}",
+            ~(np.abs(values) <= LARGEST_NUMBER).all(axis=1),
+            lambda row: f"{shortened_repr(values[row].tolist())} {rule}",
         )
         values.flags.writeable = False
         return cls(values)
@@ -218,9 +218,12 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     decimal sign, encoding, lines that were left out.
     """
     layout = [
-        ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
+        (
+            "file",
+            f"{path.name}: {len(table.line_numbers):,} rows from line {table.line_numbers[0]} on",
+        ),
         ("columns separated by", table.separator),
-        ("decimal sign", table.decimal),
+        ("decimal sign", table.decimal_sign),
     ]
     if not table.encoding.startswith("UTF-8"):
         layout.append(("characters", table.encoding))
@@ -400,7 +403,7 @@ class FromFile(Frozen):
             per length with one.
         """
         heading = table.headings[column]
-        is_time_of_day = bool(table.clock_start) and kind == "time"
+        is_time_of_day = bool(table.first_clock_text) and kind == "time"
         unit = self._understood_unit(path, table, column, name, kind, units)
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load":
@@ -411,7 +414,7 @@ class FromFile(Frozen):
         # Without a line of headings, `heading` is the reader's own word, such as "column 2".
         phrases = [repr(heading) if table.heading_line else heading]
         if is_time_of_day:
-            phrases.append(f"times of day: seconds since {table.clock_start}")
+            phrases.append(f"times of day: seconds since {table.first_clock_text}")
         elif unit.remark:
             phrases.append(unit.remark)
         if zero is not None:
@@ -460,7 +463,7 @@ class FromFile(Frozen):
         """
         stated_units = _values_by_column(getattr(self, "units", None))
         scales = _values_by_column(getattr(self, "scale", None))
-        if table.clock_start and kind == "time":  # times of day have been turned into seconds
+        if table.first_clock_text and kind == "time":  # times of day have been turned into seconds
             stated_units.pop(name, None)
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
         if unit.fault and name in stated_units:
@@ -525,7 +528,7 @@ class FromFile(Frozen):
 
                 columns = _values_by_column(getattr(self, "columns", None))
                 table = text_table(path, tuple(self.column_kinds), columns)
-                place = f"{path}, line {table.lines[fault.row]}"
+                place = f"{path}, line {table.line_numbers[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
         unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]
         if self.file is None and unused_keys:
@@ -583,7 +586,7 @@ def _values_by_column(table: Frozen | None) -> dict[str, Any]:
 Rows = NDArray[np.int64]
 Reduction = Literal["turning_points", "tolerance"]
 # Round-off of a distance in the P-Q plane, over the largest load.
-_ROUNDOFF = 1e-12
+_ROUND_OFF_SHARE = 1e-12
 
 
 @lru_cache(maxsize=4)  # a record of two million rows takes seconds, and is asked for by each engine
@@ -697,7 +700,7 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     tolerance
         (2,) largest distance in P and in Q [force per unit thickness]
     """
-    tolerance_and_roundoff = tolerance + _ROUNDOFF * np.max(np.abs(loads), initial=0.0)
+    tolerance_and_roundoff = tolerance + _ROUND_OFF_SHARE * np.max(np.abs(loads), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
         """Whether the straight line in the P-Q plane from row `first_row` to `last_row` of `loads`

@@ -20,7 +20,7 @@ from scenes.errors import InputError, first_line, in_words
 from scenes.files import check_size, within_memory
 
 # Bytes that are read at most, in the file and unpacked; what the file is to the user.
-LARGEST_SOLUTION = 2**31
+LARGEST_SOLUTION_BYTES = 2**31
 _ROLE = "the solution"
 # What the library raises on files that are broken off, spoilt or something else.
 _READING_FAULTS = (
@@ -121,11 +121,11 @@ def read_netcdf(
     hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
-        check_size(path, _ROLE, LARGEST_SOLUTION)
+        check_size(path, _ROLE, LARGEST_SOLUTION_BYTES)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         # Arrays take the limit at most; as much again is left to buffers of the library.
         with (
-            within_memory(path, 2 * LARGEST_SOLUTION),
+            within_memory(path, 2 * LARGEST_SOLUTION_BYTES),
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
             _require_room(path, file)
@@ -154,10 +154,10 @@ def _require_room(path: Path, file: Any) -> None:
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
         for variable in file.variables.values()
     )
-    if unpacked_bytes > LARGEST_SOLUTION:
+    if unpacked_bytes > LARGEST_SOLUTION_BYTES:
         raise InputError(
             f"{path}: {_ROLE} takes {in_words(unpacked_bytes)} once unpacked, and at most"
-            f" {in_words(LARGEST_SOLUTION)} are read"
+            f" {in_words(LARGEST_SOLUTION_BYTES)} are read"
         )
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticSerializationError
 
-from scenes.arrays import LARGEST
+from scenes.arrays import LARGEST_NUMBER
 from scenes.bodies import Bodies, Elastic, Materials, Pad, ShoulderedPad
-from scenes.errors import InputError, shown
+from scenes.errors import InputError, shortened_repr
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
@@ -130,7 +130,7 @@ class Friction(Frozen):
             return value
         if isinstance(value, bool) or not isinstance(value, Real):
             raise ValueError(
-                f"{shown(value)} is neither a number nor a table with the key coefficient"
+                f"{shortened_repr(value)} is neither a number nor a table with the key coefficient"
             )
         return {"coefficient": value}
 
@@ -288,10 +288,12 @@ class Scene(Frozen):
         datum_length = self.profile.datum_length
         cylinder_radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
-        if not 1 / LARGEST <= datum_length <= LARGEST:
+        if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
             raise ValueError(
-                f"profile has a length of {datum_length:g}, which is not between {1 / LARGEST:g}"
-                f" and {LARGEST:g}, and its square would overflow or vanish: choose other units"
+                f"profile has a length of {datum_length:g}, which is not between"
+                f" {1 / LARGEST_NUMBER:g}"
+                f" and {LARGEST_NUMBER:g}, and its square would overflow or vanish: choose other"
+                " units"
             )
         if cylinder_radius is not None and not (
             self.profile.kind == "hertz" and arcs and abs(arcs[1] / cylinder_radius - 1) <= 1e-9

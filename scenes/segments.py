@@ -40,31 +40,31 @@ Point = tuple[
 Waves = tuple[tuple[float, float], ...]
 WaveTerms = tuple[tuple[complex, int], ...]
 
-LEAST = 1e-290
+LEAST_LOAD_CHANGE = 1e-290
 """Changes of load below it are none: their inverse, and soon the numbers themselves, are not known
 to rounding any more.
 """
 
-_ROUNDING = 1e-14
-_ROUNDING_OF_TIME = 4.5e-16
+_ROUND_OFF_SHARE = 1e-14
+_ROUND_OFF_SHARE_OF_TIME = 4.5e-16
 # Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts
 # from 0.
-_ROUNDING_OF_SUM = 1e-15
+_ROUND_OFF_SHARE_OF_SUM = 1e-15
 # A double root is known to the root of a rounding only. Taking too many does no harm: a segment is
 # cut in two.
 _DISTANCE_OF_DOUBLE_ROOTS = 1e-5
 # Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the
 # step between two of these.
-_MOST_STEPS = 4000
+_MOST_BRACKETED_STEPS = 4000
 # Steps of Newton's method without a bracket: four or five are taken.
 _MOST_PLAIN_STEPS = 12
 # Of a step squared over the distance of a turning point, what it leaves: a half where the rate goes
 # as the distance, and room.
-_ERROR_OF_STEP = 4.0
+_ERROR_OVER_SQUARED_STEP = 4.0
 # Steps without gain after which rounding is reached, where they are shorter than this share of the
 # way.
 _MOST_IDLE_STEPS = 3
-_SHARE_OF_SHORT_STEP = 1e-9
+_SHORT_STEP_SHARE = 1e-9
 
 
 class Combination(NamedTuple):
@@ -218,7 +218,7 @@ class LoadSegment(abc.ABC):
         """
         change = np.asarray(amount, dtype=float)
         total_change = float(self.change_of(combination, end, begin))
-        if abs(total_change) < LEAST:
+        if abs(total_change) < LEAST_LOAD_CHANGE:
             return np.full(change.shape, begin)
         change_towards_end = change * math.copysign(1.0, total_change)
         is_before_begin = change_towards_end <= 0
@@ -259,7 +259,7 @@ class LoadSegment(abc.ABC):
         Raises
         ------
         NotFoundError
-            Where `_MOST_STEPS` steps do not get there.
+            Where `_MOST_BRACKETED_STEPS` steps do not get there.
         """
         # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
@@ -276,7 +276,7 @@ class LoadSegment(abc.ABC):
         n_idle_steps = np.zeros(wanted_change.shape, int)
         is_found = np.zeros(wanted_change.shape, bool)
         last_step_length = latest_time - earliest_time
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MOST_BRACKETED_STEPS):
             change_so_far, rate = self._change_and_rate(combination, time, begin)
             signed_error = direction * (change_so_far - wanted_change)
             absolute_error = np.abs(signed_error)
@@ -287,9 +287,9 @@ class LoadSegment(abc.ABC):
             # Short steps without a smaller error are round-off. After a long one, which halves a
             # bracket, steps with a smaller error follow.
             has_stalled = (n_idle_steps >= _MOST_IDLE_STEPS) & (
-                last_step_length <= _SHARE_OF_SHORT_STEP * np.abs(best_time - begin)
+                last_step_length <= _SHORT_STEP_SHARE * np.abs(best_time - begin)
             )
-            is_round_off = last_step_length <= _ROUNDING_OF_TIME * np.abs(best_time)
+            is_round_off = last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.
             is_found |= (least_error == 0) | has_stalled | is_round_off
             if is_found.all():
@@ -340,11 +340,13 @@ class LoadSegment(abc.ABC):
                 change_so_far, rate = self._change_and_rate(combination, time, begin)
                 step = (wanted_change - change_so_far) / rate
                 time = time + step
-                time_roundoff = _ROUNDING_OF_TIME * np.abs(time)
+                time_roundoff = _ROUND_OFF_SHARE_OF_TIME * np.abs(time)
                 distance_to_turning_point = np.minimum(np.abs(time - begin), np.abs(end - time))
                 longest_final_step = np.sqrt(
                     time_roundoff
-                    * np.maximum(distance_to_turning_point / _ERROR_OF_STEP, time_roundoff)
+                    * np.maximum(
+                        distance_to_turning_point / _ERROR_OVER_SQUARED_STEP, time_roundoff
+                    )
                 )
                 if (np.abs(step) <= longest_final_step).all():
                     is_between = (time - begin) * (end - time) >= 0
@@ -710,7 +712,9 @@ class HarmonicSegment(LoadSegment):
         largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
         if self.ellipse:
             amplitude, lead = self.amplitude_and_lead(combination)
-            if abs(amplitude) <= _ROUNDING * largest_amplitudes[1]:  # constant but for round-off
+            if (
+                abs(amplitude) <= _ROUND_OFF_SHARE * largest_amplitudes[1]
+            ):  # constant but for round-off
                 return []
             first_multiple = math.ceil((self.start + lead) / math.pi)
             last_multiple = math.floor((self.end + lead) / math.pi)
@@ -718,8 +722,8 @@ class HarmonicSegment(LoadSegment):
             return [time for time in turning_times if self.start < time < self.end]
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
-        rate_coefficients[np.abs(rate_coefficients) <= _ROUNDING * largest_rate] = 0
-        if largest_rate < LEAST or not np.any(rate_coefficients):
+        rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
+        if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
             return []
         # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
         order = int(np.flatnonzero(rate_coefficients)[-1])
@@ -830,7 +834,7 @@ class ChebyshevSegment(LoadSegment):
     @cached_property
     def _starts_from_zero(self) -> tuple[bool, bool]:
         """Whether P, and Q, start from 0."""
-        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUNDING_OF_SUM * np.sum(
+        p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUND_OFF_SHARE_OF_SUM * np.sum(
             np.abs(self._series), axis=1
         )
         return bool(p), bool(q)
@@ -902,7 +906,9 @@ class ChebyshevSegment(LoadSegment):
         """
         _, rate_series = self._series_of(combination)
         largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
-        significant_orders = np.flatnonzero(np.abs(rate_series) > _ROUNDING * largest_coefficient)
+        significant_orders = np.flatnonzero(
+            np.abs(rate_series) > _ROUND_OFF_SHARE * largest_coefficient
+        )
         if not len(significant_orders) or significant_orders[-1] == 0:
             return []
         roots = chebyshev.chebroots(rate_series[: significant_orders[-1] + 1])

@@ -319,7 +319,7 @@ class ContactSolution:
         return xr.Dataset(
             {name: tuple(array) for name, array in content.arrays.items()},
             attrs=dict(content.attributes),
-        ).set_coords(_SIDE)
+        ).set_coords(_SIDE_COORDINATE)
 
     def to_dataframe(self) -> Any:
         """Time series of the solution as a pandas.DataFrame, a row for each instant: time, loads,
@@ -373,9 +373,9 @@ class ContactSolution:
             "seconds": dict(self.work.seconds),
         }
         attributes: dict[str, Any] = {"engine": self.engine}
-        attributes |= {name: getattr(self, name) for name in _NUMBER_NAMES}
+        attributes |= {name: getattr(self, name) for name in _NAMES_OF_NUMBERS}
         attributes |= {
-            "format": FORMAT,
+            "format": FILE_FORMAT,
             "steady_from": -1 if self.steady_from is None else self.steady_from,
             "scene": self.scene.model_dump_json(),
             "record": json.dumps(record),
@@ -407,7 +407,7 @@ class ContactSolution:
             "energy": f"{force_unit}·{length_unit}/{length_unit}",
             "": "1",
         }
-        arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
+        arrays = {_SIDE_COORDINATE: StoredArray((_SIDE_COORDINATE,), np.array(["left", "right"]))}
         for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
@@ -453,7 +453,7 @@ class ContactSolution:
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
-        for name in _NUMBER_NAMES:
+        for name in _NAMES_OF_NUMBERS:
             field_values[name] = float(
                 attributes.get(name, "nan")
                 if name == "dissipation_uncertainty"
@@ -492,7 +492,7 @@ class ContactSolution:
         InputError
             For a file that can't be read, is too large, or holds something else.
         """
-        content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FORMAT)
+        content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FILE_FORMAT)
         try:
             return cls._from_file_content(content)
         except (
@@ -601,7 +601,7 @@ def last_whole_cycle(
 
 # Of the distance to the next instant: one that misses an end of the cycle by less is taken for the
 # end. What is left out of the cycle, or counted twice, is then this share of one step at most.
-_MISSED_SHARE = 0.02
+_MISSED_STEP_SHARE = 0.02
 
 
 def _instant_at(time: Array, target: float, round_off: float) -> int | None:
@@ -611,12 +611,12 @@ def _instant_at(time: Array, target: float, round_off: float) -> int | None:
     nearest_index = int(np.argmin(np.abs(time - target)))
     steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
     shorter_step = float(steps.min()) if len(steps) else 0.0
-    largest_distance = max(round_off, _MISSED_SHARE * shorter_step)
+    largest_distance = max(round_off, _MISSED_STEP_SHARE * shorter_step)
     is_there = abs(time[nearest_index] - target) <= largest_distance
     return nearest_index if is_there else None
 
 
-FORMAT = "halfplane solution 2"
+FILE_FORMAT = "halfplane solution 2"
 """Of a stored solution. Files of version 0.1 have no such word, and are refused."""
 _ARRAY_FIELDS = {
     array.name: array
@@ -624,7 +624,7 @@ _ARRAY_FIELDS = {
     if "words" in array.metadata
 }
 # Coordinate of the columns of what has two sides; beginnings of names of what the record holds.
-_SIDE = "side"
+_SIDE_COORDINATE = "side"
 _CERTIFICATE_PREFIX = "certificate_"
 _ENERGY_PREFIX = "energy_"
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
@@ -633,7 +633,7 @@ _AXES_OF_ARRAYS = {
     for name, array in _ARRAY_FIELDS.items()
     if array.default is MISSING
 }
-_NUMBER_NAMES = (
+_NAMES_OF_NUMBERS = (
     "dissipation",
     "loop_work",
     "dissipation_uncertainty",

@@ -13,7 +13,7 @@ from scenes.array_types import Array
 
 Rows = NDArray[np.int64]
 # Standardised residuals beyond which a row stands out: chance makes one of two million rows do so.
-STANDS_OUT = 5.0
+LEAST_RESIDUAL_OF_SPIKE = 5.0
 LARGEST_FRACTION_OF_SPIKES = 0.05
 """Fraction of the rows above which those that stand out are noise of another kind, not spikes."""
 _N_NEIGHBOURS = 4
@@ -21,7 +21,8 @@ _N_NEIGHBOURS = 4
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """Indices (m,), ascending, of the rows of a measured trace h(x) that are spikes: their
-    standardised residual from the cubic through their four neighbours is above `STANDS_OUT`.
+    standardised residual from the cubic through their four neighbours is above
+    `LEAST_RESIDUAL_OF_SPIKE`.
 
     Empty where they would be more than `LARGEST_FRACTION_OF_SPIKES` of the rows, or leave too few:
     the noise is then not white. The largest spike is removed first, since it moves the cubics of
@@ -47,7 +48,7 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
         residuals = _standardised_residuals(x[rows_left], h[rows_left]) / sigma
         index_of_largest = int(np.argmax(residuals))
-        if residuals[index_of_largest] <= STANDS_OUT:
+        if residuals[index_of_largest] <= LEAST_RESIDUAL_OF_SPIKE:
             return np.array(sorted(spikes), dtype=np.int64)
         indices_of_spike = _rows_with_same_window(index_of_largest, len(rows_left))
         spikes += rows_left[indices_of_spike].tolist()

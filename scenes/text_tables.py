@@ -24,21 +24,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.array_types import Array
-from scenes.arrays import LARGEST
-from scenes.clock_times import WORDS, ClockColumn, is_clock_time
+from scenes.arrays import LARGEST_NUMBER
+from scenes.clock_times import EXAMPLES_OF_CLOCK_TIMES, ClockColumn, is_clock_time
 from scenes.column_names import ALIASES, aliases_of, normalised_name
-from scenes.errors import InputError, shown
-from scenes.files import LARGEST_TEXT, check_size
+from scenes.errors import InputError, shortened_repr
+from scenes.files import LARGEST_TEXT_BYTES, check_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
 # engines. A row of somebody else's table may hold all the frames of a point.
 MOST_ROWS = 2_000_000
-_LONGEST_LINE = 100_000
-_LONGEST_LINE_OF_ALL = 10_000_000
+_MOST_CHARACTERS_OF_LINE = 100_000
+_MOST_CHARACTERS_WITH_ALL_COLUMNS = 10_000_000
 # What a file may be written in; a mark of byte order, which spreadsheets put at the front, is no
 # part of the first name or number.
-_ENCODINGS = {
+_ENCODINGS_IN_WORDS = {
     "utf-8-sig": "UTF-8",
     "cp1252": "Windows-1252, since it is not UTF-8",
     "cp932": "Shift-JIS, since it is neither UTF-8 nor Windows-1252",
@@ -47,9 +47,9 @@ _ENCODINGS = {
     "utf-16-le": "UTF-16, without its mark of byte order",
     "utf-16-be": "UTF-16, without its mark of byte order",
 }
-_MARKS_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_BYTE_ORDER_MARKS_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Of every second byte: European text in UTF-16 has more zeros than that in one half, no other has.
-_ZEROS_OF_UTF_16 = 0.8
+_LEAST_ZERO_SHARE_OF_UTF_16 = 0.8
 # What an instrument writes where a unit stands, which is none of a load or a length.
 _RAW_UNITS = ("v", "mv", "volt", "volts", "bit", "counts", "div")
 # A line that has units, in the languages of `column_names`.
@@ -60,7 +60,7 @@ _MOST_BYTES_LOOKED_AT = 50_000
 # How a file begins that is JSON, XML or HTML: no heading does.
 _MARKUP_START = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
 _COMMENT_MARKS = ("#", "**", "%", "//")
-SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
+SEPARATORS_IN_WORDS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
 _GROUPED_DIGITS = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
 
@@ -84,13 +84,13 @@ class TextTable:
         of the columns: the quantities to be read, else the headings
     values
         (n_rows, n_columns)
-    lines
-        (n_rows,) the line of each row
+    line_numbers
+        (n_rows,) number of the line of each row
     headings
         of these columns in the file; "column 2" where it has no line of headings
     units
         of these columns in the file, empty where none stands there
-    separator, decimal, encoding
+    separator, decimal_sign, encoding
         words
     heading_line
         number (from 1) of the line of headings, 0 where there is none
@@ -101,23 +101,23 @@ class TextTable:
     lines_left_out
         lines that are no rows, in words: between headings and rows, behind the rows, headings
         that are repeated
-    clock_start
+    first_clock_text
         the first cell of a column of times of day, empty where times are numbers
     """
 
     names: tuple[str, ...]
     values: Array
-    lines: NDArray[np.int64]
+    line_numbers: NDArray[np.int64]
     headings: tuple[str, ...]
     units: tuple[str, ...]
     separator: str
-    decimal: str
+    decimal_sign: str
     encoding: str
     heading_line: int
     n_lines_above: int
     unread_headings: tuple[str, ...] = ()
     lines_left_out: tuple[str, ...] = ()
-    clock_start: str = ""
+    first_clock_text: str = ""
 
     def column(self, name: str) -> Array:
         """The first column of that name, (n_rows,)."""
@@ -170,24 +170,24 @@ class TableKind:
 
     Attributes
     ----------
-    role, cure
+    role_of_file, advice_on_size
         what the file is to the user, and what to do about one that is too large
     is_expected_heading
         whether a heading is one of those expected, where every column is read
     example, keys_by_number
         headings of this kind of table, and the keys that take columns by number instead; both
         for the sentence of a refusal
-    numbered
+    may_lack_headings
         whether rows without a line of headings are read where every column is read, as
         "column 1" and so on
     """
 
-    role: str = "the table"
-    cure: str = "thin it out"
+    role_of_file: str = "the table"
+    advice_on_size: str = "thin it out"
     is_expected_heading: Callable[[str], bool] = lambda _heading: False
     example: str = "time,x,pressure,shear"
     keys_by_number: str = ""
-    numbered: bool = False
+    may_lack_headings: bool = False
 
 
 @dataclass(frozen=True)
@@ -255,9 +255,9 @@ def text_table(
                 f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
                 " numbered from 1 on"
             )
-    longest_line = _LONGEST_LINE if columns else _LONGEST_LINE_OF_ALL
+    longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
-        check_size(path, kind.role, LARGEST_TEXT, kind.cure)
+        check_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary:
             first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
         encodings = _encodings_of(first_bytes)
@@ -265,7 +265,7 @@ def text_table(
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
                 read_lines = partial(_numbered_lines, path, stream, longest_line)
-                return _table_in_lines(request, read_lines, _ENCODINGS[encoding])
+                return _table_in_lines(request, read_lines, _ENCODINGS_IN_WORDS[encoding])
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(
@@ -295,7 +295,7 @@ def _table_in_lines(
     first_lines = list(islice(read_lines(), _MOST_LINES_LOOKED_AT))
     layout = None
     # A kind of table that may stand without headings is first taken for bare rows of numbers.
-    if request.kind.numbered and not request.quantities:
+    if request.kind.may_lack_headings and not request.quantities:
         layout = _layout_of_bare_rows(first_lines)
     if layout is None:
         layout = _layout_of_table(request, first_lines)
@@ -307,17 +307,17 @@ def _table_in_lines(
     return TextTable(
         names=request.quantities or headings,
         values=rows.values,
-        lines=rows.lines,
+        line_numbers=rows.line_numbers,
         headings=headings,
         units=tuple(layout.units[k] for k in layout.columns_read),
-        separator=SEPARATORS[layout.separator],
-        decimal="comma" if has_decimal_comma else "point",
+        separator=SEPARATORS_IN_WORDS[layout.separator],
+        decimal_sign="comma" if has_decimal_comma else "point",
         encoding=encoding_in_words,
         heading_line=layout.heading_line,
         n_lines_above=layout.n_lines_above,
         unread_headings=_headings_of_unread_columns(layout),
         lines_left_out=(*_skipped_lines_in_words(layout), *rows.lines_left_out),
-        clock_start=rows.clock_start,
+        first_clock_text=rows.first_clock_text,
     )
 
 
@@ -330,14 +330,14 @@ def _encodings_of(first_bytes: bytes) -> list[str]:
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
     """
-    if first_bytes.startswith(_MARKS_OF_UTF_16):
+    if first_bytes.startswith(_BYTE_ORDER_MARKS_OF_UTF_16):
         return ["utf-16"]
     if b"\0" not in first_bytes:
         return ["utf-8-sig", "cp1252", "cp932", "latin-1"]
     n_pairs_of_bytes = max(len(first_bytes) // 2, 1)
-    if first_bytes[1::2].count(0) > _ZEROS_OF_UTF_16 * n_pairs_of_bytes:
+    if first_bytes[1::2].count(0) > _LEAST_ZERO_SHARE_OF_UTF_16 * n_pairs_of_bytes:
         return ["utf-16-le"]
-    if first_bytes[0::2].count(0) > _ZEROS_OF_UTF_16 * n_pairs_of_bytes:
+    if first_bytes[0::2].count(0) > _LEAST_ZERO_SHARE_OF_UTF_16 * n_pairs_of_bytes:
         return ["utf-16-be"]
     return ["utf-8-sig"]
 
@@ -376,7 +376,7 @@ def _numbered_lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[L
             yield number, line.strip(" \r\n")
 
 
-def _cells(text: str, separator: str | None) -> list[str]:
+def _cells_of_line(text: str, separator: str | None) -> list[str]:
     """The cells of a line; empty ones at its end are none. A separator within quotes is none."""
     texts = text.split(separator)
     if '"' in text and separator is not None:
@@ -388,7 +388,7 @@ def _cells(text: str, separator: str | None) -> list[str]:
     return cells
 
 
-def _number(text: str, has_decimal_comma: bool) -> float | None:
+def _number_in_cell(text: str, has_decimal_comma: bool) -> float | None:
     """The number in a cell; None where it is none with this decimal sign."""
     if "_" in text or (has_decimal_comma and "." in text):
         return None
@@ -403,7 +403,7 @@ def _is_numeric(text: str, separator: str | None) -> bool:
     """Whether every cell is a number, with or without marks between thousands, or a time of day."""
     return all(
         _is_number_or_time(cell, separator) or _GROUPED_DIGITS.match(cell)
-        for cell in _cells(text, separator)
+        for cell in _cells_of_line(text, separator)
     )
 
 
@@ -412,7 +412,7 @@ def _possible_headings(text: str, separator: str | None) -> list[list[str]]:
 
     Where blanks separate the cells, a heading may also hold single blanks.
     """
-    cells = _cells(text, separator)
+    cells = _cells_of_line(text, separator)
     if separator is not None:
         return [cells]
     cells_with_blanks = [cell.strip('"') for cell in re.split(r"\s{2,}|\t", text)]
@@ -429,8 +429,8 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
     if not lines_without_comments:
         return None
     line_number, text = lines_without_comments[0]
-    for separator in SEPARATORS:
-        cells = _cells(text, separator)
+    for separator in SEPARATORS_IN_WORDS:
+        cells = _cells_of_line(text, separator)
         n_columns = len(cells)
         if n_columns > 1 and _is_numeric(text, separator):
             return _Layout(
@@ -501,8 +501,8 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
 def _is_row(text: str, fewest_cells: int) -> bool:
     """Whether a line is a row of numbers by any separator, and no comment."""
     return not text.startswith(_COMMENT_MARKS) and any(
-        len(_cells(text, separator)) >= fewest_cells and _is_numeric(text, separator)
-        for separator in SEPARATORS
+        len(_cells_of_line(text, separator)) >= fewest_cells and _is_numeric(text, separator)
+        for separator in SEPARATORS_IN_WORDS
     )
 
 
@@ -532,7 +532,7 @@ def _layouts_with_headings_at(
     heading_text = text.lstrip("#*%/ ") if is_comment else text
     # Whether lines without numbers may stand between headings and rows.
     may_skip_lines = bool(request.quantities) or fewest_expected_headings > 0
-    for separator in SEPARATORS:
+    for separator in SEPARATORS_IN_WORDS:
         for headings in _possible_headings(heading_text, separator):
             columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
             if request.quantities:
@@ -652,7 +652,7 @@ def _lines_below_headings(
     units = [""] * n_columns
     skipped_lines: list[int] = []
     for index, (line_number, text) in enumerate(lines):
-        cells = _cells(text, separator)
+        cells = _cells_of_line(text, separator)
         if _has_number(text, separator, columns.columns_read):
             return _LinesBelowHeadings(units, tuple(skipped_lines), lines[index:])
         unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
@@ -684,7 +684,7 @@ def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) ->
     units = [""] * n_columns
     most_cells_of_units = 0
     for _, text in lines:
-        label, *cells = _cells(text, separator)
+        label, *cells = _cells_of_line(text, separator)
         if not _WORDS_FOR_UNITS.search(normalised_name(label).lower()) or not cells:
             continue
         has_numbers = any(_is_number_or_time(cell, separator) for cell in cells)
@@ -713,7 +713,9 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _is_number_or_time(cell: str, separator: str | None) -> bool:
-    return _number(cell, separator != "," and "," in cell) is not None or is_clock_time(cell)
+    return _number_in_cell(cell, separator != "," and "," in cell) is not None or is_clock_time(
+        cell
+    )
 
 
 def _has_cell_for_each_heading(
@@ -722,7 +724,7 @@ def _has_cell_for_each_heading(
     """Whether a row has a cell for each of `n_headings` headings. Where the separator is no blank,
     the last cells may be left out, but for those of the columns that are read.
     """
-    n_cells = len(_cells(row, separator))
+    n_cells = len(_cells_of_line(row, separator))
     if separator is None:
         return n_cells == n_headings
     return max(columns_read) < n_cells <= n_headings
@@ -730,7 +732,7 @@ def _has_cell_for_each_heading(
 
 def _has_number(row: str, separator: str | None, columns_read: Sequence[int]) -> bool:
     """Whether a column that is read holds a number in this row: the separator is right."""
-    cells = _cells(row, separator)
+    cells = _cells_of_line(row, separator)
     return any(_is_number_or_time(cells[k], separator) for k in columns_read if k < len(cells))
 
 
@@ -823,8 +825,8 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     quantities = request.quantities
     first_text = lines[0][1]
     begins_with_rows = any(
-        len(_cells(first_text, separator)) > 1 and _is_numeric(first_text, separator)
-        for separator in SEPARATORS
+        len(_cells_of_line(first_text, separator)) > 1 and _is_numeric(first_text, separator)
+        for separator in SEPARATORS_IN_WORDS
     )
     if not quantities:
         raise _fault_of_no_names(request, lines[0], begins_with_rows)
@@ -901,7 +903,7 @@ def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bo
     first line must name the columns.
     """
     line_number, text = first_line
-    fault_text = f"it is {shown(text)}"
+    fault_text = f"it is {shortened_repr(text)}"
     if begins_with_rows or _is_numeric(text, None):
         fault_text = "it has numbers only"
     advice = ""
@@ -925,7 +927,8 @@ def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputE
     numbered_quantities = ", ".join(f"{name} = {k}" for k, name in enumerate(quantities, 1))
     return InputError(
         f"{request.path}, line {line_number}: {len(quantities)} numbers"
-        f" ({', '.join(quantities)}) are needed, not {shown(text)}{advice}; or say which by"
+        f" ({', '.join(quantities)}) are needed, not {shortened_repr(text)}{advice}; or say which"
+        " by"
         f" columns = {{{numbered_quantities}}}"
     )
 
@@ -941,12 +944,12 @@ def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
     if not lacking_quantities and len(headings) >= len(quantities):
         return InputError(
             f"{request.path}, line {line_number}: columns: {list_of_quantities} must be of"
-            f" different columns of {shown(text)}"
+            f" different columns of {shortened_repr(text)}"
         )
     # Each quantity has a heading, but there are fewer headings than quantities: name them all.
     quantities_to_state = lacking_quantities or quantities
     stated_headings = [
-        shown(request.stated_columns[name])
+        shortened_repr(request.stated_columns[name])
         for name in lacking_quantities
         if name in request.stated_columns
     ]
@@ -957,7 +960,8 @@ def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
         quantities_to_state,
         headings,
         f"{request.path}, line {line_number}: the columns are {list_of_quantities}, not"
-        f" {shown(text)}: {reason}; say which by columns = {{{quantities_to_state[0]} = ...}}, by"
+        f" {shortened_repr(text)}: {reason}; say which by columns ="
+        f" {{{quantities_to_state[0]} = ...}}, by"
         " its heading or its number from 1 on",
     )
 
@@ -978,9 +982,9 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
         row_index, separator_of_rows, cells_of_row = _first_numeric_row(lines, fewest_cells)
         if cells_of_row:
             break
-    separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS)
+    separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS_IN_WORDS)
     likeliest_line = lines[max(row_index - 1, 0)]
-    if row_index > 1 and _are_units(_cells(likeliest_line[1], separator_of_rows)):
+    if row_index > 1 and _are_units(_cells_of_line(likeliest_line[1], separator_of_rows)):
         likeliest_line = lines[row_index - 2]
     likeliest_headings = max(
         (
@@ -1009,8 +1013,8 @@ def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
     separator and cells; 0, None and no cells where there is none.
     """
     for k, (_, text) in enumerate(lines):
-        for separator in SEPARATORS:
-            cells = _cells(text, separator)
+        for separator in SEPARATORS_IN_WORDS:
+            cells = _cells_of_line(text, separator)
             if _is_numeric(text, separator) and len(cells) >= fewest_cells:
                 return k, separator, cells
     return 0, None, []
@@ -1026,15 +1030,15 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
     """
 
     def has_numbers(text: str, separator: str | None) -> bool:
-        cells = _cells(text, separator)
+        cells = _cells_of_line(text, separator)
         return max(columns) < len(cells) and all(
             _is_number_or_time(cells[column], separator) for column in columns
         )
 
-    for separator in SEPARATORS:
+    for separator in SEPARATORS_IN_WORDS:
         for index, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
             if has_numbers(row, separator) and has_numbers(next_row, separator):
-                return index, separator, _cells(row, separator)
+                return index, separator, _cells_of_line(row, separator)
     return None
 
 
@@ -1078,7 +1082,7 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     for line_number, text in lines:
         if line_number < layout.first_row_line or not ("," in text or "." in text):
             continue
-        cells = _cells(text, layout.separator)
+        cells = _cells_of_line(text, layout.separator)
         cells_read = [cells[k] for k in layout.columns_read if k < len(cells)]
         cells_read = [cell for cell in cells_read if not is_clock_time(cell)]
         has_point = any("." in cell for cell in cells_read)
@@ -1097,9 +1101,9 @@ class _Rows:
     """
 
     values: Array
-    lines: NDArray[np.int64]
+    line_numbers: NDArray[np.int64]
     lines_left_out: tuple[str, ...] = ()
-    clock_start: str = ""
+    first_clock_text: str = ""
 
 
 @dataclass(eq=False)
@@ -1141,8 +1145,9 @@ class _RowReader:
                 continue
             if len(line_numbers) == MOST_ROWS:
                 raise InputError(
-                    f"{self.request.path}: {self.request.kind.role} has more than {MOST_ROWS:,}"
-                    f" rows, the most that are read; {self.request.kind.cure}"
+                    f"{self.request.path}: {self.request.kind.role_of_file} has more than"
+                    f" {MOST_ROWS:,}"
+                    f" rows, the most that are read; {self.request.kind.advice_on_size}"
                 )
             line_numbers.append(number)
             if may_end_in_comment and "#" in text:
@@ -1214,7 +1219,7 @@ def _read_rows(
     except ValueError:
         values = None
     # A cell that is nan or beyond the largest number is a fault too, which needs its line.
-    if values is not None and (np.abs(values) <= LARGEST).all():
+    if values is not None and (np.abs(values) <= LARGEST_NUMBER).all():
         return _Rows(values, np.array(reader.line_numbers, dtype=np.int64))
     return _read_rows_cell_by_cell(request.path, reader.lines(), layout, has_decimal_comma)
 
@@ -1249,11 +1254,11 @@ def _read_rows_cell_by_cell(
     text_since_last_row: list[Line] = []
     lines_with_headings: list[int] = []
     for line_number, text in rows:
-        cells = _cells(text, layout.separator)
+        cells = _cells_of_line(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
             lines_with_headings.append(line_number)
             continue
-        if _is_text(cells, layout, has_decimal_comma):
+        if _is_line_of_text(cells, layout, has_decimal_comma):
             text_since_last_row.append((line_number, text))
             continue
         if text_since_last_row:  # text between rows is at fault: reading it as a row raises
@@ -1271,7 +1276,8 @@ def _read_rows_cell_by_cell(
         n_lines = len(text_since_last_row)
         count_in_words = "1 line" if n_lines == 1 else f"{n_lines} lines"
         lines_left_out.append(
-            f"{count_in_words} behind the rows, from line {first_line} on: {shown(first_text)}"
+            f"{count_in_words} behind the rows, from line {first_line} on:"
+            f" {shortened_repr(first_text)}"
         )
     return _Rows(
         np.array(values).reshape(-1, len(layout.columns_read)),
@@ -1281,13 +1287,13 @@ def _read_rows_cell_by_cell(
     )
 
 
-def _is_text(cells: Sequence[str], layout: _Layout, has_decimal_comma: bool) -> bool:
+def _is_line_of_text(cells: Sequence[str], layout: _Layout, has_decimal_comma: bool) -> bool:
     """Whether a line is text and no row: a word stands in the first column that is read."""
     column = layout.columns_read[0]
     first_cell = cells[column] if column < len(cells) else cells[0]
     return (
         first_cell[:1].isalpha()
-        and _number(first_cell, has_decimal_comma) is None
+        and _number_in_cell(first_cell, has_decimal_comma) is None
         and not is_clock_time(first_cell)
     )
 
@@ -1318,7 +1324,7 @@ def _values_of_row(
     """
     line_number, row_text = line
     names = layout.names
-    cells = _cells(row_text, layout.separator)
+    cells = _cells_of_line(row_text, layout.separator)
     if not _has_cell_for_each_heading(row_text, layout.separator, layout.columns_read, len(names)):
         list_of_names = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
         advice = ""
@@ -1329,19 +1335,19 @@ def _values_of_row(
             )
         raise InputError(
             f"{path}, line {line_number}: {len(names)} numbers ({list_of_names}) are needed, not"
-            f" {shown(row_text)}{advice}"
+            f" {shortened_repr(row_text)}{advice}"
         )
     numbers: list[float] = []
     for column in layout.columns_read:
         cell = cells[column]
-        number = _number(cell, has_decimal_comma)
+        number = _number_in_cell(cell, has_decimal_comma)
         reason_of_clock = ""
         if number is None and column == layout.time_column:
             try:
                 number = clock.seconds(cell)
             except ValueError as reason:
                 reason_of_clock = f": {reason}"
-        if number is None or not abs(number) <= LARGEST:
+        if number is None or not abs(number) <= LARGEST_NUMBER:
             advice = reason_of_clock
             if _GROUPED_DIGITS.match(cell):
                 decimal_sign = "comma" if has_decimal_comma else "point"
@@ -1352,10 +1358,11 @@ def _values_of_row(
             elif not cell:
                 advice = ": fill it in, or take out the line"
             elif column == layout.time_column and not advice:
-                advice = f", nor a time such as {WORDS}"
+                advice = f", nor a time such as {EXAMPLES_OF_CLOCK_TIMES}"
             raise InputError(
-                f"{path}, line {line_number}: {names[column]} = {shown(cell)} is not a finite"
-                f" number of at most {LARGEST:g}{advice}"
+                f"{path}, line {line_number}: {names[column]} = {shortened_repr(cell)} is not a"
+                " finite"
+                f" number of at most {LARGEST_NUMBER:g}{advice}"
             )
         numbers.append(number)
     return numbers

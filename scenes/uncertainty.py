@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from scenes.array_types import Array
 from scenes.bodies import Bodies, Cylinder, Materials
-from scenes.errors import shown
+from scenes.errors import shortened_repr
 from scenes.frozen import Frozen
 from scenes.loads import (
     CallableLoad,
@@ -36,10 +36,10 @@ from scenes.unit_words import Kind, unit_factor
 _LARGEST_SHARE = 0.5
 _LARGEST_ANGLE = 45.0
 # Of the least eigenvalue of a correlation matrix: below minus this it is none.
-_ROUNDING = 1e-9
+_ROUND_OFF_OF_CORRELATION = 1e-9
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
-_PERCENT = ("%", "percent", "per cent")
-_EXAMPLES = {
+_SPELLINGS_OF_PERCENT = ("%", "percent", "per cent")
+_EXAMPLES_BY_KIND = {
     "share": '"5 %"',
     "length": '"1 %" or "0.1 mm"',
     "stress": '"1 %" or "2 GPa"',
@@ -65,7 +65,7 @@ def _parsed_amount(text: str) -> _Amount | None:
     if match is None:
         return None
     unit = match[2] or ""
-    return _Amount(float(match[1]), "%" if unit.lower() in _PERCENT else unit)
+    return _Amount(float(match[1]), "%" if unit.lower() in _SPELLINGS_OF_PERCENT else unit)
 
 
 def _require_amount(kind: AmountKind, value: Any) -> str:
@@ -75,33 +75,35 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
     ValueError, with what to write, for a bare number, for text of another form, for an amount where
     a percentage alone is taken (kind "share"), and for more than half of the value.
     """
-    what_to_write = f"write {_EXAMPLES[kind]}, in quotation marks"
+    what_to_write = f"write {_EXAMPLES_BY_KIND[kind]}, in quotation marks"
     if not isinstance(value, str):
         raise ValueError(
-            f"{shown(value)} is a bare number, which may be a share or an amount; {what_to_write}"
+            f"{shortened_repr(value)} is a bare number, which may be a share or an amount;"
+            f" {what_to_write}"
         )
     amount = _parsed_amount(value)
     if amount is None:
-        raise ValueError(f"{shown(value)} does not begin with a number; {what_to_write}")
+        raise ValueError(f"{shortened_repr(value)} does not begin with a number; {what_to_write}")
     if not amount.unit:
         raise ValueError(
-            f"{shown(value)} has no unit: it may be a share or an amount; {what_to_write}"
+            f"{shortened_repr(value)} has no unit: it may be a share or an amount; {what_to_write}"
         )
     if not 0 < amount.number < math.inf:
         raise ValueError(
-            f"{shown(value)} is not above 0; leave the key out for an input that is known exactly"
+            f"{shortened_repr(value)} is not above 0; leave the key out for an input that is known"
+            " exactly"
         )
     if amount.unit == "%":
         _require_small(amount.number / 100, value)
     elif kind == "share":
-        raise ValueError(f"{shown(value)} is not in per cent; {what_to_write}")
+        raise ValueError(f"{shortened_repr(value)} is not in per cent; {what_to_write}")
     return value.strip()
 
 
 def _require_small(share: float, value: Any) -> None:
     if share > _LARGEST_SHARE:
         raise ValueError(
-            f"{shown(value)} is {100 * share:g} % of the value, and at most"
+            f"{shortened_repr(value)} is {100 * share:g} % of the value, and at most"
             f" {100 * _LARGEST_SHARE:g} % is taken: of an input that is known so badly no"
             " uncertainty of the answer can be stated"
         )
@@ -127,20 +129,20 @@ def _in_degrees(value: Any) -> Any:
     amount = _parsed_amount(value)
     rule = 'write degrees as a number, such as 3.0, or "0.05 rad"'
     if amount is None or not amount.unit:
-        raise ValueError(f"{shown(value)} is no angle with its unit; {rule}")
+        raise ValueError(f"{shortened_repr(value)} is no angle with its unit; {rule}")
     if amount.unit == "%":
-        raise ValueError(f"{shown(value)}: no share of a phase is taken; {rule}")
+        raise ValueError(f"{shortened_repr(value)}: no share of a phase is taken; {rule}")
     try:
         # Angles do not depend on the units of the scene, so that none are given.
         radians_per_unit, _ = unit_factor(amount.unit, "angle", "")
     except ValueError as reason:
-        raise ValueError(f"{shown(value)}: {reason}; {rule}") from reason
+        raise ValueError(f"{shortened_repr(value)}: {reason}; {rule}") from reason
     return math.degrees(amount.number * radians_per_unit)
 
 
-_SHARE = 'standard uncertainty of {}, a share as text, such as "5 %"'
-_SHARE_OR_LENGTH = 'standard uncertainty, as text: "1 %" or "0.1 mm"'
-_SHARE_OR_STRESS = 'standard uncertainty, as text: "1 %" or "2 GPa"'
+_DESCRIPTION_OF_SHARE = 'standard uncertainty of {}, a share as text, such as "5 %"'
+_DESCRIPTION_OF_SHARE_OR_LENGTH = 'standard uncertainty, as text: "1 %" or "0.1 mm"'
+_DESCRIPTION_OF_SHARE_OR_STRESS = 'standard uncertainty, as text: "1 %" or "2 GPa"'
 Share = Annotated[str, BeforeValidator(partial(_require_amount, "share"))]
 Length = Annotated[str, BeforeValidator(partial(_require_amount, "length"))]
 Stress = Annotated[str, BeforeValidator(partial(_require_amount, "stress"))]
@@ -150,20 +152,22 @@ Degrees = Annotated[float, BeforeValidator(_in_degrees), Field(gt=0, le=_LARGEST
 class OfShape(Frozen):
     """Standard uncertainties of the lengths of a profile."""
 
-    radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    flat_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    inner_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    outer_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    inner_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    tip_radius: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    tip_half_length: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    radius: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    flat_half_length: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    inner_radius: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    outer_radius: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    inner_half_length: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    tip_radius: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    tip_half_length: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
 
 
 class OfElastic(Frozen):
     """Standard uncertainties of the constants of one material."""
 
-    young_modulus: Stress | None = Field(None, description=_SHARE_OR_STRESS)
-    poisson_ratio: Share | None = Field(None, description=_SHARE.format("Poisson's ratio"))
+    young_modulus: Stress | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_STRESS)
+    poisson_ratio: Share | None = Field(
+        None, description=_DESCRIPTION_OF_SHARE.format("Poisson's ratio")
+    )
 
 
 class OfMaterials(OfElastic):
@@ -178,15 +182,15 @@ class OfMaterials(OfElastic):
 class OfBody(Frozen):
     """Standard uncertainties of the lengths of one body."""
 
-    height: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    height: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    width: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
     radius: Length | None = Field(
-        None, description=f"of a cylinder, and so of the profile; {_SHARE_OR_LENGTH}"
+        None, description=f"of a cylinder, and so of the profile; {_DESCRIPTION_OF_SHARE_OR_LENGTH}"
     )
-    flange_height: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    stem_width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    shoulder_depth: Length | None = Field(None, description=_SHARE_OR_LENGTH)
-    shoulder_width: Length | None = Field(None, description=_SHARE_OR_LENGTH)
+    flange_height: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    stem_width: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    shoulder_depth: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
+    shoulder_width: Length | None = Field(None, description=_DESCRIPTION_OF_SHARE_OR_LENGTH)
 
 
 class OfPairOfBodies(Frozen):
@@ -199,8 +203,10 @@ class OfPairOfBodies(Frozen):
 class OfRig(Frozen):
     """Standard uncertainties of the springs of a rig."""
 
-    tangential_stiffness: Share | None = Field(None, description=_SHARE.format("k_s"))
-    normal_stiffness: Share | None = Field(None, description=_SHARE.format("k_n"))
+    tangential_stiffness: Share | None = Field(
+        None, description=_DESCRIPTION_OF_SHARE.format("k_s")
+    )
+    normal_stiffness: Share | None = Field(None, description=_DESCRIPTION_OF_SHARE.format("k_n"))
 
 
 class Uncertainty(Frozen):
@@ -211,18 +217,23 @@ class Uncertainty(Frozen):
     2.864788975654116
     """
 
-    friction: Share | None = Field(None, description=_SHARE.format("the coefficient"))
+    friction: Share | None = Field(
+        None, description=_DESCRIPTION_OF_SHARE.format("the coefficient")
+    )
     normal_load: Share | None = Field(
-        None, description=_SHARE.format("P, one scale of all its values")
+        None, description=_DESCRIPTION_OF_SHARE.format("P, one scale of all its values")
     )
     tangential_load: Share | None = Field(
-        None, description=_SHARE.format("Q, one scale of all its values")
+        None, description=_DESCRIPTION_OF_SHARE.format("Q, one scale of all its values")
     )
     approach: Share | None = Field(
-        None, description=_SHARE.format("the approach that is prescribed in the place of P")
+        None,
+        description=_DESCRIPTION_OF_SHARE.format(
+            "the approach that is prescribed in the place of P"
+        ),
     )
     tangential_displacement: Share | None = Field(
-        None, description=_SHARE.format("U that is prescribed in the place of Q")
+        None, description=_DESCRIPTION_OF_SHARE.format("U that is prescribed in the place of Q")
     )
     phase_degrees: Degrees | None = Field(
         None,
@@ -267,7 +278,8 @@ class Uncertainty(Frozen):
             for key in (first_key, second_key):
                 if key not in uncertain_keys:
                     raise ValueError(
-                        f"correlations: {shown(key)} has no standard uncertainty here; stated are"
+                        f"correlations: {shortened_repr(key)} has no standard uncertainty here;"
+                        " stated are"
                         f" {', '.join(uncertain_keys) or 'none'}"
                     )
             if first_key == second_key:
@@ -280,7 +292,10 @@ class Uncertainty(Frozen):
                     f"correlations: {first_key} and {second_key} have two entries: leave one out"
                 )
             pairs_so_far.add(pair)
-        if uncertain_keys and np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUNDING:
+        if (
+            uncertain_keys
+            and np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUND_OFF_OF_CORRELATION
+        ):
             raise ValueError(
                 "correlations: no inputs can have these together (their matrix has a negative"
                 " eigenvalue); state smaller ones"
@@ -469,7 +484,7 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
         # A file's column has a scale to state instead; an uncertainty has none.
         reason_text = str(reason).removesuffix("; use scale")
         raise ValueError(
-            f"uncertainty.{key} = {shown(stated_text)} is refused: {reason_text}; write a"
+            f"uncertainty.{key} = {shortened_repr(stated_text)} is refused: {reason_text}; write a"
             ' share, such as "1 %"'
         ) from reason
     assert value is not None  # loads are stated in per cent

@@ -86,7 +86,7 @@ _SPELLED_UNITS = {
 # Words that are units in brackets and more than that as the last word of a heading: "gap min",
 # "profile h".
 _SHORT_UNITS = ("m", "s", "h", "N", "in", "min", "°")
-_ROUNDING = 1e-6
+_ROUND_OFF_OF_UNITS = 1e-6
 
 Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 """Kinds of columns."""
@@ -121,7 +121,9 @@ def fault_of_units(units: str) -> str:
     force_word, length_word, stress_word = words
     stress_size = UNITS["force"][force_word] / UNITS["length"][length_word] ** 2
     right_words = [
-        word for word, size in UNITS["stress"].items() if abs(size / stress_size - 1) < _ROUNDING
+        word
+        for word, size in UNITS["stress"].items()
+        if abs(size / stress_size - 1) < _ROUND_OFF_OF_UNITS
     ]
     if stress_word in right_words:
         return ""

@@ -31,7 +31,7 @@ from scenes import (
     read_only_copy,
 )
 from scenes.array_types import Array
-from scenes.arrays import LARGEST, real_numbers
+from scenes.arrays import LARGEST_NUMBER, real_numbers
 from semi_analytic.elasticity import coupling_constant
 
 Cycles = Literal["all", "steady"]
@@ -122,7 +122,7 @@ def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
     """A caller's numbers as an array (n,), a single number as (1,); None where none are given.
 
     InputError, with the `name` of the argument, for an empty list and for more than one dimension;
-    also for numbers that are not finite or above `LARGEST`.
+    also for numbers that are not finite or above `LARGEST_NUMBER`.
     """
     if values is None:
         return None
@@ -131,10 +131,10 @@ def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
         raise InputError(
             f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}"
         )
-    unusable_numbers = array[~(np.abs(array) <= LARGEST)]
+    unusable_numbers = array[~(np.abs(array) <= LARGEST_NUMBER)]
     if len(unusable_numbers):
         raise InputError(
-            f"{name}: a list of finite numbers is needed, each at most {LARGEST:g}, and"
+            f"{name}: a list of finite numbers is needed, each at most {LARGEST_NUMBER:g}, and"
             f" {unusable_numbers[0]} is none"
         )
     return array

@@ -39,7 +39,7 @@ from scenes import (
     Wedge,
 )
 from scenes.array_types import Array
-from scenes.arrays import LARGEST, real_numbers
+from scenes.arrays import LARGEST_NUMBER, real_numbers
 from scenes.frozen import Frozen, validated
 from semi_analytic.answer import neglected_coupling
 from semi_analytic.body_numbers import checked_effects
@@ -537,7 +537,7 @@ _MEMBERS_AT_ONCE = 16384
 # `steady_ellipse`. There it loses 6e-11 of W by formulas, 1e-12 by the table.
 _DEEP_SLIP_LOAD_SHARE = 0.02
 _DEEP_SLIP_LOAD_SHARE_ON_TABLE = 0.04
-_LEAST_PARAMETER = 1 / LARGEST
+_LEAST_PARAMETER = 1 / LARGEST_NUMBER
 _BODY_OF_UNIT_MODULUS = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
 
@@ -1218,11 +1218,11 @@ def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
     """Whether a member has loads or an f that are NaN or too large to be squared, negative where
     they must not be, or a P0 that is too small to be squared: (m,).
     """
-    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in loads])
+    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST_NUMBER for values in loads])
     is_negative = (
         (loads.normal_amplitude < 0) | (loads.tangential_amplitude < 0) | (loads.friction < 0)
     )
-    return np.asarray(~admitted | (loads.mean_normal < 1 / LARGEST) | is_negative)
+    return np.asarray(~admitted | (loads.mean_normal < 1 / LARGEST_NUMBER) | is_negative)
 
 
 def _is_beyond_units(
@@ -1234,7 +1234,7 @@ def _is_beyond_units(
     with np.errstate(all="ignore"):
         _, height, *_ = _UNITS_AND_RATIOS[kind](*parameters)
         load = mean_normal_load / modulus / height
-    return ~((load >= 1 / LARGEST) & (load <= LARGEST))
+    return ~((load >= 1 / LARGEST_NUMBER) & (load <= LARGEST_NUMBER))
 
 
 def _reasons_of_loads(
@@ -1404,9 +1404,9 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     if kind == "power_law":
         least_values = (1.0, _LEAST_PARAMETER, _LEAST_PARAMETER)
     elif kind == "polynomial":
-        least_values = (_LEAST_PARAMETER, *[-LARGEST] * (len(parameters) - 1))
+        least_values = (_LEAST_PARAMETER, *[-LARGEST_NUMBER] * (len(parameters) - 1))
     is_in_range = [
-        (values >= least_value) & (values <= LARGEST)
+        (values >= least_value) & (values <= LARGEST_NUMBER)
         for values, least_value in zip(parameters, least_values, strict=True)
     ]
     is_invalid = ~np.logical_and.reduce(is_in_range)

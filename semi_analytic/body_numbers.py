@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 
 from scenes import BodyEffects, Estimate, InputError
-from scenes.arrays import LARGEST
+from scenes.arrays import LARGEST_NUMBER
 from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
 NEXT_ORDER = ("normal_fourth", "tangential_fourth", "normal_mixed", "tangential_mixed")
@@ -48,11 +48,11 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
             continue
         value = np.asarray(number.value)
         is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
-        if not (is_number and abs(float(value.real)) <= LARGEST):
+        if not (is_number and abs(float(value.real)) <= LARGEST_NUMBER):
             raise InputError(
                 f"effects.{field.name}: a finite number is needed, not {number.value!r}"
             )
-    if not 0 < effects.datum_length <= LARGEST:
+    if not 0 < effects.datum_length <= LARGEST_NUMBER:
         raise InputError(
             f"effects.datum_length: a length above 0 is needed, not {effects.datum_length!r}"
         )

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, NotFoundError
 from scenes.array_types import Array
-from scenes.segments import LEAST
+from scenes.segments import LEAST_LOAD_CHANGE
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
@@ -428,13 +428,13 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
     change_of_load = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
-    if change_of_load >= LEAST:
+    if change_of_load >= LEAST_LOAD_CHANGE:
         time_of_touch = np.where(
             edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
         )
         return np.maximum(begin_time, time_of_touch), end_of_span
     contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
-    end_time = time_of_contact_edge if change_of_load <= -LEAST else end_of_span
+    end_time = time_of_contact_edge if change_of_load <= -LEAST_LOAD_CHANGE else end_of_span
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
 
 

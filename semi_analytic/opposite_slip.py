@@ -291,7 +291,7 @@ class OppositeSlip(TiltedProfile):
         return side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x) at the constant load, with the sign of `slip_direction_at`: q/f where x slips [stress]."""
+        """p(x) at the constant load, with its sign of slip: q/f where x slips [stress]."""
         _, middle, half_width = self._contact
         pressure = self.shape.pressure(
             np.asarray(x, dtype=float), np.array(middle), np.array(half_width)

@@ -136,7 +136,7 @@ def noisy(values: np.ndarray, size: float, seed: int) -> np.ndarray:
     return np.where(values != 0, values + noise, 0.0)
 
 
-def shown(p: np.ndarray, q: np.ndarray) -> list[Diagnosis]:
+def shortened_repr(p: np.ndarray, q: np.ndarray) -> list[Diagnosis]:
     """The problems that rows show, where no cause of the suite is known."""
     fields = {"pressure": p, "shear": q}
     surface = surface_result("arrays", "", X, fields, {"time": TIME})
@@ -149,7 +149,7 @@ def shown(p: np.ndarray, q: np.ndarray) -> list[Diagnosis]:
 @pytest.mark.parametrize("key", PROBLEMS)
 def test_the_rows_of_a_problem_show_that_problem(key: str, noise: float) -> None:
     p, q = PROBLEMS[key]()
-    (diagnosis,) = shown(noisy(p, noise, 1), noisy(q, noise, 2))
+    (diagnosis,) = shortened_repr(noisy(p, noise, 1), noisy(q, noise, 2))
     assert diagnosis.fault == key
     assert diagnosis.sentence.startswith(WORDS["other_problem"])
     assert "{" not in diagnosis.sentence
@@ -236,13 +236,13 @@ def test_a_fault_or_a_mesh_is_no_problem_of_its_own(
     make: Callable[[], Tractions], noise: float
 ) -> None:
     p, q = make()
-    assert shown(noisy(p, noise, 1), noisy(q, noise, 2)) == []
+    assert shortened_repr(noisy(p, noise, 1), noisy(q, noise, 2)) == []
 
 
 def test_a_cause_of_the_suite_goes_before_another_problem() -> None:
     """A cylinder 4/pi times as stiff has the slope of a sphere, and P for the sum of its rows."""
     p, q = stiffer_cylinder()
-    assert [diagnosis.fault for diagnosis in shown(p, q)] == ["sphere"]
+    assert [diagnosis.fault for diagnosis in shortened_repr(p, q)] == ["sphere"]
     report = score(X, p, q, scene=CATTANEO, time=TIME)
     assert [diagnosis.fault for diagnosis in report.diagnoses] == ["stiffness"]
 
@@ -250,4 +250,4 @@ def test_a_cause_of_the_suite_goes_before_another_problem() -> None:
 def test_noise_alone_shows_no_problem() -> None:
     for seed in range(5):
         p, q = THEORY.pressure, THEORY.shear
-        assert shown(noisy(p, 0.05, seed), noisy(q, 0.05, seed + 100)) == []
+        assert shortened_repr(noisy(p, 0.05, seed), noisy(q, 0.05, seed + 100)) == []

@@ -64,7 +64,7 @@ def test_search_for_a_largest_value_ends_once_it_is_found(name: str) -> None:
         calls.append(x)
         return function(x)
 
-    found, _ = largest_values._largest_value(counted, np.array([0.0, 1.0]))
+    found, _ = largest_values._largest_value_and_place(counted, np.array([0.0, 1.0]))
     assert found == pytest.approx(largest, rel=1e-10, abs=0)
     assert len(calls) <= most_calls
 
@@ -180,7 +180,7 @@ def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_
         everywhere_looked_at.setattr(largest_values, "_PLACES_AT_FIRST", 10_000)
         everywhere = semi_analytic.extremes(steps)
     looked_at: list[int] = []
-    search = largest_values._largest_value
+    search = largest_values._largest_value_and_place
 
     def counted(values: Any, marks: Any, *arguments: Any, **keywords: Any) -> Any:
         looked_at.append(len(marks))

@@ -46,11 +46,11 @@ def read(source: str, *, may_prescribe_displacements: bool = False) -> Scene:
     """
     from reports.checking import require_admissible
     from scenes import InputError, load_scene
-    from scenes.loads import DRIVEN
+    from scenes.loads import REFUSAL_OF_DISPLACEMENTS
 
     scene = load_scene(source)
     if scene.load.is_driven and not may_prescribe_displacements:
-        raise InputError(f"{source}: {DRIVEN}")
+        raise InputError(f"{source}: {REFUSAL_OF_DISPLACEMENTS}")
     require_admissible(scene, source)
     return scene
 

@@ -20,8 +20,8 @@ from reports.scoring.mapping import Mapping, Quantity, converted, find_column, l
 from scenes import InputError
 from scenes.array_types import Array
 from scenes.column_names import normalised_name
-from scenes.errors import shown
-from scenes.files import LARGEST_TEXT, check_size
+from scenes.errors import shortened_repr
+from scenes.files import LARGEST_TEXT_BYTES, check_size
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,7 +96,7 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
         several surfaces in contact.
     """
     check_size(
-        path, "the result", LARGEST_TEXT, "write the contact surface alone, and fewer frames"
+        path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )
     blocks = list(_blocks(path))
     if not blocks:
@@ -333,7 +333,8 @@ def _numbers(place: str, row: str, names: list[str]) -> list[float]:
     cells = row.split()
     if len(cells) != len(names):
         raise InputError(
-            f"{place}: {len(names)} values ({', '.join(names[:6])}) are needed, not {shown(row)}"
+            f"{place}: {len(names)} values ({', '.join(names[:6])}) are needed, not"
+            f" {shortened_repr(row)}"
         )
     numbers = []
     for name, cell in zip(names, cells, strict=True):
@@ -342,7 +343,7 @@ def _numbers(place: str, row: str, names: list[str]) -> list[float]:
         except ValueError:
             number = np.nan
         if not np.isfinite(number):
-            raise InputError(f"{place}: {name} = {shown(cell)} is not a finite number")
+            raise InputError(f"{place}: {name} = {shortened_repr(cell)} is not a finite number")
         numbers.append(number)
     return numbers
 

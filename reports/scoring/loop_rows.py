@@ -75,7 +75,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             is_expected_heading=_is_known_heading,
             example="U,Q",
             keys_by_number=_KEYS_BY_NUMBER,
-            numbered=_takes_columns_by_number(mapping),
+            may_lack_headings=_takes_columns_by_number(mapping),
         ),
     )
     names = table.names
@@ -105,7 +105,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     if len(rows_before_fall):
         row_of_fall = int(rows_before_fall[0]) + 1
         raise InputError(
-            f"{file_name}, line {table.lines[row_of_fall]}: {time_name} ="
+            f"{file_name}, line {table.line_numbers[row_of_fall]}: {time_name} ="
             f" {instants[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
         )
     read_as = layout_in_words(path, table)

@@ -104,8 +104,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     table = text_table(
         path,
         kind=TableKind(
-            role="the result",
-            cure="write the contact surface alone, and fewer instants",
+            role_of_file="the result",
+            advice_on_size="write the contact surface alone, and fewer instants",
             is_expected_heading=lambda name: (
                 _read_heading(name, mapping).quantity is not None
                 or normalised_name(name) in _KNOWN_HEADINGS
@@ -183,7 +183,10 @@ def _with_places_of_outliers(
         outliers.append(
             replace(
                 outlier,
-                place=f"line {table.lines[row]}, column {table.names[column]!r} ({outlier.place})",
+                place=(
+                    f"line {table.line_numbers[row]}, column {table.names[column]!r}"
+                    f" ({outlier.place})"
+                ),
                 number_in_file=float(table.values[row, column]),
             )
         )

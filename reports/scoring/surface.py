@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from reports.comparison.isolated import spikes
 from scenes import InputError, read_only_copy
 from scenes.array_types import Array
-from scenes.arrays import LARGEST
+from scenes.arrays import LARGEST_NUMBER
 from scenes.measured import ReadAs
 
 Integers = NDArray[np.int64]
@@ -169,7 +169,7 @@ def surface_result(
 
 def _refuse_no_numbers(source: str, name: str, values: Array) -> None:
     """InputError where a value is not finite, or too large to be squared."""
-    bad_places = np.argwhere(~(np.abs(values) <= LARGEST))
+    bad_places = np.argwhere(~(np.abs(values) <= LARGEST_NUMBER))
     if not len(bad_places):
         return
     first = bad_places[0] + 1

@@ -27,7 +27,7 @@ import pandas as pd
 from reports.charts.templating import table_text
 from reports.folder import remove_left_behind, replace_file
 from scenes import InputError
-from scenes.errors import shown
+from scenes.errors import shortened_repr
 from scenes.files import parsed_json
 
 _FORMAT = "halfplane sweep 1"
@@ -162,7 +162,7 @@ class Store:
             ]
             for point in points:  # an address becomes the name of a file
                 if not _ADDRESS.fullmatch(point.address):
-                    raise ValueError(f"{shown(point.address)} is no address of a result")
+                    raise ValueError(f"{shortened_repr(point.address)} is no address of a result")
             return _without_unused_keys(stored_plan["study"]), tuple(points)
         except FileNotFoundError:
             cure = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
