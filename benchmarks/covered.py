@@ -63,7 +63,7 @@ from reports import Comparison, compare
 from reports.comparison.budget import (
     Budget,
     ErrorBudget,
-    coarser_settings,
+    coarser_mesh_and_settings,
     error_budget,
     solve_refinements,
     theory_on_steps,
@@ -130,7 +130,7 @@ def budgeted(scene: Scene, mesh: MeshSettings = COARSE) -> ErrorBudget:
 def headlines(budget: ErrorBudget) -> list[Budget]:
     """What the first table shows and is more than round-off error."""
     return [
-        term for term in budget.budgets if term.metric.headline and abs(term.total) > ROUNDED_OFF
+        term for term in budget.budgets if term.metric.headline and abs(term.error) > ROUNDED_OFF
     ]
 
 
@@ -152,7 +152,9 @@ def budgets() -> Iterator[Row]:
     yield Row(
         "budget: share not covered by the stated uncertainty", len(missed) / len(known), 0.05, how
     )
-    thin = sum(abs(term.rest) > (term.uncertainty or 0.0) / 10 for _, term in known) / len(known)
+    thin = sum(abs(term.rest_of_error) > (term.uncertainty or 0.0) / 10 for _, term in known) / len(
+        known
+    )
     yield Row(
         "budget: ... by a tenth of it",
         thin,
@@ -161,7 +163,7 @@ def budgets() -> Iterator[Row]:
     )
 
     def sharpness(terms: list[Budget]) -> float:
-        return float(np.median([(term.uncertainty or 0.0) / abs(term.total) for term in terms]))
+        return float(np.median([(term.uncertainty or 0.0) / abs(term.error) for term in terms]))
 
     yield Row(
         "budget: u over |E|, median", sharpness([term for _, term in known]), None, "sharpness"
@@ -179,7 +181,7 @@ def budgets() -> Iterator[Row]:
             None,
             how,
         )
-    ratios = {name: budget.cost for name, budget in library.items()}
+    ratios = {name: budget.cpu_time_ratio for name, budget in library.items()}
     worst = max(ratios, key=ratios.__getitem__)
     yield Row(
         "budget, twice the default sizes: cost over the plain run, worst scene",
@@ -191,13 +193,13 @@ def budgets() -> Iterator[Row]:
         how = "CPU time; default mesh; every body condensed anew"
         yield Row(
             f"budget of {name}: cost over the plain run",
-            budgeted(scenes[name], MESH).cost,
+            budgeted(scenes[name], MESH).cpu_time_ratio,
             4.0,
             how,
         )
     # The far-field runs stand on 4 h: doubling L there and on the run's mesh.
     for label, factor in (("h", 1.0), ("4h", 4.0)):
-        cut, _ = coarser_settings(COARSE, STEPS, factor)
+        cut, _ = coarser_mesh_and_settings(COARSE, STEPS, factor)
         paper = scenes["hertz-paper"]
         near, far = (
             values_without_step_error(plain(paper, replace(cut, far_radius=radius)))
@@ -224,7 +226,7 @@ def real_bodies(scenes: list[Scene]) -> Row:
         fine = values_without_step_error(plain(scene, MESH))
         for term in headlines(budgeted(scene)):
             if (truth := fine.get(term.metric.key)) is not None and term.uncertainty is not None:
-                inside = abs(term.rest - truth) <= term.uncertainty
+                inside = abs(term.rest_of_error - truth) <= term.uncertainty
                 covered = covered + inside
                 missed = missed + ([] if inside else [f"{scene.name} {term.metric.key}"])
     how = (
@@ -364,7 +366,7 @@ class Found(NamedTuple):
         parts = {
             term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in budget.terms
         }
-        parts["model"] = abs(budget.rest) if budget.is_resolved else 0.0
+        parts["model"] = abs(budget.rest_of_error) if budget.is_resolved else 0.0
         return max(parts, key=parts.__getitem__)
 
 
@@ -395,7 +397,7 @@ def with_fault(fault: Fault) -> Found:
         if not any(part in key for part in LEFT_OUT):
             known[key] = term
     return Found(
-        {key: term_of_key.total for key, term_of_key in known.items()}
+        {key: term_of_key.error for key, term_of_key in known.items()}
         | {STEP: comparison.metric(STEP).value or 0.0},
         known,
     )

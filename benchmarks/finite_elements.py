@@ -20,7 +20,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings
 from meshes import MeshSettings
-from reports.comparison.work_of_loads import on_straight_steps
+from reports.comparison.work_of_loads import solution_on_straight_steps
 from scenes import Block, Bodies, ContactSolution, PolygonLoad, Scene, load_scene
 
 FREE = float("inf")
@@ -139,7 +139,8 @@ def measure(name: str, setting: Setting, truth: float | None = None) -> dict[str
     )
     return errors | {
         "error": answer.dissipation / truth - 1,
-        "mesh": (straight := on_straight_steps(answer).dissipation) / stepped.dissipation - 1,
+        "mesh": (straight := solution_on_straight_steps(answer).dissipation) / stepped.dissipation
+        - 1,
         "steps": stepped.dissipation / straight * answer.dissipation / truth - 1,
         "shear": float(np.sqrt(np.mean(off / size))),
         "loop": float(answer.loop_work - loop) / truth,

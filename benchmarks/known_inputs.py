@@ -36,7 +36,7 @@ def of_blocks() -> Iterator[Row]:
     found = input_effects(scene, effects)
     assert found is not None
     work = found.values[WORK]
-    yield Row("blocks: W, inputs", 100 * work.relative, None, WORDS, "%")
+    yield Row("blocks: W, inputs", 100 * work.relative_uncertainty, None, WORDS, "%")
     for key, name in (("tangential_load", "Q"), ("phase_degrees", "phase")):
         share = 100 * abs(work.changes[key].value) / work.value
         yield Row(f"blocks: W, {name} alone", share, None, WORDS, "%")

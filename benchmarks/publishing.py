@@ -29,15 +29,15 @@ from reports.comparison import words
 from reports.comparison.findings import (
     NAMES_OF_COUNTS,
     SAME,
-    Findings,
-    difference,
-    findings_of_content,
-    findings_of_solution,
+    RunValues,
+    difference_of_runs,
+    run_values_of_content,
+    run_values_of_solution,
 )
 from reports.comparison.laws import QUANTITIES
 from reports.comparison.measures import Measured
 from reports.comparison.metrics import METRICS, Metric, tolerances_of
-from reports.comparison.pairs import are_half_planes, name_of
+from reports.comparison.pairs import are_half_planes, engine_in_words
 from reports.comparison.verdicts import verdict_on
 from reports.console import say
 from reports.folder import replace_text
@@ -78,7 +78,7 @@ def compute(name: str) -> Comparison:
     )
 
 
-def half_plane_findings(name: str) -> Findings:
+def half_plane_findings(name: str) -> RunValues:
     """The figures of the half-plane engine on its own points and instants: no mesh, so quick enough
     for every test run.
     """
@@ -88,7 +88,7 @@ def half_plane_findings(name: str) -> Findings:
     solution = semi_analytic.solve(
         scene, fields=("loop_work", "pressure", "tangential_displacement")
     )
-    theory_findings = findings_of_solution(solution, name)
+    theory_findings = run_values_of_solution(solution, name)
     return replace(theory_findings, figures=_with_expected(theory_findings.figures, solution))
 
 
@@ -96,18 +96,18 @@ def _with_expected(
     figures: Mapping[str, float | None], solution: ContactSolution
 ) -> dict[str, float | None]:
     """The figures of an engine, and what the scene expects of it beside them."""
-    engine = name_of(solution.engine)
+    engine = engine_in_words(solution.engine)
     known = dict(figures)
     for expected in solution.scene.expected:
         if expected.engine == engine:
             known.setdefault(
                 f"{solution.engine}.{expected.quantity}",
-                QUANTITIES[expected.quantity].compute(solution),
+                QUANTITIES[expected.quantity].value_of(solution),
             )
     return known
 
 
-def findings(comparison: Comparison) -> Findings:
+def findings(comparison: Comparison) -> RunValues:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its
     own points.
     """
@@ -115,7 +115,7 @@ def findings(comparison: Comparison) -> Findings:
     from reports.report import Report
 
     name = comparison.scene.name
-    of_both = findings_of_content(json.loads(as_json(Report(comparison))), name)
+    of_both = run_values_of_content(json.loads(as_json(Report(comparison))), name)
     alone = half_plane_findings(name)
     if of_both.unfinished:
         raise InputError(
@@ -125,7 +125,7 @@ def findings(comparison: Comparison) -> Findings:
         key: value for key, value in of_both.figures.items() if not key.startswith("semi_analytic.")
     }
     chosen_findings = _with_expected(chosen_findings, comparison.result)
-    return Findings(
+    return RunValues(
         name,
         of_both.scene,
         chosen_findings | dict(alone.figures),
@@ -243,10 +243,12 @@ def published() -> dict[str, dict[str, Any]]:
     }
 
 
-def frozen(name: str, stored: Mapping[str, Any]) -> Findings:
+def frozen(name: str, stored: Mapping[str, Any]) -> RunValues:
     """The frozen figures of a scene, for a comparison with those of now."""
     source = case_table.file_of(name).name
-    return Findings(source, load_scene(name), stored["frozen"], {}, tolerances=stored["tolerances"])
+    return RunValues(
+        source, load_scene(name), stored["frozen"], {}, tolerances=stored["tolerances"]
+    )
 
 
 # ---------------------------------------------------------------------------------------- the pages
@@ -272,7 +274,11 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
                 None,
                 (
                     of(scene)
-                    for of in (words.bodies_in_words, words.unlike_materials, words.idealisation)
+                    for of in (
+                        words.bodies_in_words,
+                        words.unlike_materials_in_words,
+                        words.idealisation_in_words,
+                    )
                 ),
             )
         ),
@@ -285,7 +291,7 @@ def page(name: str, stored: Mapping[str, Any]) -> str:
         ],
         external=_external_rows(scene, stored),
         roller=_causes(scene, stored["frozen"]),
-        engines=[name_of(engine) for engine in _ENGINES],
+        engines=[engine_in_words(engine) for engine in _ENGINES],
         frozen=_frozen_rows(scene, stored["frozen"]),
     )
 
@@ -350,7 +356,7 @@ def _external_rows(scene: Scene, stored: Mapping[str, Any]) -> Iterator[tuple[st
         off = error_of(reference, stored["frozen"], scene, stored["largest_normal_load"])
         theirs = str(reference.value)
         yield (
-            f"{QUANTITIES[reference.quantity].words}, {name_of(_PARTS[reference.run])}",
+            f"{QUANTITIES[reference.quantity].words}, {engine_in_words(_PARTS[reference.run])}",
             _number(stored["frozen"][key_of(reference)]),
             theirs if len(theirs) < 20 else f"{theirs[:20]}…",
             minus(f"{off:+.1e}"),
@@ -429,7 +435,7 @@ def _frozen_rows(scene: Scene, figures: Mapping[str, float | None]) -> Iterator[
                 else quantity.words
             )
             yield (
-                f"{named} [{words.shown_unit(scene, quantity.kind)[1]}]",
+                f"{named} [{words.factor_and_unit_shown(scene, quantity.kind)[1]}]",
                 *(_number(figures.get(key)) for key in keys),
             )
     for count in NAMES_OF_COUNTS:
@@ -500,7 +506,7 @@ def changes(before: Mapping[str, Case], now: Mapping[str, Case]) -> dict[str, st
     name = next(iter(now.values())).scene
     old = content_of(before)
     new = content_of(now)
-    rows = difference(frozen(name, old), frozen(name, new)).rows
+    rows = difference_of_runs(frozen(name, old), frozen(name, new)).rows
     changed = {row.key: row.verdict for row in rows if row.verdict != SAME}
     for key in before.keys() & now.keys() - changed.keys():
         if before[key].more != now[key].more:

@@ -22,7 +22,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution
 from halfplane_fe.body_fields import edge_tension
 from meshes import MeshSettings
-from reports.comparison.measures import norm
+from reports.comparison.measures import l2_norm
 from scenes import OPEN, ContactSolution, ConvergenceError, InputError, Scene, load_scene
 from scenes.solution import range_of_slip
 from semi_analytic.profiles import contact_of
@@ -255,12 +255,12 @@ def _norms(
     cycle = answer.last_cycle
     loaded = np.zeros(len(answer.time), dtype=bool)
     loaded[cycle] = answer.normal_load[cycle] > 0
-    norm_of_p = norm(answer.x, theory.pressure[loaded])
+    norm_of_p = l2_norm(answer.x, theory.pressure[loaded])
     names = {"p, L2": ("pressure", 1.0), "q, L2": ("shear", friction)}
     errors = {}
     for words, (name, unit) in names.items():
         difference = getattr(answer, name)[loaded] - getattr(theory, name)[loaded]
-        largest = float(np.max(norm(answer.x, difference) / (unit * norm_of_p)))
+        largest = float(np.max(l2_norm(answer.x, difference) / (unit * norm_of_p)))
         errors[words] = (largest, 0.0, answer.uncertainties[name])
     return errors
 

@@ -26,8 +26,8 @@ from reports import Comparison, compare, score
 from reports.comparison.dimensionless import scales
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
-from reports.scoring.solution import friction_work, zones
+from reports.scoring.reading import read_result
+from reports.scoring.solution import friction_work, zones_of_tractions
 from reports.scoring.traces import NOISE, UNKNOWN
 from reports.scoring.variants import scene_with_friction, scene_with_modulus_factor
 from scenes import Bodies, ContactSolution, EllipseLoad, Materials, Scene, load_scene
@@ -298,7 +298,7 @@ def rules() -> Iterator[Row]:
     )
     fe = halfplane_fe.solve(scene)
     exact = semi_analytic.solve(scene, x=fe.x, time=fe.time[fe.last_cycle])
-    zones_found = zones(
+    zones_found = zones_of_tractions(
         exact.x, exact.pressure, exact.shear, None, scene.friction.coefficient, exact.time
     )
     off = (
@@ -317,7 +317,7 @@ def rules() -> Iterator[Row]:
     ):
         for suffix in suffixes:
             file = ROOT / "tests" / "data" / f"{kind.replace(' ', '-')}{suffix}"
-            deck = read(file, Mapping())
+            deck = read_result(file, Mapping())
             share = float(np.trapezoid(deck.pressure[-1], deck.x) / DECK_LOAD - 1)
             how = f"tests/data/{file.name}, last instant; trapezia over the pressures"
             yield Row(f"{kind}, {suffix}: adds up to P, off by", 100 * share, None, how, "%")

@@ -54,20 +54,18 @@ def measured(scene: str, settings: DeckSettings) -> dict[str, Any]:
     """What CalculiX gives for a deck, for JSON; a metric that has no value is null."""
     begun = time.perf_counter()
     third = solve_with_calculix(load_scene(scene), settings, Stages(quiet=True))
-    settings_done = third.done
+    run_record = third.run_record
     errors = {}
     for key in ("peak_pressure", "pressure", "shear", "dissipation") if third.comparison else ():
         value = third.comparison.metric(key).value
         errors[key] = None if value is None else float(f"{value:.4g}")
     return {
         "code": third.code,
-        "nodes": third.deck.reference,
+        "nodes": third.deck.reference_node,
         "instants": len(third.deck.time) - 1,
-        "seconds": round(
-            settings_done.seconds if settings_done else time.perf_counter() - begun, 1
-        ),
-        "increments": settings_done.increments if settings_done else None,
-        "iterations": settings_done.iterations if settings_done else None,
+        "seconds": round(run_record.seconds if run_record else time.perf_counter() - begun, 1),
+        "increments": run_record.increments if run_record else None,
+        "iterations": run_record.iterations if run_record else None,
         "failure": third.failure,
         "errors": errors,
     }

@@ -146,9 +146,9 @@ def limit_values() -> dict[str, str]:
         "TOML": files.LARGEST_TOML_BYTES,
         "text": files.LARGEST_TEXT_BYTES,
         "NetCDF": netcdf.LARGEST_SOLUTION_BYTES,
-        "fields": field_files.LARGEST,
-        "unpacked": field_files.UNPACKED,
-        ".frd and .dat": calculix_files.LARGEST,
+        "fields": field_files.MOST_BYTES_OF_FILE,
+        "unpacked": field_files.MOST_UNPACKED_BYTES,
+        ".frd and .dat": calculix_files.MOST_BYTES_OF_FILE,
     }
     counts = {
         "rows": text_tables.MOST_ROWS,

@@ -51,7 +51,7 @@ class KernelAdvice:
 
     def __repr__(self) -> str:
         """The sentence that `halfplane advise` begins with."""
-        return sentence(self)
+        return advice_in_words(self)
 
     @property
     def work(self) -> Estimate:
@@ -201,7 +201,7 @@ def _reason_in_few_words(advice: KernelAdvice) -> str:
     return advice.reason_for_kernels
 
 
-def sentence(advice: KernelAdvice) -> str:
+def advice_in_words(advice: KernelAdvice) -> str:
     """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
     whether that is within the limit, and what to do.
     """

@@ -145,7 +145,7 @@ class Advice:
             for key, change in self.changes.items()
             if key != WORK and math.isfinite(change.relative_change.value)
         ]
-        return f"{sentence(self)}\n  {', '.join(changes)}"
+        return f"{advice_in_words(self)}\n  {', '.join(changes)}"
 
     @property
     def work(self) -> Estimate:
@@ -255,8 +255,8 @@ def advise_by_numbers(
     exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
-        theory_value = QUANTITIES[name].compute(theory)
-        change = QUANTITIES[name].compute(corrected_solution) / theory_value - 1
+        theory_value = QUANTITIES[name].value_of(theory)
+        change = QUANTITIES[name].value_of(corrected_solution) / theory_value - 1
         uncertainty = abs(change) * max(uncertain_fraction_by_curvature.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
@@ -469,10 +469,10 @@ def _coarser_mesh_and_settings(comparison: JudgedPair) -> tuple[MeshSettings, So
     it takes a third of the time, and the parts are uncertain by some 1e-3.
     """
     from halfplane_fe import SolverSettings
-    from reports.comparison.budget import coarser_settings
+    from reports.comparison.budget import coarser_mesh_and_settings
 
     mesh = MeshSettings(**comparison.result.settings["mesh"])
-    return coarser_settings(mesh, SolverSettings(), _ELEMENT_SIZE_RATIO)
+    return coarser_mesh_and_settings(mesh, SolverSettings(), _ELEMENT_SIZE_RATIO)
 
 
 # Key of an answer -> key of the quantity in `laws.QUANTITIES`, which has it on the points that
@@ -592,7 +592,7 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
     return tilt, strain
 
 
-def sentence(advice: Advice) -> str:
+def advice_in_words(advice: Advice) -> str:
     """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
     what makes the error, whether that is within the limit, and what to do.
     """

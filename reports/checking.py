@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reports.charts.templating import in_template
-from reports.comparison.work_of_loads import bulk_strains
+from reports.comparison.work_of_loads import bulk_strains_per_stress
 from reports.record_parts import sliding_rows_in_words
 from reports.units import load_unit, number, units
 from scenes import (
@@ -639,7 +639,7 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
 
     path = scene.load.path()
     # of the lower body positive, of the upper body negative
-    strain_per_stress = bulk_strains(scene.material)
+    strain_per_stress = bulk_strains_per_stress(scene.material)
     samples = []
     for segment in (*path.initial_loading, *path.cycle):
         time = sampled_times(segment, 129)

@@ -256,7 +256,8 @@ class _Layout(NamedTuple):
 
 def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
     """The layout of a table within `total_width`, its first row being the heads: the widest in
-    which no cell needs a second line. Where there is none, the layout with the fewest lines.
+    which no cell needs a second line. Where there is none, the layout with the fewest lines; one
+    without columns where no layout is as narrow as that.
 
     >>> _layout([("a head", "b"), ("12 words", "c")], 12)
     _Layout(blanks=0, has_outer_rules=True, widths=[8, 1])

@@ -37,7 +37,7 @@ _MACHINE_CODE = hashlib.sha256(f"{platform.node()} {_CONTAINER}".encode()).hexdi
 _HIDDEN_NAME = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
 # Seconds without a change after which a hidden folder counts as abandoned, where it is not known
 # whether its process lives.
-_AGE_OF_REMAINS = 86400.0
+_SECONDS_UNTIL_ABANDONED = 86400.0
 
 
 def _hidden_folder(writable_parent: Path, preferred_parent: Path) -> Path:
@@ -50,14 +50,14 @@ def _hidden_folder(writable_parent: Path, preferred_parent: Path) -> Path:
         Where it can't be made.
     """
     with interrupts_wait():
-        path = Path(tempfile.mkdtemp(prefix=_prefix(), dir=writable_parent))
+        path = Path(tempfile.mkdtemp(prefix=_prefix_of_hidden_names(), dir=writable_parent))
         if writable_parent != preferred_parent:
             with suppress(OSError):  # another disk, or a folder of another user
                 path = path.rename(preferred_parent / path.name)
     return path
 
 
-def _prefix() -> str:
+def _prefix_of_hidden_names() -> str:
     """Start of a hidden name: the program, the machine, and the number of this process."""
     return f".halfplane-{_MACHINE_CODE}-{os.getpid()}-"
 
@@ -79,7 +79,9 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     OSError
         Where it can't be written; the old file stays.
     """
-    handle, name = tempfile.mkstemp(prefix=_prefix(), dir=Path(os.path.realpath(path)).parent)
+    handle, name = tempfile.mkstemp(
+        prefix=_prefix_of_hidden_names(), dir=Path(os.path.realpath(path)).parent
+    )
     os.close(handle)
     files.replace_file(path, content, Path(name))
 
@@ -138,7 +140,7 @@ def _is_abandoned(path: Path) -> bool:
         if machine == _MACHINE_CODE and process:
             return _has_ended(int(process))
     last_change = max(inner_path.stat().st_mtime for inner_path in (path, *path.rglob("*")))
-    return time.time() - last_change > _AGE_OF_REMAINS
+    return time.time() - last_change > _SECONDS_UNTIL_ABANDONED
 
 
 def _has_ended(process: int) -> bool:
@@ -153,14 +155,22 @@ def _has_ended(process: int) -> bool:
 
 
 MANIFEST = "manifest.json"
-_PAGE = "report.html"
+_PAGE_NAME = "report.html"
 # Longest wait for another process that moves files to the folder [s]. Files are moved in
 # milliseconds: a process that takes longer is stopped.
-_LONGEST_WAIT = 60.0
-RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
+_LONGEST_WAIT_SECONDS = 60.0
+NAMES_OF_RESULTS = (
+    MANIFEST,
+    _PAGE_NAME,
+    "run.log",
+    "comparison.json",
+    "scene.json",
+    "reference.nc",
+    "result.nc",
+)
 
 
-def files_of_a_solution(name: str) -> tuple[str, ...]:
+def names_of_solution_files(name: str) -> tuple[str, ...]:
     """The files that hold one solution, `name` being that of its engine, or "partial"."""
     return (
         MANIFEST,
@@ -188,7 +198,7 @@ def default_folder(name: str) -> Path:
     return Path("out") / (re.sub(r"[^\w.-]+", "-", name).strip("-.") or "scene")
 
 
-def usable_folder(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
+def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> Path:
     """`out` as a path, once it is sure that results can be written to that folder. The folder
     itself is not made yet. What killed runs left in it and beside it is removed.
 
@@ -380,7 +390,7 @@ def _refuse_foreign_files(folder: Path, names: Iterable[str], out: str | Path) -
     # first: so the manifest is read last.
     existing_names = {name for name in names if os.path.lexists(folder / name)}
     for name in sorted(set(names) - set(_files_in_manifest(folder))):
-        if not _lies_in(folder, name):
+        if not _lies_inside(folder, name):
             raise InputError(
                 f"--out {out}: {name} would be written outside, through a link; name another folder"
             )
@@ -435,10 +445,10 @@ def _files_in_manifest(folder: Path) -> list[str]:
     names = manifest.get("files")
     if not isinstance(names, list):
         return []
-    return [name for name in names if isinstance(name, str) and _lies_in(folder, name)]
+    return [name for name in names if isinstance(name, str) and _lies_inside(folder, name)]
 
 
-def _lies_in(folder: Path, name: str) -> bool:
+def _lies_inside(folder: Path, name: str) -> bool:
     """Whether a file of that name lies in `folder` itself: not above it, and not behind a link that
     leads out of it.
     """
@@ -474,7 +484,7 @@ def _move_results(
         stale_names = {name for name in other_names if name.startswith(stale_prefixes)}
         replaced_names = sorted(
             (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
-            key=lambda name: (name != _PAGE, name),
+            key=lambda name: (name != _PAGE_NAME, name),
         )
         first_manifest = _write_manifest(staging / "begun.json", {*new_names, *other_names})
         last_manifest = _write_manifest(
@@ -497,7 +507,7 @@ def _move_results(
                 for name in replaced_names:
                     os.rename(folder / name, old_results / name)
                     undoing.callback(os.rename, old_results / name, folder / name)
-                for name in sorted(new_names, key=lambda name: (name == _PAGE, name)):
+                for name in sorted(new_names, key=lambda name: (name == _PAGE_NAME, name)):
                     os.replace(results / name, folder / name)
                     undoing.callback(os.replace, folder / name, results / name)
                 os.replace(last_manifest, folder / MANIFEST)
@@ -524,7 +534,7 @@ def _locked_folder(
     InputError
         Where another process holds the lock for a minute.
     """
-    latest_time = time.monotonic() + _LONGEST_WAIT
+    latest_time = time.monotonic() + _LONGEST_WAIT_SECONDS
     handle = None
     while fcntl is not None:
         if make:
@@ -542,8 +552,8 @@ def _locked_folder(
         os.close(handle)
         if time.monotonic() > latest_time:
             raise InputError(
-                f"--out {out}: another process has held this folder for {_LONGEST_WAIT:g} s and"
-                " moves no files (is it stopped?); end it, or name another folder"
+                f"--out {out}: another process has held this folder for {_LONGEST_WAIT_SECONDS:g} s"
+                " and moves no files (is it stopped?); end it, or name another folder"
             )
         time.sleep(0.01)
     try:

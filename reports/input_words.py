@@ -232,12 +232,12 @@ def _main_input_in_words(effects: InputEffects) -> str:
     """
     for key in (WORK, PEAK):
         value = effects.values.get(key)
-        if value is None or not value.ranking:
+        if value is None or not value.keys_by_size_of_change:
             continue
         input_in_words = {
             uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
         }
-        first_key, *other_keys = value.ranking
+        first_key, *other_keys = value.keys_by_size_of_change
         sizes = {input_key: abs(change.value) for input_key, change in value.changes.items()}
         name_of_input = input_in_words[first_key]
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
@@ -280,10 +280,10 @@ MODELS_ALONE = (
 
 
 # ---------------------------------------------------------------------------------------- in tables
-HEADS = ("Value of theory", "value", "u", "u in %", "most of it")
+HEADS_OF_THEORY_VALUES = ("Value of theory", "value", "u", "u in %", "most of it")
 
 
-def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
+def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     """Rows of the table of half-plane theory's values: name with unit, value, standard uncertainty
     by the inputs of the scene, the same in per cent, and the three inputs that change the value
     most. Values from random draws of the inputs come last.
@@ -293,26 +293,28 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     }
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
-        unit = _unit(value, scene)
+        unit = _unit_of_value(value, scene)
         changes_in_words = [
             f"{input_in_words[key]} {_in_percent(value.changes[key], value.value)}"
-            for key in value.ranking[:3]
+            for key in value.keys_by_size_of_change[:3]
         ]
         table.append(
             (
                 f"{value.words} [{unit}]",
                 significant(value.value, 6),
                 significant(value.uncertainty, 2),
-                significant(100 * value.relative, 2),
+                significant(100 * value.relative_uncertainty, 2),
                 ", ".join(changes_in_words) or "–",
             )
         )
     if effects.draws is not None:
         for key, drawn_value in effects.draws.values.items():
             value = effects.values[key]
-            name = f"{value.words}, {effects.draws.count:,} draws [{_unit(value, scene)}]"
+            name = f"{value.words}, {effects.draws.count:,} draws [{_unit_of_value(value, scene)}]"
             cells = (significant(drawn_value.mean, 6), significant(drawn_value.uncertainty, 2))
-            table.append((name, *cells, significant(100 * drawn_value.relative, 2), "all"))
+            table.append(
+                (name, *cells, significant(100 * drawn_value.relative_uncertainty, 2), "all")
+            )
     return table
 
 
@@ -331,7 +333,7 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     for value in effects.difference.values():
         changes_in_words = [
             f"{input_in_words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
-            for key in value.ranking[:3]
+            for key in value.keys_by_size_of_change[:3]
         ]
         # as many decimals as the uncertainty leaves
         difference_in_words = with_uncertainty(100 * value.value, 100 * value.uncertainty)
@@ -382,7 +384,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     return (*heads, "moves the difference by points"), rows
 
 
-def _unit(value: UncertainValue, scene: Scene) -> str:
+def _unit_of_value(value: UncertainValue, scene: Scene) -> str:
     """The unit of a value of theory, in the units of the scene."""
     _, unit_of_length, unit_of_stress = units(scene)
     return {
@@ -479,9 +481,9 @@ def _content_of_value(value: UncertainValue) -> dict[str, Any]:
     return {
         "value": value.value,
         "standard_uncertainty": value.uncertainty,
-        "relative": None if value.unit == "share" else value.relative,
+        "relative": None if value.unit == "share" else value.relative_uncertainty,
         "changes": changes,
         "second_order": value.second_order,
         "nearly_linear": value.is_nearly_linear,
-        "ranking": value.ranking,
+        "ranking": value.keys_by_size_of_change,
     }

@@ -150,7 +150,7 @@ class UncertainValue:
     uncertainty: float
 
     @property
-    def relative(self) -> float:
+    def relative_uncertainty(self) -> float:
         """Standard uncertainty over |value|; NaN where that is 0."""
         return self.uncertainty / abs(self.value) if self.value else math.nan
 
@@ -162,7 +162,7 @@ class UncertainValue:
         return self.second_order <= _LARGEST_SHARE_OF_SECOND_ORDER * self.uncertainty
 
     @property
-    def ranking(self) -> list[str]:
+    def keys_by_size_of_change(self) -> list[str]:
         """Keys of the inputs that change the value, that with the largest change first."""
         sizes = {key: abs(change.value) for key, change in self.changes.items()}
         moving_keys = [key for key, size in sizes.items() if size > 0]
@@ -184,7 +184,7 @@ class NearSliding(NamedTuple):
     uncertainty: float
 
     @property
-    def distance(self) -> float:
+    def sigmas_to_sliding(self) -> float:
         """Standard uncertainties from the ratio up to 1, negative beyond it; infinite where no
         input moves the ratio.
         """
@@ -193,7 +193,9 @@ class NearSliding(NamedTuple):
     @property
     def is_in_reach(self) -> bool:
         """Whether bodies that do not slide may do so within two standard uncertainties."""
-        return self.ratio < 1 - _ROUND_OFF_AT_LIMIT and self.distance <= _MOST_SIGMAS_IN_REACH
+        return (
+            self.ratio < 1 - _ROUND_OFF_AT_LIMIT and self.sigmas_to_sliding <= _MOST_SIGMAS_IN_REACH
+        )
 
 
 class DrawStatistics(NamedTuple):
@@ -207,7 +209,7 @@ class DrawStatistics(NamedTuple):
     high: float
 
     @property
-    def relative(self) -> float:
+    def relative_uncertainty(self) -> float:
         """Standard deviation over the mean; NaN of 0."""
         return self.uncertainty / abs(self.mean) if self.mean else math.nan
 
@@ -282,9 +284,9 @@ class InputEffects:
         if WORK not in self.values:
             return math.nan
         work = self.values[WORK]
-        if self.draws is not None and math.isfinite(self.draws.values[WORK].relative):
-            return self.draws.values[WORK].relative
-        return work.relative
+        if self.draws is not None and math.isfinite(self.draws.values[WORK].relative_uncertainty):
+            return self.draws.values[WORK].relative_uncertainty
+        return work.relative_uncertainty
 
 
 def uncertain_value(
@@ -394,7 +396,7 @@ class _ChangeByInput(NamedTuple):
     changes: Mapping[str, Estimate]
 
 
-def central_differences(
+def change_by_central_differences(
     values_at: Callable[[Scene], _ValueByName],
     scene: Scene,
     uncertain_input: Input,
@@ -432,12 +434,12 @@ def central_differences(
             if step == _STEPS_OF_INPUT[-1]:
                 raise
             continue
-        changes = _differences(values_at_inputs, values_above, values_below, step)
+        changes = _changes_by_differences(values_at_inputs, values_above, values_below, step)
         return _ChangeByInput(uncertain_input.key, changes)
     raise AssertionError  # the last step returns or raises
 
 
-def _differences(
+def _changes_by_differences(
     values_at_inputs: _ValueByName,
     values_above: _ValueByName,
     values_below: _ValueByName,
@@ -457,7 +459,7 @@ def _differences(
     --------
     V = x^2 at x = 3, moved by 0.1: V' = 6 and V''/2 = 1.
 
-    >>> change = _differences({"V": 9.0}, {"V": 3.1**2}, {"V": 2.9**2}, step=0.1)["V"]
+    >>> change = _changes_by_differences({"V": 9.0}, {"V": 3.1**2}, {"V": 2.9**2}, step=0.1)["V"]
     >>> round(change.value, 9), round(change.uncertainty, 9)
     (6.0, 1.0)
     """
@@ -502,7 +504,7 @@ def changes_of_theory(
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
     if not laws_hold:
         return [
-            central_differences(values_at, scene, uncertain_input, values_at_inputs)
+            change_by_central_differences(values_at, scene, uncertain_input, values_at_inputs)
             for uncertain_input in scene.inputs
         ]
     laws = _ScalingLaws(scene, values_at_inputs, values_at)
@@ -550,7 +552,7 @@ def _change_by_laws(
         return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_normal_load())
     if key in ("normal_load", "tangential_load"):
         return laws.change_by_load(key)
-    return central_differences(values_at, scene, uncertain_input, values_at_inputs)
+    return change_by_central_differences(values_at, scene, uncertain_input, values_at_inputs)
 
 
 class _ScalingLaws:
@@ -604,7 +606,7 @@ class _ScalingLaws:
         """
         if not isinstance(self.scene.profile, Hertz):
             return self.derivative_by_load("normal_load")
-        heights = self._exponents("height_exponent")
+        heights = self._values_times_exponent("height_exponent")
         by_radius = self.derivative_by_radius()
         by_q = self.derivative_by_tangential_load()
         return {key: heights[key] + by_radius[key] - by_q[key] for key in self.values_at_inputs}
@@ -613,23 +615,23 @@ class _ScalingLaws:
         """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
         a radius goes as the square of a length.
         """
-        exponents = self._exponents("length_exponent")
+        exponents = self._values_times_exponent("length_exponent")
         return {key: exponent / 2 for key, exponent in exponents.items()}
 
     def derivative_by_friction(self) -> _ValueByName:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
-        shear = self._exponents("shear_exponent")
+        shear = self._values_times_exponent("shear_exponent")
         by_q = self.derivative_by_tangential_load()
         return {key: shear[key] - by_q[key] for key in self.values_at_inputs}
 
     def derivative_by_modulus(self) -> _ValueByName:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
-        stress = self._exponents("stress_exponent")
+        stress = self._values_times_exponent("stress_exponent")
         by_p = self.derivative_by_normal_load()
         by_q = self.derivative_by_tangential_load()
         return {key: stress[key] - by_p[key] - by_q[key] for key in self.values_at_inputs}
 
-    def _exponents(self, exponent_name: str) -> _ValueByName:
+    def _values_times_exponent(self, exponent_name: str) -> _ValueByName:
         """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
         `exponent_name` is the attribute of a `Quantity` that holds the exponent.
         """
@@ -649,7 +651,7 @@ class _ScalingLaws:
             for stated_input in self.scene.inputs:
                 if stated_input.key == key:
                     uncertain_load = stated_input
-            change_by_load = central_differences(
+            change_by_load = change_by_central_differences(
                 self.values_at, self.scene, uncertain_load, self.values_at_inputs
             )
             self._changes_by_loads[key] = change_by_load
@@ -798,7 +800,7 @@ def changes_of_difference(
             changes_by_inputs.append(law_of_modulus.change_by_load(uncertain_input.key))
         else:
             changes_by_inputs.append(
-                central_differences(values_at, scene, uncertain_input, differences)
+                change_by_central_differences(values_at, scene, uncertain_input, differences)
             )
     return differences, changes_by_inputs
 
@@ -1038,7 +1040,8 @@ def values_of_ellipses(
     n_draws = len(next(iter(drawn_changes.values())))
     factors_of_one = np.ones(n_draws)
 
-    def factor(key: str) -> Array:
+    def factor_of_input(key: str) -> Array:
+        """By what factor the draws change an input, (n,)."""
         return 1 + drawn_changes[key] if key in drawn_changes else factors_of_one
 
     modulus_factor = factors_of_one
@@ -1046,15 +1049,15 @@ def values_of_ellipses(
         modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
     load = scene.load
     assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
-    normal_factor = factor("normal_load") / modulus_factor
-    tangential_factor = factor("tangential_load") / modulus_factor
+    normal_factor = factor_of_input("normal_load") / modulus_factor
+    tangential_factor = factor_of_input("tangential_load") / modulus_factor
     profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in drawn_changes):
         profile = _numbers_of_drawn_profiles(scene, drawn_changes)
     batch = semi_analytic.dissipation(
         profile=profile,
         material=scene.material,
-        friction_coefficient=scene.friction.coefficient * factor("friction"),
+        friction_coefficient=scene.friction.coefficient * factor_of_input("friction"),
         mean_normal_load=load.mean_normal_load * normal_factor,
         normal_amplitude=load.normal_amplitude * normal_factor,
         mean_tangential_load=load.mean_tangential_load * tangential_factor,
@@ -1379,9 +1382,11 @@ def _reason_by_sliding(sliding: NearSliding | None) -> str:
     """Why derivatives by the inputs are not enough for the uncertainty of the work W: gross sliding
     is nearer than three standard uncertainties; "" where it is not, or the bodies slide already.
     """
-    if sliding is None or not 0 < sliding.distance < _MOST_SIGMAS_NEAR_SLIDING:
+    if sliding is None or not 0 < sliding.sigmas_to_sliding < _MOST_SIGMAS_NEAR_SLIDING:
         return ""
-    return f"gross sliding is {sliding.distance:.2g} standard uncertainties of |Q|/(f P) away"
+    return (
+        f"gross sliding is {sliding.sigmas_to_sliding:.2g} standard uncertainties of |Q|/(f P) away"
+    )
 
 
 def _reason_by_second_order(values: Mapping[str, UncertainValue]) -> str:

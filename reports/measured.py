@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from reports.comparison.pairs import name_of
+from reports.comparison.pairs import engine_in_words
 from reports.record_parts import parts_in_words, rows_of_turns
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
@@ -713,7 +713,7 @@ def read_as_by_key(scene: Scene) -> dict[str, ReadAs]:
     return {name: pairs for name, pairs in read_as.items() if pairs}
 
 
-def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
+def page_section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
     """What the page shows of measured data; None where nothing was measured.
 
     By the names in the template: "read" how files were read; "said" sentences on the record of
@@ -728,7 +728,7 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
     for solution in solutions:
         cycles_of_solution = load_cycles(solution)
         if cycles_of_solution is not None:
-            engine_name = name_of(solution.engine).capitalize()
+            engine_name = engine_in_words(solution.engine).capitalize()
             cycles_by_engine.append((engine_name, cycles_of_solution))
     indices_of_most_work: list[int] = []
     if cycles_by_engine:

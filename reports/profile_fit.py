@@ -77,7 +77,7 @@ class FitUncertainty:
     seed: int
 
 
-def fit_of(scene: Scene) -> Fitted | None:
+def profile_fit_of(scene: Scene) -> Fitted | None:
     """How the numbers of a scene's profile were fitted to measured rows [x, h]: kind of the fit,
     rows, noise. None for a profile that was not fitted.
     """
@@ -111,7 +111,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         For a scene whose profile is not fitted, and where too few of the other fits, or no
         smoothing spline that is needed, carry the load.
     """
-    fit = fit_of(scene)
+    fit = profile_fit_of(scene)
     if fit is None:
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
@@ -246,7 +246,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     them has a variance m times smaller. A pattern is a departure from either that noise shows by
     chance in one case of 1,000.
     """
-    fit = fit_of(scene)
+    fit = profile_fit_of(scene)
     assert fit is not None
     used_rows = fit.used_rows()
     residuals = fit.residuals(scene.profile.height)[used_rows]
@@ -326,7 +326,7 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     half_width
         half-width of the largest contact [length]
     """
-    fit = fit_of(scene)
+    fit = profile_fit_of(scene)
     if fit is None:
         return []
     _, unit_of_length, _ = units(scene)
@@ -393,7 +393,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     half_width
         half-width of the largest contact [length]
     """
-    fit = fit_of(scene)
+    fit = profile_fit_of(scene)
     if fit is None:
         return []
     _, unit_of_length, _ = units(scene)
@@ -462,7 +462,7 @@ def findings_on_fit(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | Non
 
     It takes up to some seconds, and page, JSON and terminal all ask for it: it is computed once.
     """
-    if fit_of(scene) is None:
+    if profile_fit_of(scene) is None:
         return (), None
     half_width = 0.0
     try:
@@ -479,7 +479,7 @@ def content(scene: Scene) -> dict[str, Any] | None:
     """A fitted profile, its uncertainty by noise and sentences on both, for JSON; None for a
     profile that is not fitted.
     """
-    profile_fit = fit_of(scene)
+    profile_fit = profile_fit_of(scene)
     if profile_fit is None:
         return None
     sentences, uncertainty = findings_on_fit(scene)

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from reports.comparison import Comparison
 from reports.comparison.verdicts import Verdict
-from reports.comparison.words import for_notebook, headline, in_five_lines
+from reports.comparison.words import headline_sentence, notebook_html, summary_in_five_lines
 from scenes.measured import ReadAs
 
 if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.metrics import Metric
     from reports.inputs import InputEffects
-    from reports.scoring.evidence import Step
+    from reports.scoring.evidence import EvidenceStep
     from reports.scoring.study import Study, UnscoredFile
     from reports.scoring.traces import Diagnosis
     from reports.validation import AgainstMeasurement
@@ -102,11 +102,11 @@ class Report:
     inputs: InputEffects | None = None
     validation: tuple[AgainstMeasurement, ...] = ()
     is_measured: bool = False
-    evidence: tuple[Step, ...] = ()
+    evidence: tuple[EvidenceStep, ...] = ()
 
     def __repr__(self) -> str:
         """Five lines, as those of its comparison."""
-        return in_five_lines(self.comparison, "Report")
+        return summary_in_five_lines(self.comparison, "Report")
 
     @property
     def read_as(self) -> ReadAs:
@@ -122,7 +122,7 @@ class Report:
         return (
             "not assessed: the run was made without a budget"
             if self.budget is None
-            else self.budget.coverage
+            else self.budget.coverage_in_words
         )
 
     @property
@@ -130,7 +130,7 @@ class Report:
         """The first sentence of a report: what differs and by how much. Of an external result also
         its likely causes, or that none was found, and then which metrics are within tolerance.
         """
-        sentence = headline(self.comparison)
+        sentence = headline_sentence(self.comparison)
         if not self.diagnoses:
             return sentence
         labels_within_tolerance = [
@@ -161,13 +161,13 @@ class Report:
 
     def _repr_html_(self) -> str:
         """For a notebook."""
-        return for_notebook(self.comparison, has_budget=self.budget is not None)
+        return notebook_html(self.comparison, has_budget=self.budget is not None)
 
 
 def with_budget(comparison: Comparison, budget: ErrorBudget) -> Report:
     """A report of `comparison` with its budget, every metric with the uncertainty that it is judged
     with.
     """
-    judged_by_key = {entry.metric.key: entry.judged for entry in budget.budgets}
+    judged_by_key = {entry.metric.key: entry.metric_with_uncertainty for entry in budget.budgets}
     metrics = tuple(judged_by_key.get(metric.key, metric) for metric in comparison.metrics)
     return Report(replace(comparison, metrics=metrics), budget)

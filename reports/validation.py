@@ -162,7 +162,9 @@ def result_against_theory(
         is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
         if not is_known or theory_value is None or not theory_value.value:
             continue
-        u_by_inputs = effects.work_uncertainty if name == WORK else theory_value.relative
+        u_by_inputs = (
+            effects.work_uncertainty if name == WORK else theory_value.relative_uncertainty
+        )
         measured_value = theory_value.value * (1 + float(metric.value or 0.0))
         u_of_result = measured.relative_uncertainty(key)
         entries.append(
@@ -196,7 +198,7 @@ def loop_area_against_models(
     measured
         relative standard uncertainties of the measurement, as the mapping file states them
     """
-    from reports.scoring.loops import OF_SCENE
+    from reports.scoring.loops import WITH_SCENE_FRICTION
 
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
@@ -212,7 +214,7 @@ def loop_area_against_models(
     # loops with the scene's friction; the others have the fitted one, and agree by design
     for computed_loop in score.loops[1:]:
         model, _, friction_in_words = computed_loop.name.partition(", ")
-        if friction_in_words != OF_SCENE:
+        if friction_in_words != WITH_SCENE_FRICTION:
             continue
         unstated_uncertainties = (
             [] if u_of_rig is not None else ["u_D of all but the rows' scatter"]

@@ -17,13 +17,13 @@ import numpy as np
 
 from reports.checking import require_admissible
 from reports.comparison import findings
-from reports.comparison.json_values import solution_content, strict
+from reports.comparison.json_values import solution_content, strict_json_values
 from reports.folder import MANIFEST, usable_folder
 from reports.profile_fit import fit_in_words
 from reports.scoring.against import stored_solution
 from reports.scoring.mapping import Mapping, load_mapping
-from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution, theory_of_whole_path
+from reports.scoring.reading import read_result
+from reports.scoring.solution import solution_of_surface, theory_of_whole_path
 from reports.studies.sweep.store import canonical, checksum, read_index
 from reports.studies.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text
@@ -224,11 +224,13 @@ def _fitted(path: Path) -> object:
 
 
 def _read(path: Path) -> object:
-    return read(path, Mapping())
+    return read_result(path, Mapping())
 
 
 def _scored(path: Path) -> object:
-    return contact_solution(_read(path), Mapping(), theory_of_whole_path(load_scene("hertz-paper")))
+    return solution_of_surface(
+        _read(path), Mapping(), theory_of_whole_path(load_scene("hertz-paper"))
+    )
 
 
 def _stored_result(path: Path) -> object:
@@ -257,9 +259,9 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "study.json": load_study,
     "sweep.json": lambda path: read_index(path.parent),
     "stored.json": _stored_result,
-    "baseline.json": findings.read_findings,
-    "solution.json": findings.read_findings,
-    "comparison.json": findings.read_findings,
+    "baseline.json": findings.read_run_values,
+    "solution.json": findings.read_run_values,
+    "comparison.json": findings.read_run_values,
     MANIFEST: lambda path: usable_folder(path.parent),
 }
 DOORS = {name: Door(name, enter) for name, enter in ENTRANCES.items()}
@@ -359,7 +361,7 @@ def good_files(name: str, folder: Path) -> list[bytes]:
 
     solution = exact(steps=3, points=5)
     content = {
-        **strict(solution_content(solution, ())),
+        **strict_json_values(solution_content(solution, ())),
         "scene": solution.scene.model_dump(mode="json"),
     }
     match name:
@@ -414,7 +416,7 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             return [json.dumps(stored).encode()]
         case "baseline.json":
             findings.write_baseline(
-                findings.findings_of_solution(solution, "seed"),
+                findings.run_values_of_solution(solution, "seed"),
                 folder / "seed.json",
                 {"semi_analytic.*": 1e-9},
             )

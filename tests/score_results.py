@@ -14,7 +14,7 @@ import pandas as pd
 
 import semi_analytic
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
+from reports.scoring.reading import read_result
 from reports.scoring.surface import SurfaceResult
 from scenes import ContactSolution, load_scene
 
@@ -58,7 +58,7 @@ def written(table: pd.DataFrame, path: Path, **how: Any) -> Path:
 
 def result(source: str | Path, **mapping: Any) -> SurfaceResult:
     """The tractions of a file, by its name in tests/data or its whole path."""
-    return read(DATA / source, Mapping.model_validate(mapping))
+    return read_result(DATA / source, Mapping.model_validate(mapping))
 
 
 def edited(folder: Path, name: str, *changes: tuple[str, str]) -> Path:

@@ -365,7 +365,7 @@ def mesh(value: float | None, uncertainty: float) -> Term:
     return Term("mesh", value, uncertainty, "planted")
 
 
-SOLVER, LOUD = (Term("solver", None, size, "planted", bound=True) for size in (1e-12, 0.5))
+SOLVER, LOUD = (Term("solver", None, size, "planted", is_bound=True) for size in (1e-12, 0.5))
 HEALTHY = (1e-3, mesh(0.9e-3, 0.2e-3), SOLVER)
 # value and terms, and what is blamed: what is large, and the model only beyond doubt; within its
 # band a metric sees nothing.

@@ -563,7 +563,7 @@ def locked(folder: Path) -> int:
 def test_a_folder_that_a_stopped_process_holds_is_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(folders, "_LONGEST_WAIT", 0.0)
+    monkeypatch.setattr(folders, "_LONGEST_WAIT_SECONDS", 0.0)
     handle = locked(tmp_path)
     with pytest.raises(InputError, match="another process has held this folder for 0 s"):
         usable_folder(tmp_path)
@@ -588,7 +588,7 @@ def test_what_was_computed_is_kept_where_its_folder_is_lost(
     spoil: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Hours of work must not go because of what somebody did to the folder meanwhile."""
-    monkeypatch.setattr(folders, "_LONGEST_WAIT", 0.0)
+    monkeypatch.setattr(folders, "_LONGEST_WAIT_SECONDS", 0.0)
     out = tmp_path / "out"
     out.mkdir()
     with pytest.raises(InputError, match="what did not get there is kept in ") as fault:

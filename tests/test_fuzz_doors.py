@@ -296,7 +296,7 @@ def test_what_has_no_end_is_refused_at_its_door(
     """
     assert text_tables.MOST_ROWS == 2_000_000
     monkeypatch.setattr(text_tables, "MOST_ROWS", 100_000)
-    monkeypatch.setattr(field_files, "UNPACKED", 2**27)
+    monkeypatch.setattr(field_files, "MOST_UNPACKED_BYTES", 2**27)
     name, content, facts = case
     match content:
         case "a pipe":

@@ -384,7 +384,7 @@ def test_finite_elements_meet_what_rigs_of_the_library_expect(name: str) -> None
     solution = halfplane_fe.solve(scene)
     findings = list(expected_numbers(scene, [solution]))
     assert findings
-    assert all(finding.met for finding in findings)
+    assert all(finding.is_met for finding in findings)
     expected = findings[0].expected.value
     allowed = solution.dissipation_uncertainty
     if not scene.bodies.half_planes:

@@ -46,7 +46,7 @@ from halfplane_fe.uncertainty import (
 )
 from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
-from reports.comparison.words import first_rows, first_table
+from reports.comparison.words import first_summary_rows, first_table
 from scenes import OPEN, SLIP_FORWARD, ContactSolution, Scene, Wedge, load_scene
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
@@ -562,13 +562,13 @@ def test_files_and_tables_have_the_uncertainties(
     stored = ContactSolution.load(tmp_path / "result.nc")
     assert math.isnan(stored.uncertainties["largest_pressure"])
     assert stored.uncertainties["largest_slip"] == paper.uncertainties["largest_slip"]
-    rows = dict(first_rows(paper))
+    rows = dict(first_summary_rows(paper))
     half_width = paper.uncertainties["largest_half_width"]
     assert rows["largest contact half-width [mm]"].endswith(f" ± {half_width:.2g}")
-    assert "no estimate" in dict(first_rows(stored))["largest pressure at the points [MPa]"]
+    assert "no estimate" in dict(first_summary_rows(stored))["largest pressure at the points [MPa]"]
     theory = semi_analytic.solve(paper.scene, x=[0.0])
     assert theory.uncertainties == {}
-    assert "±" not in "".join(dict(first_rows(theory)).values())
+    assert "±" not in "".join(dict(first_summary_rows(theory)).values())
 
 
 @pytest.fixture(scope="module")

@@ -151,7 +151,9 @@ def loop_of(u, q, **options):
 def holds(score):
     """Whether f and W lie within what is stated."""
     measured = score.loops[0]
-    return score.agrees, abs(measured.area - CYCLE[3]) <= measured.area_uncertainty
+    return score.is_scene_friction_within, abs(
+        measured.area - CYCLE[3]
+    ) <= measured.area_uncertainty
 
 
 EXACT = [
@@ -178,7 +180,7 @@ def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(
     assert score.highest_friction - score.lowest_friction < 1e-4 * FRICTION
     assert score.compliance == pytest.approx(RIG, rel=1e-5)
     assert score.loops[1].area == pytest.approx(CYCLE[3], rel=1e-4)
-    assert score.cycles == pytest.approx(cycles, abs=0.05)
+    assert score.n_cycles == pytest.approx(cycles, abs=0.05)
     assert score.loops[0].slope == pytest.approx(score.loops[1].slope, rel=1e-2)
     # A polygon within the loop: its error is of the order of the square of the step, and what is
     # stated is no more than needed.
@@ -214,7 +216,7 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     exact = score_loop(loop_of(u, q), SCENE)
     rounded = score_loop(loop_of(np.round(u / step) * step, q, resolution=(step, 0.0)), SCENE)
     stated = score_loop(loop_of(u, q, resolution=(step, 0.0)), SCENE)
-    assert rounded.agrees
+    assert rounded.is_scene_friction_within
     assert stated.highest_friction - stated.lowest_friction > 100 * (
         exact.highest_friction - exact.lowest_friction
     )
@@ -237,7 +239,7 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
 )
 def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start, closed):
     score = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
-    assert score.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
+    assert score.n_cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
     assert score.friction == pytest.approx(FRICTION, rel=1e-5)
     assert score.lowest_friction < FRICTION < score.highest_friction
     # Where Q stands at its turning points, their Q is known to a row less exactly.
@@ -260,7 +262,9 @@ def covered_of_varying(name, start, seed):
     )
     measured = score.loops[0]
     assert score.noise == pytest.approx(0.005 * np.ptp(score.displacement) / 2, rel=0.25)
-    return score.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
+    return score.is_scene_friction_within, abs(
+        measured.area - varying_work(name)
+    ) <= measured.area_uncertainty
 
 
 def test_where_p_varies_noise_is_covered():
@@ -396,7 +400,7 @@ def test_cycles_that_grow_in_noise_are_refused_by_u_and_q_together():
     with pytest.raises(InputError, match=r"its cycles grow, by .* U and Q together show it"):
         score_loop(loop_of(*with_noise(size * u, size * q, 0.05, seed=8)), SCENE)
     score = score_loop(loop_of(*with_noise(u, q, 0.05, seed=8)), SCENE)
-    assert score.agrees
+    assert score.is_scene_friction_within
 
 
 def test_a_run_in_that_fades_in_noise_is_held_by_the_interval():
@@ -408,7 +412,7 @@ def test_a_run_in_that_fades_in_noise_is_held_by_the_interval():
     score = score_loop(loop_of(*rows), SCENE)
     assert any("are left out: run-in" in note for note in score.notes)
     assert any("the interval of f holds it" in note for note in score.notes)
-    assert score.agrees
+    assert score.is_scene_friction_within
 
 
 def gross_rows(rows_of_branch, cycles=3):
@@ -485,7 +489,7 @@ def test_half_cycles_are_left_out_until_f_no_longer_rises(noise):
     cycle = 8 * np.arange(len(u)) / (len(u) - 1)
     rising = q * (1 - 0.4 * np.exp(-cycle / 0.5))
     score = score_loop(loop_of(*with_noise(u + RIG * (rising - q), rising, noise, seed=4)), SCENE)
-    assert score.agrees
+    assert score.is_scene_friction_within
     assert score.friction == pytest.approx(FRICTION, rel=0.02)
     assert any("are left out: run-in" in note for note in score.notes)
 
@@ -522,7 +526,7 @@ def test_forces_over_a_stated_thickness_are_loads(tmp_path):
         "'Tangential force (N)', N (in its heading), times 1, over the thickness 12"
     )
     assert read["time"] == "no column: rows follow each other evenly"
-    assert score_loop(loop, SCENE).agrees
+    assert score_loop(loop, SCENE).is_scene_friction_within
     with refused_for("factors.load", "thickness"):
         read_loop(tmp_path / "loop.csv", Mapping(), SCENE)
     written(tmp_path / "loop.csv", ["Displacement (µm),Tangential force (N/mm)"], 1e3 * u, q)

@@ -21,8 +21,8 @@ from reports.advising_by_kernels import KernelAdvice, advise_by_kernels, changes
 from reports.advising_by_numbers import (
     WORK,
     Advice,
+    advice_in_words,
     advise_by_numbers,
-    sentence,
     split_difference_of_work,
 )
 from reports.cli.application import Options
@@ -65,9 +65,9 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
     assert advice.neglected_part == 0
     assert advice.verdict is Verdict.WITHIN
-    assert "−2.73 ± 0.01 %" in sentence(advice)
+    assert "−2.73 ± 0.01 %" in advice_in_words(advice)
     first_line, other_changes = repr(advice).splitlines()
-    assert first_line == sentence(advice)
+    assert first_line == advice_in_words(advice)
     assert "largest pressure +0.5" in other_changes
     assert len(repr(advice.effects).splitlines()) == 6
 
@@ -91,7 +91,7 @@ def test_a_difference_is_split_by_what_makes_it_and_its_main_cause_named() -> No
     assert [step.cause for step in parts] == [*PARTS_OF_BLOCKS, "both together"]
     assert sum(step.change.value for step in why.all_parts) == pytest.approx(error, rel=1e-12)
     assert (numerical.cause, numerical.change.value) == ("mesh and steps", 0.0)
-    assert left.change == why.unexplained
+    assert left.change == why.unexplained_part
     assert why.is_explained
     assert why.main_cause == "curvature under Q"
     assert "curvature under Q −2.00 ±" in why.sentence
@@ -172,7 +172,7 @@ def test_coupling_of_unlike_bodies_and_what_kernels_find_are_parts(
     assert list(why.parts) == ["coupling", "finite bodies"]
     assert why.parts["coupling"] == pytest.approx((-0.05, 1e-3))
     assert why.parts["finite bodies"] == pytest.approx((-0.05, 2e-3))
-    assert why.unexplained == pytest.approx((-0.003, 3.5e-3))
+    assert why.unexplained_part == pytest.approx((-0.003, 3.5e-3))
 
 
 def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -189,7 +189,7 @@ def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) 
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
     why = split_difference_of_work(run, None)
     assert why.parts == {"finite bodies": pytest.approx((-0.06, 1e-3))}
-    assert why.unexplained == pytest.approx((2e-4, 1.5e-3))
+    assert why.unexplained_part == pytest.approx((2e-4, 1.5e-3))
 
 
 def test_parts_whose_errors_have_no_estimate_are_not_shown(
@@ -225,7 +225,7 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
     run.result = elements
     why = split_difference_of_work(run, None)
     assert why.main_cause == cause
-    assert abs(why.unexplained.value) < 1e-3
+    assert abs(why.unexplained_part.value) < 1e-3
     assert why.is_explained
 
 
@@ -236,8 +236,8 @@ def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> No
     assert 0.02 < advice.work.uncertainty < 0.1
     assert advice.verdict is Verdict.UNDECIDED
     assert math.isnan(advice.changes["peak_pressure"].relative_change.value)
-    assert 'solve(scene, bodies="kernel")' in sentence(advice)
-    assert "coupling of pressure and shear" in sentence(advice)
+    assert 'solve(scene, bodies="kernel")' in advice_in_words(advice)
+    assert "coupling of pressure and shear" in advice_in_words(advice)
     # however wide the limit is, a size is never enough to use theory
     assert advise_by_numbers(unlike_blocks(), limit=0.9).verdict is Verdict.UNDECIDED
 
@@ -270,7 +270,7 @@ def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:
     stick = advice.changes["permanent_stick"].relative_change
     assert 0 < stick.uncertainty < 0.02
     assert stick.value < 0  # the stick zone moves within a cycle
-    assert "tilt and bulk strain +0.08" in sentence(advice)
+    assert "tilt and bulk strain +0.08" in advice_in_words(advice)
 
 
 @pytest.mark.slow
@@ -299,7 +299,7 @@ def test_where_grids_take_no_profile_tilt_and_bulk_strain_are_left_out_and_said(
     advice = advise_by_numbers(one_block())
     assert advice.work.uncertainty >= advice.neglected_part > 0
     assert "tilt and bulk strain" not in advice.parts
-    assert "tilt and bulk strain are left out" in sentence(advice)
+    assert "tilt and bulk strain are left out" in advice_in_words(advice)
 
 
 def answer(folder: Path, *words: str) -> tuple[int, dict[str, Any]]:
@@ -485,7 +485,7 @@ def test_where_tilt_makes_much_of_the_change_its_size_alone_is_given() -> None:
     assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
     assert advice.reason_for_size_alone.startswith("tilt and bulk strain make more than 5 %")
     assert advice.verdict is not Verdict.WITHIN
-    assert "no more than its size" in sentence(advice)
+    assert "no more than its size" in advice_in_words(advice)
     assert not advise_by_numbers(
         load_scene("blocks"), effects=effects_of_blocks()
     ).reason_for_size_alone

@@ -49,7 +49,7 @@ from reports.record_parts import record_parts
 from reports.scoring.against import score_file
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
+from reports.scoring.reading import read_result
 from scenes import (
     Block,
     Bodies,
@@ -881,7 +881,7 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
     x = np.linspace(-1.2, 1.2, 61)
     exact = semi_analytic.solve(scene, x=x, time=makers.TIMES, fields=("pressure", "shear"))
     for name in makers.REPORTS:
-        table = read(tmp_path / name, Mapping(times=makers.TIMES))
+        table = read_result(tmp_path / name, Mapping(times=makers.TIMES))
         for quantity in ("x", "time", "pressure", "shear"):
             np.testing.assert_allclose(
                 getattr(table, quantity),
@@ -896,7 +896,7 @@ def test_reports_of_abaqus_are_scored_as_the_theory_that_they_hold(tmp_path: Pat
         assert "outside" not in {metric.verdict for metric in report.comparison.metrics}
         assert report.comparison.admissible
         assert abs(report.metric("peak_pressure").value) < 1e-5
-    field = read(tmp_path / "field.rpt", Mapping())
+    field = read_result(tmp_path / "field.rpt", Mapping())
     assert field.time.tolist() == list(makers.TIMES)
     assert field.notes[:2] == (
         "the nodal values of BLOCK-1 were taken, at 3 frames",
@@ -942,7 +942,7 @@ def test_each_fault_of_a_report_is_one_sentence(fault: str, tmp_path: Path) -> N
         encoding="utf-8",
     )
     with pytest.raises(InputError) as caught:
-        read(path, Mapping())
+        read_result(path, Mapping())
     assert words in str(caught.value)
     assert str(caught.value).startswith(str(path))
 

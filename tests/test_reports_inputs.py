@@ -261,7 +261,7 @@ def by_differences(scene: Scene) -> dict[str, dict[str, Estimate]]:
     """Input -> value -> change, all of them by central differences of theory."""
     middle = inputs.values_of_theory(scene)
     moves = [
-        inputs.central_differences(inputs.values_of_theory, scene, entry, middle)
+        inputs.change_by_central_differences(inputs.values_of_theory, scene, entry, middle)
         for entry in scene.inputs
     ]
     return {move.key: dict(move.changes) for move in moves}
@@ -306,9 +306,9 @@ def test_the_paper_cycle_between_blocks_has_the_shares_that_were_derived() -> No
         key: abs(change.value) / work_of_theory.value
         for key, change in work_of_theory.changes.items()
     }
-    assert work_of_theory.ranking[:2] == ["tangential_load", "phase_degrees"]
-    assert found.values["peak_pressure"].ranking[0] == "normal_load"
-    assert work_of_theory.relative == pytest.approx(0.0487, abs=3e-4)
+    assert work_of_theory.keys_by_size_of_change[:2] == ["tangential_load", "phase_degrees"]
+    assert found.values["peak_pressure"].keys_by_size_of_change[0] == "normal_load"
+    assert work_of_theory.relative_uncertainty == pytest.approx(0.0487, abs=3e-4)
     assert shares["tangential_load"] == pytest.approx(0.0403, abs=2e-4)
     assert shares["phase_degrees"] == pytest.approx(0.0256, abs=2e-4)
     assert shares["material.young_modulus"] == pytest.approx(0.01, abs=1e-6)
@@ -317,7 +317,7 @@ def test_the_paper_cycle_between_blocks_has_the_shares_that_were_derived() -> No
     assert difference.value == pytest.approx(-0.0275, abs=3e-4)
     assert difference.uncertainty == pytest.approx(8e-4, rel=0.07)
     assert found.difference["peak_pressure"].uncertainty == pytest.approx(1.3e-4, rel=0.05)
-    assert difference.uncertainty < work_of_theory.relative / 50
+    assert difference.uncertainty < work_of_theory.relative_uncertainty / 50
 
 
 @pytest.mark.slow
@@ -484,8 +484,8 @@ def test_a_draw_that_no_scene_can_have_is_counted_apart() -> None:
 # ------------------------------------------------------------------------- records and actuators
 def test_a_record_has_the_uncertainty_of_its_scales() -> None:
     found = effects_of(load_scene("time-series"), {"normal_load": "2 %", "tangential_load": "2 %"})
-    assert found.values["peak_pressure"].relative == pytest.approx(0.01, rel=1e-3)
-    assert found.values[WORK].relative > 0.04
+    assert found.values["peak_pressure"].relative_uncertainty == pytest.approx(0.01, rel=1e-3)
+    assert found.values[WORK].relative_uncertainty > 0.04
 
 
 def test_a_long_record_says_what_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -526,7 +526,7 @@ def test_where_theory_needs_grids_it_says_what_is_left_out() -> None:
     found = effects_of(load_scene("dovetail-out-of-phase"), {"tangential_load": "2 %"})
     assert set(found.values) == {WORK, "half_width", "permanent_stick"}
     assert found.notes[0].startswith("where theory needs grids")
-    assert found.values[WORK].relative > 0.02
+    assert found.values[WORK].relative_uncertainty > 0.02
 
 
 # -------------------------------------------------------------------------------- planted faults
@@ -539,7 +539,7 @@ def one_cell_scales_both_loads() -> None:
     stated = {"normal_load": "2 %", "tangential_load": "2 %"}
     together = {"correlations": [["normal_load", "tangential_load", 1.0]]}
     found = effects_of(MINDLIN, stated | together)
-    assert found.values[WORK].relative == pytest.approx(0.04, rel=1e-4)
+    assert found.values[WORK].relative_uncertainty == pytest.approx(0.04, rel=1e-4)
 
 
 def five_per_cent_are_a_twentieth() -> None:
@@ -587,7 +587,7 @@ def test_the_table_has_a_row_for_each_input_and_their_sum() -> None:
     assert rows["Q"] == ("± 2 %", "+4.0", "+0.0073")
     assert rows["radius"][1] == "0"
     assert rows["all inputs"][1:] == ("± 4.9", "± 0.075")
-    values = {row[0]: row for row in input_words.rows(paper_effects(), BLOCKS)}
+    values = {row[0]: row for row in input_words.rows_of_theory_values(paper_effects(), BLOCKS)}
     assert values["dissipation W [N·mm/mm]"][2:4] == ("0.00010", "4.9")
     differences = {row[0]: row for row in input_words.rows_of_difference(paper_effects())}
     assert differences["difference of the largest pressure"][1:3] == ("0.514", "0.013")
@@ -601,7 +601,7 @@ def test_what_draws_found_is_said() -> None:
     assert "100,000 random draws" in said
     assert "of the draws slide as a whole, have no W, and are in neither mean" in said
     assert "Rough" not in said  # the permanent stick half-width is drawn too
-    names = [row[0] for row in input_words.rows(effects_of(scene, NEAR), scene)]
+    names = [row[0] for row in input_words.rows_of_theory_values(effects_of(scene, NEAR), scene)]
     assert "permanent stick half-width, 100,000 draws [mm]" in names
 
 

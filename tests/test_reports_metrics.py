@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 
 import semi_analytic
+from halfplane_fe.solution import FiniteElementSolution
 from problems import COARSE, FEW_STEPS, fe_run
 from reports import compare, write
 from reports.charts.plate import Plate
 from reports.comparison import Comparison
-from reports.comparison.cycles import events, index_of_first_row, last_cycle, sample
+from reports.comparison.cycles import events, index_of_first_row, interpolated_cycle, last_cycle
 from reports.comparison.datum import effects_between
 from reports.comparison.metrics import METRICS, markdown
 from reports.page.writing import draw
@@ -588,27 +589,24 @@ def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> No
 
 
 # --------------------------------------------------------------------------------------- resultants
-@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Weighted(ContactSolution):
-    """A solution with nodal weights and normals, as finite elements give."""
-
-    face_lengths: np.ndarray
-    face_normals: np.ndarray
-
-
-def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> Weighted:
+def weighted(angle: float, factor: float = 1.0, shear: float = 0.0) -> FiniteElementSolution:
     """Nodes whose weights make the forces of the closed form exact, on a surface that leans by
     `angle`.
     """
-    fields = {
+    fields: dict[str, Any] = dict.fromkeys(
+        field.name for field in dataclasses.fields(FiniteElementSolution)
+    )
+    fields |= {
         field.name: getattr(TRUTH, field.name) for field in dataclasses.fields(ContactSolution)
     }
-    fields |= {"pressure": factor * TRUTH.pressure, "shear": shear * TRUTH.pressure}
-    return Weighted(
-        **fields,
-        face_lengths=np.full(len(X), TRUTH.normal_load[0] / TRUTH.pressure[0].sum()),
-        face_normals=np.tile([[-np.sin(angle)], [np.cos(angle)]], len(X)),
-    )
+    fields |= {
+        "engine": "halfplane_fe",
+        "pressure": factor * TRUTH.pressure,
+        "shear": shear * TRUTH.pressure,
+        "face_lengths": np.full(len(X), TRUTH.normal_load[0] / TRUTH.pressure[0].sum()),
+        "face_normals": np.tile([[-np.sin(angle)], [np.cos(angle)]], len(X)),
+    }
+    return FiniteElementSolution(**fields)
 
 
 def test_resultants_are_those_of_the_results_own_weights_and_need_no_reference() -> None:
@@ -925,7 +923,7 @@ def test_stated_interpolation_error_is_honest() -> None:
     like = last_cycle(ROUGH)
     smaller = 0
     for points in range(100, 420, 3):
-        sampled = sample(
+        sampled = interpolated_cycle(
             last_cycle(cattaneo_mindlin(steps_per_leg=20, points=points)), like, "closed form"
         )
         if sampled.interpolation_errors:

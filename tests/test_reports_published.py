@@ -37,8 +37,8 @@ from reports.comparison.findings import (
     ONLY_B,
     SAME,
     Difference,
-    Findings,
-    difference,
+    RunValues,
+    difference_of_runs,
     patterned_tolerances,
 )
 from reports.page.content import as_json
@@ -70,11 +70,11 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def a(runs: Path) -> Findings:
-    return baseline.read_findings(runs / "a")
+def a(runs: Path) -> RunValues:
+    return baseline.read_run_values(runs / "a")
 
 
-def with_figures(findings: Findings, **values: float | None) -> Findings:
+def with_figures(findings: RunValues, **values: float | None) -> RunValues:
     """With other values; __ stands for the point of a key, a value of `...` takes the key away."""
     named = {key.replace("__", "."): value for key, value in values.items()}
     assert named.keys() <= findings.figures.keys()
@@ -89,7 +89,7 @@ def verdicts(table: Difference) -> dict[str, str]:
     return {row.key: row.verdict for row in table.rows if row.verdict != SAME}
 
 
-def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: Findings) -> None:
+def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: RunValues) -> None:
     exact = cattaneo_mindlin()
     assert a.figures["semi_analytic.dissipation"] == exact.dissipation
     assert a.figures["halfplane_fe.dissipation"] == 1.25e-3
@@ -98,21 +98,21 @@ def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: F
     )
     assert a.figures["halfplane_fe.largest_half_width"] == 1.0
     assert a.figures["halfplane_fe.largest_pressure"] == exact.pressure.max()
-    of_file = baseline.read_findings(runs / "solution.nc")
-    of_folder = baseline.read_findings(runs / "alone")
+    of_file = baseline.read_run_values(runs / "solution.nc")
+    of_folder = baseline.read_run_values(runs / "alone")
     assert of_file.figures == of_folder.figures
     assert of_file.scene == of_folder.scene
     assert len(of_file.figures) >= 5
 
 
-def scaled(key: str, factor: float) -> Callable[[Findings], tuple[Findings, Findings]]:
+def scaled(key: str, factor: float) -> Callable[[RunValues], tuple[RunValues, RunValues]]:
     return lambda a: (a, with_figures(a, **{key: a.figures[key.replace("__", ".")] * factor}))
 
 
 W = "semi_analytic__dissipation"
 STICK = "semi_analytic__permanent_stick_half_width"
 # Pairs of findings, and the rows that differ.
-PAIRS: dict[str, tuple[Callable[[Findings], tuple[Findings, Findings]], dict[str, str]]] = {
+PAIRS: dict[str, tuple[Callable[[RunValues], tuple[RunValues, RunValues]], dict[str, str]]] = {
     "with itself": (lambda a: (a, a), {}),
     "theory within 1e-9": (scaled(W, 1 + 0.9e-9), {}),
     "theory beyond": (scaled(W, 1 + 1.1e-9), {"semi_analytic.dissipation": DIFFERS}),
@@ -156,33 +156,33 @@ PAIRS: dict[str, tuple[Callable[[Findings], tuple[Findings, Findings]], dict[str
 
 
 @pytest.mark.parametrize("case", PAIRS)
-def test_pairs_differ_where_they_must(case: str, a: Findings) -> None:
+def test_pairs_differ_where_they_must(case: str, a: RunValues) -> None:
     pair, rows = PAIRS[case]
-    table = difference(*pair(a))
-    assert (verdicts(table), table.same) == (rows, not rows)
+    table = difference_of_runs(*pair(a))
+    assert (verdicts(table), table.are_same) == (rows, not rows)
 
 
 def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path) -> None:
     content = json.loads((runs / "a" / "comparison.json").read_text())
     content["metrics"]["shear"].update(value=None)
-    none = baseline.findings_of_content(content, "none")
+    none = baseline.run_values_of_content(content, "none")
     content["metrics"]["shear"].update(finite=False)
-    nan = baseline.findings_of_content(content, "nan")
-    assert verdicts(difference(none, nan)) == {"metric.shear.finite": ONLY_B}
-    assert difference(nan, nan).same
+    nan = baseline.run_values_of_content(content, "nan")
+    assert verdicts(difference_of_runs(none, nan)) == {"metric.shear.finite": ONLY_B}
+    assert difference_of_runs(nan, nan).are_same
 
 
-def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a: Findings) -> None:
+def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a: RunValues) -> None:
     """The answer of one engine against a whole run: its own values count, and any of these that the
     run lacks.
     """
-    alone = baseline.read_findings(runs / "solution.nc")
+    alone = baseline.read_run_values(runs / "solution.nc")
     engine = {
         "semi_analytic" + key.removeprefix("closed_form"): value
         for key, value in alone.figures.items()
     }
-    table = difference(replace(alone, figures=engine), a)
-    assert table.same
+    table = difference_of_runs(replace(alone, figures=engine), a)
+    assert table.are_same
     assert {row.key.partition(".")[0] for row in table.rows} == {"semi_analytic"}
     assert table.notes == (
         "not compared, for it is only in B: halfplane_fe.*",
@@ -192,22 +192,22 @@ def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a:
         alone,
         figures={key: value for key, value in engine.items() if not key.endswith("dissipation")},
     )
-    assert verdicts(difference(fewer, a)) == {"semi_analytic.dissipation": ONLY_B}
+    assert verdicts(difference_of_runs(fewer, a)) == {"semi_analytic.dissipation": ONLY_B}
     engines = {**a.engines, "halfplane_fe": {"settings": {"mesh": {"order": 1}}, "versions": {}}}
-    table = difference(a, replace(a, engines=engines))
-    assert (table.same, table.notes) == (
+    table = difference_of_runs(a, replace(a, engines=engines))
+    assert (table.are_same, table.notes) == (
         True,
         ("halfplane_fe: settings.mesh.order is absent in A and 1 in B",),
     )
 
 
-def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) -> None:
+def test_tolerances_of_the_command_line_come_first_then_those_kept(a: RunValues) -> None:
     moved = with_figures(a, metric__shear=1e-3)
-    assert not difference(a, moved).same
-    assert difference(a, moved, {"metric.*": 2e-3}).same
+    assert not difference_of_runs(a, moved).are_same
+    assert difference_of_runs(a, moved, {"metric.*": 2e-3}).are_same
     with_tolerance = replace(moved, tolerances={"metric.shear": 2e-3})
-    assert difference(a, with_tolerance).same
-    assert not difference(a, with_tolerance, {"metric.shear": 0.0}).same
+    assert difference_of_runs(a, with_tolerance).are_same
+    assert not difference_of_runs(a, with_tolerance, {"metric.shear": 0.0}).are_same
     for word in (
         "metric.shear",
         "=1",
@@ -219,14 +219,16 @@ def test_tolerances_of_the_command_line_come_first_then_those_kept(a: Findings) 
         with refused_for(word, "KEY=VALUE"):
             patterned_tolerances([word])
     with refused_for("metric.sheer", "metric.largest_pressure", "halfplane_fe."):
-        difference(a, a, {"metric.sheer": 1.0})
+        difference_of_runs(a, a, {"metric.sheer": 1.0})
 
 
-def test_different_questions_and_nothing_in_common_are_refused(a: Findings) -> None:
+def test_different_questions_and_nothing_in_common_are_refused(a: RunValues) -> None:
     with refused_for("friction.coefficient", "0.5 and 0.4"):
-        difference(a, replace(a, scene=a.scene.vary(friction=0.4)))
+        difference_of_runs(a, replace(a, scene=a.scene.vary(friction=0.4)))
     with refused_for("no figure in common"):
-        difference(a, replace(a, figures={"somebody.dissipation": 1.0}, engines={"somebody": {}}))
+        difference_of_runs(
+            a, replace(a, figures={"somebody.dissipation": 1.0}, engines={"somebody": {}})
+        )
 
 
 def test_same_differs_and_accept(runs: Path, tmp_path: Path) -> None:
@@ -261,11 +263,11 @@ def test_same_differs_and_accept(runs: Path, tmp_path: Path) -> None:
     assert stored.read_text() == before
     assert diff(changed_run, stored, "--accept", "--tolerance", "metric.*=1e-3") == 0
     assert diff(changed_run, stored) == 0
-    assert baseline.read_findings(stored).tolerances == {"metric.*": 1e-3}
+    assert baseline.read_run_values(stored).tolerances == {"metric.*": 1e-3}
 
 
 def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(
-    runs: Path, tmp_path: Path, a: Findings
+    runs: Path, tmp_path: Path, a: RunValues
 ) -> None:
     stored = tmp_path / "kept.json"
     baseline.write_baseline(replace(a, scene=load_scene("hertz-paper")), stored, {})
@@ -311,13 +313,13 @@ def test_what_is_neither_is_refused(
 def test_a_folder_with_a_damaged_solution_is_refused(tmp_path: Path) -> None:
     (tmp_path / "semi_analytic.json").write_text('{"format": "halfplane solution 2"}')
     with refused_for("can't be read as one", "'scene'"):
-        baseline.read_findings(tmp_path)
+        baseline.read_run_values(tmp_path)
 
 
-def test_an_energy_is_compared_where_a_baseline_lacks_pressure_and_half_width(a: Findings) -> None:
+def test_an_energy_is_compared_where_a_baseline_lacks_pressure_and_half_width(a: RunValues) -> None:
     work = {"semi_analytic.dissipation": a.figures["semi_analytic.dissipation"]}
     alone = replace(a, figures=work)
-    assert difference(alone, replace(alone, source="b")).same
+    assert difference_of_runs(alone, replace(alone, source="b")).are_same
 
 
 # -------------------------------------------------------------------------------- reports/published
@@ -331,10 +333,10 @@ CHEAP = ("full-stick",)
 EVERY = pytest.mark.parametrize("name", scene_names())
 
 
-def changed(then: Findings, now: Findings) -> list[str]:
+def changed(then: RunValues, now: RunValues) -> list[str]:
     return [
         f"{row.key}: {row.a} -> {row.b}, {row.verdict}"
-        for row in difference(then, now).rows
+        for row in difference_of_runs(then, now).rows
         if row.verdict != SAME
     ]
 

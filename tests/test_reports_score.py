@@ -36,7 +36,7 @@ from reports.scoring.history import history_of_result
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.mesh_folder import score_folder
-from reports.scoring.study import Level, element_size, result_files, study
+from reports.scoring.study import Level, element_size, result_files, study_of_levels
 from reports.scoring.surface import SurfaceResult, surface_result
 from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
@@ -56,7 +56,7 @@ def undiagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Metrics and sentences alone: the diagnosis has tests of its own
     (test_reports_score_diagnosis.py).
     """
-    monkeypatch.setattr("reports.scoring.against.diagnosed", lambda report: report)
+    monkeypatch.setattr("reports.scoring.against.report_with_diagnoses", lambda report: report)
 
 
 def scored(
@@ -535,7 +535,7 @@ def level(
 
 @pytest.mark.parametrize(("order", "amount"), [(2.0, 0.3), (1.0, 0.05), (1.5, 0.2)])
 def test_a_planted_order_is_found_and_the_rest_is_left(order: float, amount: float) -> None:
-    known = study([level(points, order, amount, 2e-3) for points in POINTS])
+    known = study_of_levels([level(points, order, amount, 2e-3) for points in POINTS])
     for key in ("peak_pressure", "pressure"):
         row = known.row_of_metric(key)
         assert order - 0.02 < row.extrapolation.order < order + 0.02, key
@@ -546,18 +546,18 @@ def test_a_planted_order_is_found_and_the_rest_is_left(order: float, amount: flo
 
 
 def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_meshes() -> None:
-    known = study([level(points) for points in (105, 27, 53)])
+    known = study_of_levels([level(points) for points in (105, 27, 53)])
     assert [mesh.name for mesh in known.levels] == ["run105.csv", "run53.csv", "run27.csv"]
     values = known.row_of_metric("peak_pressure").values
     assert values[0] == min(values)
-    growing = study([level(points, -1.0, 1e-4) for points in POINTS[:3]])
+    growing = study_of_levels([level(points, -1.0, 1e-4) for points in POINTS[:3]])
     row = growing.row_of_metric("peak_pressure")
     assert (row.extrapolation.kind, row.error_of_finest_mesh) == ("diverging", None)
     # both where the finest is worst
-    of_two = study([level(53, worst=2), level(27, worst=6)])
+    of_two = study_of_levels([level(53, worst=2), level(27, worst=6)])
     fine, coarse = of_two.row_of_metric("peak_pressure").values
     assert coarse / fine == pytest.approx(4 / 2)
-    two = study([level(points) for points in (27, 53)])
+    two = study_of_levels([level(points) for points in (27, 53)])
     assert two.row_of_metric("peak_pressure").extrapolation.order is None
     assert any("Two meshes show no order" in sentence for sentence in two.sentences)
     for levels, words in (
@@ -565,7 +565,7 @@ def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_me
         ([level(27)] * 2, "have the same element size"),
     ):
         with pytest.raises(InputError, match=words):
-            study(levels)
+            study_of_levels(levels)
 
 
 @pytest.mark.parametrize(
@@ -751,7 +751,7 @@ def test_friction_to_one_per_cent_at_two_per_cent_noise_within_its_interval():
 def test_a_given_rig_and_the_files_own_size_of_the_load():
     u, q, rig = rows_of(WIDE, 0.5)
     loop_score = score_loop(loop_of(u, q), WIDE, rig_compliance=rig)
-    assert (loop_score.compliance, loop_score.compliance_fitted) == (rig, False)
+    assert (loop_score.compliance, loop_score.is_compliance_fitted) == (rig, False)
     assert loop_score.friction == pytest.approx(0.5, rel=1e-4)
     wrong = score_loop(loop_of(u, q), WIDE, rig_compliance=2 * rig)
     assert wrong.loops[1].distance > 100 * loop_score.loops[1].distance

@@ -10,7 +10,7 @@ import pytest
 import semi_analytic
 from reports.report import Report
 from reports.scoring.against import score
-from reports.scoring.evidence import evidence
+from reports.scoring.evidence import evidence_steps
 from scenes import load_scene
 
 CATTANEO = load_scene("cattaneo-mindlin")
@@ -23,7 +23,7 @@ CORNERS = np.where(np.arange(len(X)) % 2, 4 / 3, 2 / 3)
 
 def steps_of(pressure: np.ndarray, shear: np.ndarray) -> dict[str, str]:
     comparison = score(X, pressure, shear, scene=CATTANEO, time=TIME).comparison
-    return {step.name: step.words for step in evidence(comparison)}
+    return {step.name: step.words for step in evidence_steps(comparison)}
 
 
 def test_each_step_states_its_number() -> None:

@@ -18,8 +18,8 @@ from reports.cli.results import _folder_of
 from reports.cli.solving import exit_code
 from reports.comparison import compare
 from reports.comparison.cycles import events
-from reports.comparison.words import verdict, verdict_in_few_words
-from reports.scoring.against import diagnosed, score, score_file
+from reports.comparison.words import verdict_in_few_words, verdict_in_sentences
+from reports.scoring.against import report_with_diagnoses, score, score_file
 from reports.scoring.causes_in_words import coupling_sentence
 from reports.scoring.discrepancy import discrepancy_of
 from reports.scoring.mapping import Mapping
@@ -146,7 +146,9 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
     assert (
         verdict_in_few_words(report.comparison) == "Partly scored: within tolerance where it was."
     )
-    assert "Not scored, though a tolerance judges it: dissipation." in verdict(report.comparison)
+    assert "Not scored, though a tolerance judges it: dissipation." in verdict_in_sentences(
+        report.comparison
+    )
     left_out = score_file(
         part, Mapping(), CATTANEO, tolerances=requested_tolerances(["dissipation=none"])
     )
@@ -154,7 +156,7 @@ def test_what_has_a_tolerance_and_no_value_is_said_beside_the_verdict_and_ends_w
         0,
         "Within tolerance.",
     )
-    assert "dissipation" in verdict(left_out.comparison)
+    assert "dissipation" in verdict_in_sentences(left_out.comparison)
 
 
 def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_path: Path) -> None:
@@ -219,9 +221,9 @@ def test_a_cell_that_stands_out_is_named_with_its_line_and_column_and_hides_noth
     # no unit is guessed from it
     assert not any("multiplied by" in sentence for sentence in report.guesses)
     assert report.comparison.verdict == "outside"  # it is scored as it is
-    (diagnosis,) = diagnosed(report).diagnoses
+    (diagnosis,) = report_with_diagnoses(report).diagnoses
     assert diagnosis.fault == "outlier"
-    assert "obey the laws" not in verdict(report.comparison)
+    assert "obey the laws" not in verdict_in_sentences(report.comparison)
 
 
 def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -> None:

@@ -22,9 +22,9 @@ from hypothesis import strategies as st
 from meshes import write_pvd
 from meshes.files import PvdEntry
 from refusals import refused_for, require_facts
-from reports.comparison.words import verdict
+from reports.comparison.words import verdict_in_sentences
 from reports.scoring import calculix_files, field_files, vtk_files
-from reports.scoring.against import diagnosed, score_file
+from reports.scoring.against import report_with_diagnoses, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
 from reports.scoring.field_files import FieldPart, joined_mesh, read_frames
@@ -149,7 +149,7 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     frames = result(written(pd.DataFrame({"X": solution.x} | columns), path))
     table = rows(solution)[["time", "x", "pressure"]]
     alone = result(written(table, path))
-    assert (frames.sheared, alone.sheared) == (False, False)
+    assert (frames.has_shear, alone.has_shear) == (False, False)
     np.testing.assert_array_equal(frames.pressure, alone.pressure)
     report = score_file(path, Mapping(), solution.scene)
     comparison = report.comparison
@@ -168,9 +168,9 @@ def test_a_pressure_without_a_shear_is_scored_for_what_it_has(tmp_path: Path) ->
     # Not passed: shear, stick and dissipation have tolerances and no values.
     assert not comparison.passed
     assert "outside" not in {metric.verdict for metric in comparison.metrics}
-    assert diagnosed(report).diagnoses == ()
+    assert report_with_diagnoses(report).diagnoses == ()
     assert [check.name for check in comparison.result_certificates] == ["tension"]
-    require_facts(verdict(report.comparison), "No law of contact is violated", "shear")
+    require_facts(verdict_in_sentences(report.comparison), "No law of contact is violated", "shear")
     written(table[["x", "pressure"]].iloc[:53], path)
     with refused_for("without a shear", "which instant is which"):
         score_file(path, Mapping(), solution.scene)
@@ -181,7 +181,7 @@ def test_a_wrong_pressure_without_a_shear_is_diagnosed(tmp_path: Path) -> None:
     solution = exact(steps=9, points=53)
     path = written(rows(solution)[["time", "x", "pressure"]], tmp_path / "pressure.csv")
     mapping = Mapping(times=solution.time.tolist(), factors={"stress": 1.1})
-    report = diagnosed(score_file(path, mapping, solution.scene))
+    report = report_with_diagnoses(score_file(path, mapping, solution.scene))
     assert report.diagnoses[0].fault in ("traction_factor", "pressure_factor", "units")
 
 
@@ -461,7 +461,7 @@ READ: dict[str, tuple[Make, dict[str, Any], float, list[str]]] = {
 def read_here(paths: Sequence[Path]) -> bytes:
     """What the process of a reader would write, without the second that it takes to start."""
     content = io.BytesIO()
-    arrays: dict[str, Any] = dict(vtk_files.numbered([str(path) for path in paths]))
+    arrays: dict[str, Any] = dict(vtk_files.numbered_arrays([str(path) for path in paths]))
     np.savez(content, **arrays)
     return content.getvalue()
 
@@ -522,15 +522,15 @@ def test_a_reader_that_dies_hangs_or_grows_is_one_sentence_that_names_the_file(
         f"""print('{{"file": 1}}', file=__import__("sys").stderr, flush=True)\n{script}\n"""
     )
     monkeypatch.setattr(vtk_files, "__file__", str(tmp_path / "reader.py"))
-    monkeypatch.setattr(field_files, "SECONDS", 2)
+    monkeypatch.setattr(field_files, "MOST_SECONDS_OF_READING", 2)
     with pytest.raises(InputError, match=re.escape(ENDS[script])) as caught:
         read_frames(path)
     assert str(caught.value).startswith(str(tmp_path / "body1_1.vtu"))
 
 
 def test_files_too_large_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(field_files, "LARGEST", 100)
-    monkeypatch.setattr(calculix_files, "LARGEST", 100)
+    monkeypatch.setattr(field_files, "MOST_BYTES_OF_FILE", 100)
+    monkeypatch.setattr(calculix_files, "MOST_BYTES_OF_FILE", 100)
     with pytest.raises(InputError, match="write the contact surface alone"):
         read_frames(file(mesh())(tmp_path))
     for reader, kind in ((read_frd, "frd"), (read_dat, "dat")):
@@ -652,8 +652,8 @@ def test_stress_stands_in_for_contact_values_in_either_form(
     grid = CalculixMesh(file)
     block = file.blocks[-1]
     values = np.zeros((len(grid.numbers), 6))
-    values[grid.rows(block.nodes)] = block.values
-    quads = grid.rows(np.array([element.nodes for element in file.elements]))
+    values[grid.rows_of_nodes(block.nodes)] = block.values
+    quads = grid.rows_of_nodes(np.array([element.nodes for element in file.elements]))
     meshio.Mesh(grid.points, [("quad", quads)], {"stress": values}).write(tmp_path / "result.vtu")
     for surface_read in (surface, result(tmp_path / "result.vtu")):
         # Extrapolated nodal stress of linear elements: 7 % of P, 2 % of Q measured.

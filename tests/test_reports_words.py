@@ -23,20 +23,20 @@ from reports import Comparison, Report, compare, write
 from reports.charts.plate import Arrow, Curve, Note
 from reports.comparison.metrics import METRICS
 from reports.comparison.words import (
-    beyond_theory,
     bodies_in_words,
     first_table,
-    headline,
-    idealisation,
-    question,
+    headline_sentence,
+    idealisation_in_words,
+    question_in_words,
+    sentence_beyond_theory,
     sentence_on_work,
     summary_rows,
     tolerance_in_words,
     unit_in_words,
-    unlike_materials,
+    unlike_materials_in_words,
     value_in_words,
-    verdict,
     verdict_in_few_words,
+    verdict_in_sentences,
     with_uncertainty,
 )
 from reports.comparison.work_of_loads import normal_work
@@ -100,8 +100,8 @@ HALF_PLANES = "Both bodies are half-planes, and the profile is the gap between t
 # What is said of bodies, words that must be there, words that must not.
 WORDS = [
     (bodies_in_words, {}, [HALF_PLANES], []),
-    (idealisation, {}, [], [" "]),
-    (unlike_materials, {}, [], [" "]),
+    (idealisation_in_words, {}, [], [" "]),
+    (unlike_materials_in_words, {}, [], [" "]),
     (
         bodies_in_words,
         {"bodies": {"lower": A_BLOCK, "upper": A_PAD}},
@@ -146,7 +146,7 @@ WORDS = [
         ["half-plane"],
     ),
     (
-        idealisation,
+        idealisation_in_words,
         {"bodies": {"lower": A_BLOCK, "upper": A_PAD}},
         [
             "the true shape of their faces",
@@ -155,33 +155,38 @@ WORDS = [
         [],
     ),
     (
-        idealisation,
+        idealisation_in_words,
         {"bodies": {"lower": A_BLOCK, "upper": A_BLOCK}},
         ["a finding about the idealisation, not a fault of the engines"],
         ["the true shape of their faces"],
     ),
     # alpha = (1/210 - 1/70)/(1/210 + 1/70), beta = (1 - 2 nu)/(2 (1 - nu)) = 2/7 of it
     (
-        unlike_materials,
+        unlike_materials_in_words,
         {"material": UNLIKE},
         ["α = −0.5 ", "β = −0.1429", "neglects the coupling"],
         [],
     ),
-    (unlike_materials, {"material": UNCOUPLED}, ["not coupled"], []),
-    (question, {}, ["a parabolic profile"], []),
-    (question, {"bodies": {"upper": A_PAD}}, ["a circular profile"], []),
+    (unlike_materials_in_words, {"material": UNCOUPLED}, ["not coupled"], []),
+    (question_in_words, {}, ["a parabolic profile"], []),
+    (question_in_words, {"bodies": {"upper": A_PAD}}, ["a circular profile"], []),
     (
-        question,
+        question_in_words,
         {"profile": {"kind": "wedge", "tip_radius": 10.0, "tip_half_length": 0.25}},
         ["a wedge whose tip of half-length 0.25 mm"],
         [],
     ),
-    (question, {"load": CYCLE}, ["round the straight lines through (2, 0), (2, 1)"], []),
-    (question, {"load": LINES}, ["along the straight lines through (0, 0), (2, 0) N/mm"], []),
-    (question, {"units": "lbf, in, psi"}, ["E = 210000 psi"], []),
-    (question, {"units": "SI"}, ["force/length"], []),
+    (question_in_words, {"load": CYCLE}, ["round the straight lines through (2, 0), (2, 1)"], []),
     (
-        question,
+        question_in_words,
+        {"load": LINES},
+        ["along the straight lines through (0, 0), (2, 0) N/mm"],
+        [],
+    ),
+    (question_in_words, {"units": "lbf, in, psi"}, ["E = 210000 psi"], []),
+    (question_in_words, {"units": "SI"}, ["force/length"], []),
+    (
+        question_in_words,
         {"material": SOFT_ABOVE},
         ["upper E = 70000 MPa, ν = 0.3; lower E = 210000 MPa, ν = 0.3"],
         [],
@@ -256,7 +261,7 @@ def bodies(
 def test_finite_elements_that_dissipate_nothing_have_no_dissipation() -> None:
     """FE/theory − 1 is −1 then, whatever the uncertainty."""
     for uncertainty in (None, 6e-4):
-        sentence = headline(bodies(0.0, 1.005, uncertainty))
+        sentence = headline_sentence(bodies(0.0, 1.005, uncertainty))
         assert sentence.startswith("Finite elements of these bodies give no dissipation and a ")
 
 
@@ -331,7 +336,7 @@ HEADLINES_OF_BODIES = [
 def test_the_headline_says_how_wrong_theory_is(
     factors: tuple[float, ...], facts: list[str]
 ) -> None:
-    require_facts(headline(bodies(*factors)), *facts)
+    require_facts(headline_sentence(bodies(*factors)), *facts)
 
 
 # Engine of the result, factor of its W, its uncertainty over W -> what the headline names.
@@ -368,14 +373,14 @@ def test_the_headline_says_how_far_both_agree(
     other = with_fields(
         theory, engine=engine, dissipation=work, dissipation_uncertainty=uncertainty * work
     )
-    require_facts(headline(compare(theory, other)), *facts)
+    require_facts(headline_sentence(compare(theory, other)), *facts)
 
 
 def test_bodies_without_a_tolerance_are_not_judged() -> None:
     """Errors with uncertainties, no verdict, passed; a tolerance that is asked for judges them."""
     free = bodies(0.98, 1.0, 6e-4)
     assert (free.verdict, free.passed, verdict_in_few_words(free)) == (None, True, "")
-    assert "nothing is judged" in verdict(free)
+    assert "nothing is judged" in verdict_in_sentences(free)
     for tolerance, state in ((0.05, "within"), (0.01, "outside"), (0.02, "undecided")):
         report = bodies(0.98, 1.0, 6e-4, dissipation=tolerance)
         assert (report.verdict, report.passed) == (state, state == "within")
@@ -389,7 +394,7 @@ def test_a_comparison_and_a_report_print_as_five_lines() -> None:
         lines = repr(shown).splitlines()
         assert len(lines) == 5
         assert lines[0].startswith(f"{kind} of {comparison.result.engine} with ")
-        assert lines[1].strip() == headline(comparison)
+        assert lines[1].strip() == headline_sentence(comparison)
         assert lines[2].startswith("  Peak pressure [")
         assert lines[3].startswith("  Dissipation [")
         assert "difference −2" in lines[3]
@@ -530,7 +535,7 @@ def test_coupling_of_unlike_half_planes_is_a_finding_and_no_error_of_the_engines
         if is_finding
         else "Not within tolerance."
     )
-    assert ("not a fault of the engines" in beyond_theory(comparison)) is is_finding
+    assert ("not a fault of the engines" in sentence_beyond_theory(comparison)) is is_finding
 
 
 @pytest.fixture(scope="module")

@@ -166,7 +166,7 @@ def test_finite_elements_on_a_coarse_mesh_come_near(name: str) -> None:
 def test_finite_elements_meet_what_is_expected_of_them(name: str) -> None:
     scene = scene_of(name)
     findings = list(laws.expected_numbers(scene, [halfplane_fe.solve(scene)]))
-    assert not [finding for finding in findings if not finding.met]
+    assert not [finding for finding in findings if not finding.is_met]
 
 
 # ---------------------------------------------------------- sources that are neither of the engines
@@ -305,10 +305,10 @@ def test_what_is_right_is_met_and_what_is_off_or_not_there_is_missed(
     planted = Expected(quantity=quantity, value=value(work), tolerance=1e-6, source="planted")
     answer = replace(mindlin, permanent_stick_half_width=math.nan)
     (finding,) = laws.expected_numbers(answer.scene.vary(expected=(planted,)), [answer])
-    assert finding.met is (name == "right")
+    assert finding.is_met is (name == "right")
     assert finding.difference == pytest.approx(difference(work), rel=1e-3, abs=1e-12, nan_ok=True)
     row = laws.expected_rows([finding])[0]
-    assert (row[-1] == "no", row[3] == "none") == (not finding.met, "no " in name)
+    assert (row[-1] == "no", row[3] == "none") == (not finding.is_met, "no " in name)
 
 
 def test_a_moment_expected_to_be_zero_is_judged_over_the_load_times_the_half_width(

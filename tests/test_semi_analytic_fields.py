@@ -232,7 +232,7 @@ def test_every_scene_keeps_the_laws_and_meets_what_is_expected_of_it(name):
     assert broken_laws(scene, answer) == set()
     findings = list(laws.expected_numbers(scene, [answer]))
     assert findings
-    assert not [finding for finding in findings if not finding.met]
+    assert not [finding for finding in findings if not finding.is_met]
 
 
 def drop_history(monkeypatch):

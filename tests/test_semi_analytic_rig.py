@@ -531,7 +531,7 @@ def test_theory_meets_what_rigs_of_the_library_expect(name: str) -> None:
     findings = list(expected_numbers(scene, [solution]))
     if effects is None:
         assert len(findings) >= 2
-        assert all(finding.met for finding in findings)
+        assert all(finding.is_met for finding in findings)
     else:
         expected = [entry.value for entry in scene.expected if entry.quantity == "dissipation"]
         assert solution.dissipation == pytest.approx(expected[0], rel=5e-3)

@@ -764,7 +764,7 @@ def _print_answer(command_row: _Command, answer: Answer, options: Options) -> in
     function prints answers.
     """
     if options.json and answer.content is not None:
-        from reports.comparison.json_values import strict
+        from reports.comparison.json_values import strict_json_values
 
         content = {
             "format": FORMAT,
@@ -773,7 +773,7 @@ def _print_answer(command_row: _Command, answer: Answer, options: Options) -> in
             "scene": answer.scene,
             "result": answer.content(),
         }
-        say(json.dumps(strict(content), allow_nan=False, indent=1))
+        say(json.dumps(strict_json_values(content), allow_nan=False, indent=1))
     elif not (options.quiet and command_row.quiet_hides_answer):
         show(answer.parts)
     return answer.code

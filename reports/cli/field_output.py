@@ -139,9 +139,9 @@ def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | Non
 
 def _json_text(content: dict[str, Any]) -> str:
     """The text of fields.json."""
-    from reports.comparison.json_values import strict
+    from reports.comparison.json_values import strict_json_values
 
-    return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
+    return json.dumps(strict_json_values(content), allow_nan=False, indent=1) + "\n"
 
 
 def _write_files(

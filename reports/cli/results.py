@@ -152,7 +152,7 @@ def _score_tractions(
     with stages.stage("loading"):
         from reports.page.content import whole_content
         from reports.page.writing import write
-        from reports.scoring.against import diagnosed, score_file
+        from reports.scoring.against import report_with_diagnoses, score_file
         from reports.scoring.mesh_folder import score_folder
     if path.is_dir():
         report = score_folder(
@@ -164,7 +164,7 @@ def _score_tractions(
                 path, mapping, scene, against=options.against, tolerances=tolerances
             )
         with stages.stage("diagnosis"):
-            report = diagnosed(report)
+            report = report_with_diagnoses(report)
     report = _with_inputs(report, mapping, stages)
     with stages.stage("report"):
         page = str(write(report, folder, command=command, seconds=dict(stages.seconds)))
@@ -212,7 +212,7 @@ def _score_loop(
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
-        from reports.comparison.words import read_in_words
+        from reports.comparison.words import reading_in_words
         from reports.scoring import loop_page, loops
     with stages.stage("reading"):
         measured_loop = loops.read_loop(path, mapping, scene)
@@ -236,7 +236,7 @@ def _score_loop(
     }
     with stages.stage("report"):
         page = str(loop_page.write(score, folder, command, further_content, sentences))
-    heads, cells = loop_page.table(score)
+    heads, cells = loop_page.table_of_loops(score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
         heads,
@@ -244,9 +244,9 @@ def _score_loop(
         range(1, len(heads)),
     )
     return Answer(
-        EXIT_WITHIN if score.agrees else EXIT_OUTSIDE,
+        EXIT_WITHIN if score.is_scene_friction_within else EXIT_OUTSIDE,
         [
-            read_in_words(path.name, score.read_as),
+            reading_in_words(path.name, score.read_as),
             *(f"Assumed: {sentence}." for sentence in score.notes),
             sheet,
             score.sentence,
@@ -265,11 +265,11 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     without a value, what the rows of the result show, likely causes, and the mesh study if there is
     one. `page` is the path of the page.
     """
-    from reports.comparison.words import read_in_words
+    from reports.comparison.words import reading_in_words
 
     yield from (f"Assumed: {sentence}." for sentence in report.guesses)
     if report.read_as:
-        yield read_in_words(report.comparison.result.engine, report.read_as)
+        yield reading_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
     yield from _inputs_shown(report)
     labels_on_points = [
@@ -321,31 +321,31 @@ def diff(a: str, b: str, options: Options) -> Answer:
     that later runs are compared with.
     """
     from reports.comparison.findings import (
-        difference,
+        difference_of_runs,
         is_baseline,
         patterned_tolerances,
-        read_findings,
+        read_run_values,
         write_baseline,
     )
     from scenes import InputError
 
     tolerances = patterned_tolerances(options.tolerance)
     path_b = Path(b)
-    values_a = read_findings(a)
+    values_a = read_run_values(a)
     if not options.accept:
         if not path_b.exists():
             raise InputError(
                 f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it"
                 " as a baseline"
             )
-        return _difference_answer(difference(values_a, read_findings(b), tolerances))
+        return _difference_answer(difference_of_runs(values_a, read_run_values(b), tolerances))
     if path_b.exists() and not is_baseline(path_b):
         raise InputError(
             f"{b}: this is not a baseline, and --accept writes over nothing else; name another file"
         )
-    earlier_baseline = read_findings(b) if path_b.exists() else None
+    earlier_baseline = read_run_values(b) if path_b.exists() else None
     # A new baseline is compared with itself: that refuses an unknown key of --tolerance.
-    difference_to_b = difference(values_a, earlier_baseline or values_a, tolerances)
+    difference_to_b = difference_of_runs(values_a, earlier_baseline or values_a, tolerances)
     earlier_tolerances = earlier_baseline.tolerances if earlier_baseline else {}
     write_baseline(values_a, path_b, {**earlier_tolerances, **tolerances})
     parts: list[Part] = []
@@ -356,41 +356,41 @@ def diff(a: str, b: str, options: Options) -> Answer:
     return Answer(EXIT_WITHIN, parts, difference_to_b.content, difference_to_b.scene)
 
 
-def _difference_answer(difference_of_runs: Difference) -> Answer:
-    code = EXIT_WITHIN if difference_of_runs.same else EXIT_OUTSIDE
+def _difference_answer(difference: Difference) -> Answer:
+    code = EXIT_WITHIN if difference.are_same else EXIT_OUTSIDE
     return Answer(
         code,
-        _difference_parts(difference_of_runs),
-        difference_of_runs.content,
-        difference_of_runs.scene,
+        _difference_parts(difference),
+        difference.content,
+        difference.scene,
     )
 
 
-def _difference_parts(difference_of_runs: Difference) -> Iterator[Part]:
+def _difference_parts(difference: Difference) -> Iterator[Part]:
     """What the terminal shows of the difference of two runs A and B: a table of the values that are
     not identical, how many are identical, and which differ by more than their tolerance.
     """
     from reports.comparison.findings import SAME
 
     listed_rows = []
-    for row in difference_of_runs.rows:
+    for row in difference.rows:
         is_identical = row.verdict == SAME and (row.difference == 0 or row.a == row.b)
         if not is_identical:
             listed_rows.append(_cells(row))
-    title = f"{difference_of_runs.scene}: A = {difference_of_runs.a}, B = {difference_of_runs.b}"
+    title = f"{difference.scene}: A = {difference.a}, B = {difference.b}"
     heads = ("value", "A", "B", "B − A", "tolerance", "verdict")
     yield Sheet(title, heads, listed_rows, (1, 2, 3, 4)) if listed_rows else title
-    if n_identical := len(difference_of_runs.rows) - len(listed_rows):
+    if n_identical := len(difference.rows) - len(listed_rows):
         yield (
             f"{n_identical} values are the same to the last digit and not listed (--json has them)"
         )
-    yield from difference_of_runs.notes
-    different_keys = [row.key for row in difference_of_runs.rows if row.verdict != SAME]
+    yield from difference.notes
+    different_keys = [row.key for row in difference.rows if row.verdict != SAME]
     if different_keys:
         names = ", ".join(different_keys)
-        yield f"{len(difference_of_runs.rows)} values, {len(different_keys)} differ: {names}"
+        yield f"{len(difference.rows)} values, {len(different_keys)} differ: {names}"
     else:
-        yield f"all {len(difference_of_runs.rows)} values are the same within tolerance"
+        yield f"all {len(difference.rows)} values are the same within tolerance"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -222,7 +222,7 @@ def _notes_and_remarks(
     half_width
         of the contact at the largest load [length]; 0 where it is not known
     """
-    from reports.comparison.words import read_in_words
+    from reports.comparison.words import reading_in_words
     from reports.input_words import sliding_in_words, stated_in_words
     from reports.inputs import nearness_to_sliding, omissions_in_words
     from reports.measured import check_record, record_in_words
@@ -230,7 +230,7 @@ def _notes_and_remarks(
 
     notes = _question_in_words(scene)
     remarks: list[str] = []
-    notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
+    notes += [reading_in_words(table, columns) for table, columns in columns_of_table.items()]
     if measured_loads := check_record(scene):  # None: the loads are not a measured table
         for sentence, is_warning in record_in_words(scene, measured_loads):
             if is_warning:
@@ -250,13 +250,17 @@ def _question_in_words(scene: Scene) -> list[str]:
     """Sentences on what a scene asks: its question, its bodies, what theory leaves out of them."""
     from reports.comparison.words import (
         bodies_in_words,
-        idealisation,
-        question,
-        unlike_materials,
+        idealisation_in_words,
+        question_in_words,
+        unlike_materials_in_words,
     )
 
-    sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
-    return [question(scene), *filter(None, sentences)]
+    sentences = (
+        bodies_in_words(scene),
+        unlike_materials_in_words(scene),
+        idealisation_in_words(scene),
+    )
+    return [question_in_words(scene), *filter(None, sentences)]
 
 
 def _draw_fit(scene: Scene, file: Path) -> None:
@@ -299,7 +303,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         file or name of the scene, for messages
     """
     from reports.checking import engine_refusals
-    from reports.comparison.words import bodies_in_words, question, read_in_words
+    from reports.comparison.words import bodies_in_words, question_in_words, reading_in_words
     from reports.input_words import stated_content, stated_in_words
     from reports.inputs import omissions_in_words
     from reports.measured import read_as_by_key
@@ -313,8 +317,11 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     engines = engine_refusals(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene)
-    notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
-    notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
+    notes = [
+        question_in_words(scene),
+        *filter(None, [bodies_in_words(scene), stated_in_words(scene)]),
+    ]
+    notes += [reading_in_words(table, columns) for table, columns in columns_of_table.items()]
     remarks = [f"{engines.in_words(source)}.", *filter(None, [omissions_in_words(scene)])]
     content = {
         "passed": True,
@@ -483,7 +490,12 @@ def _details(scene: Scene) -> Iterator[str]:
     """
     from reports.comparison.metrics import tolerances_of
     from reports.comparison.pairs import are_half_planes
-    from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
+    from reports.comparison.words import (
+        bodies_in_words,
+        idealisation_in_words,
+        question_in_words,
+        unlike_materials_in_words,
+    )
 
     tolerances = tolerances_of(scene, are_half_planes(scene))
     expected_lines = [
@@ -492,8 +504,12 @@ def _details(scene: Scene) -> Iterator[str]:
         for number in scene.expected
     ]
     sections = [(name, getattr(scene, name)) for name in ("name", "title", "purpose", "source")]
-    sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
-    sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
+    sections += [("tags", ", ".join(scene.tags)), ("question", question_in_words(scene))]
+    sentences = (
+        bodies_in_words(scene),
+        unlike_materials_in_words(scene),
+        idealisation_in_words(scene),
+    )
     sections.append(("bodies", " ".join(filter(None, sentences))))
     tolerance_texts = [f"{key.replace('_', ' ')} {value:g}" for key, value in tolerances.items()]
     sections.append(("tolerances", ", ".join(tolerance_texts) or "none: nothing is judged"))
@@ -517,14 +533,14 @@ def _scene_content(scene: Scene) -> dict[str, Any]:
     """All about one scene as a JSON object: name, title, purpose, source, tags, expected numbers
     and tolerances first, then the question in words, its files, and what the scene states besides.
     """
-    from reports.comparison.words import question
+    from reports.comparison.words import question_in_words
 
     content = scene.model_dump(mode="json")
     first_keys = ("name", "title", "purpose", "source", "tags", "expected", "tolerances")
     record = {key: content.pop(key) for key in first_keys}
     return {
         **record,
-        "question": question(scene),
+        "question": question_in_words(scene),
         "files": _companions(scene),
         "scene": content,
     }

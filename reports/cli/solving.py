@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from reports.checking import EngineRefusals
     from reports.comparison import Comparison
     from reports.comparison.budget import ErrorBudget
-    from reports.comparison.laws import Finding
+    from reports.comparison.laws import ExpectedNumber
     from reports.inputs import InputEffects
     from reports.report import Report
     from scenes import BodyEffects, ContactSolution, Scene
@@ -136,24 +136,24 @@ def _file_names_of(command: str, scene: Scene) -> tuple[str, ...]:
     """Names of all files that the command named `command` may write to its folder: those of its
     answer, and those named "partial" that a failure or an interruption leaves.
     """
-    from reports.folder import RESULTS, files_of_a_solution
+    from reports.folder import NAMES_OF_RESULTS, names_of_solution_files
 
-    # RESULTS: the files of a comparison, its page among them
-    partial_files = files_of_a_solution("partial")
+    # NAMES_OF_RESULTS: the files of a comparison, its page among them
+    partial_files = names_of_solution_files("partial")
     if command == "exact":
-        return (*files_of_a_solution("semi_analytic"), *partial_files)
+        return (*names_of_solution_files("semi_analytic"), *partial_files)
     if command == "fe":
-        return (*files_of_a_solution("halfplane_fe"), *partial_files)
+        return (*names_of_solution_files("halfplane_fe"), *partial_files)
     if command == "export":
         return (deck_file(scene),)
     if command == "run":  # of a scene that one engine alone takes, the answer of that one
         return (
-            *RESULTS,
-            *files_of_a_solution("semi_analytic"),
-            *files_of_a_solution("halfplane_fe"),
+            *NAMES_OF_RESULTS,
+            *names_of_solution_files("semi_analytic"),
+            *names_of_solution_files("halfplane_fe"),
             *partial_files,
         )
-    return (*RESULTS, *partial_files)
+    return (*NAMES_OF_RESULTS, *partial_files)
 
 
 def deck_file(scene: Scene) -> str:
@@ -451,8 +451,13 @@ def _inputs_shown(
     if inputs.values:
         heads, rows = input_words.table_of_inputs(inputs)
         yield Sheet("Standard uncertainties of the inputs", heads, rows, range(1, len(heads)))
-        heads = input_words.HEADS
-        yield Sheet("What they make of theory", heads, input_words.rows(inputs, scene), (1, 2, 3))
+        heads = input_words.HEADS_OF_THEORY_VALUES
+        yield Sheet(
+            "What they make of theory",
+            heads,
+            input_words.rows_of_theory_values(inputs, scene),
+            (1, 2, 3),
+        )
     if inputs.difference:
         heads = input_words.HEADS_OF_DIFFERENCE
         rows = input_words.rows_of_difference(inputs)
@@ -536,7 +541,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         code = EXIT_NOT_CONVERGED
     else:
         code = exit_code(comparison)
-        if not all(finding.met for finding in findings):
+        if not all(finding.is_met for finding in findings):
             code = EXIT_OUTSIDE
 
     def parts() -> Iterator[Part]:
@@ -593,20 +598,22 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     text and its style on a terminal.
     """
     from reports.comparison.words import (
-        first_cells,
+        cells_of_first_table,
         labels_judged_by_size,
         sentence_on_judging,
         sentences_on_missing_values,
-        verdict,
         verdict_for_colour,
         verdict_in_few_words,
+        verdict_in_sentences,
         verdict_in_short,
     )
 
     comparison = report.comparison
     scene = comparison.scene
     # rows without a value in both solutions are left out
-    heads, rows = first_cells(comparison, "label" if verbose else "short", with_empty=False)
+    heads, rows = cells_of_first_table(
+        comparison, "label" if verbose else "short", with_empty=False
+    )
     yield report.first_sentence, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
     if metrics_without_value := sentences_on_missing_values(comparison):
@@ -614,7 +621,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     if comparison.why is not None:
         yield comparison.why.sentence
     style = _STYLES.get(verdict_for_colour(comparison) or "", "")
-    long_verdict = f"{verdict_in_few_words(comparison)} {verdict(comparison)}".strip()
+    long_verdict = f"{verdict_in_few_words(comparison)} {verdict_in_sentences(comparison)}".strip()
     yield long_verdict if verbose else verdict_in_short(comparison), style
     # Without --verbose the rule of judging is stated only where the size of a difference decides
     # alone, without its uncertainty.
@@ -624,7 +631,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
             yield rule_of_judging
 
 
-def _topics_left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
+def _topics_left_out(report: Report, findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
     """What a terminal without --verbose shows last: warnings about the table of measured loads, and
     a line that lists what is only on the page: the notes of the finite elements by their first
     words, and how many of the expected numbers (`findings`) are met.
@@ -638,7 +645,7 @@ def _topics_left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Pa
             if is_warning:
                 yield f"Warning: {sentence}"
         topics.append("what was read of the record")
-    n_missed = sum(not finding.met for finding in findings)
+    n_missed = sum(not finding.is_met for finding in findings)
     if n_missed:
         topics.append(f"{n_missed} of {len(findings)} expected numbers missed")
     elif findings:
@@ -708,12 +715,12 @@ def _are_per_cent(rows: Sequence[tuple[str, ...]]) -> bool:
     return all(cell.endswith((" %", "not measured", "none")) for cell in amounts)
 
 
-def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
+def _expected_shown(findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
     """The numbers that the scene expects beside those found, and how many are met."""
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
-        n_missed = sum(not finding.met for finding in findings)
+        n_missed = sum(not finding.is_met for finding in findings)
         yield Sheet("Expected numbers", EXPECTED_HEADS, expected_rows(findings), (2, 3, 4, 5))
         if n_missed:
             yield f"{n_missed} of {len(findings)} expected numbers are missed."
@@ -818,7 +825,9 @@ def _answer_of_one_engine(
         inputs = _effects_of_inputs(job)
     law_checks = certificates(solution)
     admissible = solution.record.converged and all(check.holds for check in law_checks)
-    code = EXIT_WITHIN if admissible and all(finding.met for finding in findings) else EXIT_OUTSIDE
+    code = (
+        EXIT_WITHIN if admissible and all(finding.is_met for finding in findings) else EXIT_OUTSIDE
+    )
     values_of_rig = {}
     if job.scene.load.is_driven:
         values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
@@ -955,7 +964,7 @@ def write_solution(
     from reports.charts.templating import table_text
     from reports.comparison.cycles import NAMES_OF_BULK_SERIES
     from reports.comparison.findings import FORMAT_OF_SOLUTION
-    from reports.comparison.json_values import solution_content, strict
+    from reports.comparison.json_values import solution_content, strict_json_values
     from reports.comparison.laws import certificates
     from reports.folder import results_folder
 
@@ -967,7 +976,7 @@ def write_solution(
             **solution_content(solution, certificates(solution)),
             "scene": solution.scene.model_dump(mode="json"),
         }
-        summary = json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
+        summary = json.dumps(strict_json_values(content), allow_nan=False, indent=1) + "\n"
         (folder / f"{stem}.json").write_text(summary, encoding="utf-8")
         columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations

@@ -7,45 +7,48 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `Event` `events` `index_of_first_row` `NAMES_OF_BULK_SERIES`
     dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
     datum.py        what displacements count from, c_t and c_n of finite bodies: `effects_between`
-                    `lacks_datum` `from_supports`
-    isolated.py     single values that no neighbour supports: `spikes` `without_spikes`
+                    `lacks_datum` `cycle_from_supports`
+    isolated.py     single values that no neighbour supports: `spike_mask` `without_spikes`
     pairs.py        reference and result on common points: `Pair` `are_half_planes`
-                    `has_coupled_tractions` `name_of`
+                    `has_coupled_tractions` `engine_in_words`
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
-                    `normal_work` `bulk_strain` `bulk_strains`
+                    `normal_work` `bulk_strain` `bulk_strains_per_stress`
     verdicts.py     `Verdict` `verdict_on`
-    measures.py     one function for each metric: `norm` `quotient` `trapezoidal_weights`
+    measures.py     one function for each metric: `l2_norm` `quotient` `trapezoidal_weights`
     metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
                     `METRICS` `Metric` `reason_by_missing_field` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`
                     `certificates` `DERIVED` `names_of_derived_fields`; the numbers of a solution:
                     `QUANTITIES` `NAMES_OF_UNSYMMETRIC_VALUES` `largest_load_ratio`; those that its
-                    scene expects: `Finding` `expected_numbers` `expected_content` `expected_rows`
-                    `EXPECTED_HEADS`
+                    scene expects: `ExpectedNumber` `expected_numbers` `expected_content`
+                    `expected_rows` `EXPECTED_HEADS`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
                     `in_percent`
-    judged.py       all of that with its verdict: `JudgedPair`
-    words.py        all of that in sentences, whose words are in templates/words.txt: `headline`
-                    `verdict_in_few_words` `verdict` `verdict_in_short` `sentence_on_judging`
-                    `labels_judged_by_size` `verdict_for_colour` `sentence_on_work` `question`
-                    `bodies_in_words` `bulk_and_tilt` `unlike_materials` `idealisation`
-                    `beyond_theory` `SUPPORT_WORDS` `sentence` `read_in_words` `part_of_path`
-                    `text_on_part_of_path` `for_notebook`; in cells: `term_in_words`
-                    `value_in_words` `with_uncertainty` `shown_unit` `first_table` `first_cells`
-                    `first_rows` `sentences_on_missing_values` `row_of_sliding` `summary_rows`
-                    `summary` `summary_csv` `summary_latex` `in_five_lines`
-    json_values.py  as JSON: `strict` `solution_content` `metric_content`
+    judged.py       all of that with its verdict: `JudgedPair` words.py        all of that in
+    sentences, whose words are in templates/words.txt: `headline_sentence`
+                    `verdict_in_few_words` `verdict_in_sentences` `verdict_in_short`
+                    `sentence_on_judging` `labels_judged_by_size` `verdict_for_colour`
+                    `sentence_on_work` `question_in_words` `bodies_in_words`
+                    `bulk_and_tilt_in_words` `unlike_materials_in_words` `idealisation_in_words`
+                    `sentence_beyond_theory` `SUPPORT_WORDS` `as_sentence` `reading_in_words`
+                    `part_of_path` `text_on_part_of_path` `notebook_html`; in cells: `term_in_words`
+                    `value_in_words` `with_uncertainty` `factor_and_unit_shown` `first_table`
+                    `cells_of_first_table` `first_summary_rows` `sentences_on_missing_values`
+                    `row_of_sliding` `summary_rows` `summary_text` `summary_csv` `summary_latex`
+                    `summary_in_five_lines`
+    json_values.py  as JSON: `strict_json_values` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `solve_refinements`
-                    `coarser_settings` `settings_with_halved_steps` `mesh_ratio` `theory_on_steps`
-                    `SHOWN_ON_STEPS` `ROUNDING`; the mesh-refinement study of one value, its order
-                    and value at size zero: `Refinement` `Extrapolation` `extrapolate`
+                    `coarser_mesh_and_settings` `settings_with_halved_steps` `mesh_ratio`
+                    `theory_on_steps` `SHOWN_ON_STEPS` `ROUND_OFF_OF_METRIC`; the mesh-refinement
+                    study of one value, its order and value at size zero: `Refinement`
+                    `Extrapolation` `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
                     `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
-    findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
-                    `findings_of_content` `findings_of_solution` `difference` `Difference` `Row`
-                    `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION` `is_baseline` `write_baseline`
-                    `patterned_tolerances`
+    findings.py     what two runs, or a run and a baseline, differ by: `RunValues` `read_run_values`
+                    `run_values_of_content` `run_values_of_solution` `difference_of_runs`
+                    `Difference` `Row` `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION` `is_baseline`
+                    `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -53,13 +56,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from reports.comparison.cycles import last_cycle, sample, sample_instants
-from reports.comparison.datum import from_supports, lacks_datum
+from reports.comparison.cycles import cycle_interpolated_by_time, interpolated_cycle, last_cycle
+from reports.comparison.datum import cycle_from_supports, lacks_datum
 from reports.comparison.dimensionless import scales
 from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
-from reports.comparison.metrics import METRICS, judge, reason_by_missing_field, tolerances_of
-from reports.comparison.pairs import LIGHT, Pair, are_half_planes, name_of
+from reports.comparison.metrics import (
+    METRICS,
+    judged_metrics,
+    reason_by_missing_field,
+    tolerances_of,
+)
+from reports.comparison.pairs import (
+    LEAST_JUDGED_SHARE_OF_LOAD,
+    Pair,
+    are_half_planes,
+    engine_in_words,
+)
 from scenes import BodyEffects, ContactSolution, InputError
 
 _DISPLACEMENT = "tangential_displacement"
@@ -103,13 +116,13 @@ class Comparison(JudgedPair):
         """
         from reports.comparison import words
 
-        return words.in_five_lines(self, "Comparison")
+        return words.summary_in_five_lines(self, "Comparison")
 
     def _repr_html_(self) -> str:
         """For a notebook."""
         from reports.comparison import words
 
-        return words.for_notebook(self, has_budget=False)
+        return words.notebook_html(self, has_budget=False)
 
     def summary(self) -> str:
         """The first table of the page as text: theory, finite elements, difference with its
@@ -117,18 +130,18 @@ class Comparison(JudgedPair):
         """
         from reports.comparison import words
 
-        return words.summary(self)
+        return words.summary_text(self)
 
     def to_csv(self) -> str:
-        """The table of `summary` as CSV with every digit: key, quantity, unit, both values, error
-        E, its uncertainty, verdict; empty where a number is unknown.
+        """The table of `summary_text` as CSV with every digit: key, quantity, unit, both values,
+        error E, its uncertainty, verdict; empty where a number is unknown.
         """
         from reports.comparison import words
 
         return words.summary_csv(self)
 
     def to_latex(self) -> str:
-        """The table of `summary` as a `tabular` of LaTeX with the rules of booktabs."""
+        """The table of `summary_text` as a `tabular` of LaTeX with the rules of booktabs."""
         from reports.comparison import words
 
         return words.summary_latex(self)
@@ -196,17 +209,17 @@ def compare(
         _refuse_other_question(polygon_reference, result)
     result_cycle = last_cycle(result)
     if result_cycle.is_whole:
-        reference_cycle = sample(last_cycle(reference), result_cycle, reference.engine)
+        reference_cycle = interpolated_cycle(last_cycle(reference), result_cycle, reference.engine)
     else:
-        reference_cycle = sample_instants(reference, result_cycle)
+        reference_cycle = cycle_interpolated_by_time(reference, result_cycle)
     # displacements of one solution count from the supports of the bodies, those of the other do not
     has_other_datum = lacks_datum(reference) != lacks_datum(result)
     if not has_other_datum:
         effects = None
     elif effects is not None and lacks_datum(reference):
-        reference_cycle = from_supports(reference_cycle, effects)
+        reference_cycle = cycle_from_supports(reference_cycle, effects)
     elif effects is not None:
-        result_cycle = from_supports(result_cycle, effects)
+        result_cycle = cycle_from_supports(result_cycle, effects)
     pair = Pair(
         reference,
         result,
@@ -220,10 +233,12 @@ def compare(
     )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
-        metrics=judge(pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)),
+        metrics=judged_metrics(
+            pair, tolerances_of(result.scene, are_half_planes(result.scene), tolerances)
+        ),
         reference_certificates=certificates(reference),
         result_certificates=certificates(result),
-        notes=tuple(_notes(pair)),
+        notes=tuple(_notes_on_pair(pair)),
     )
 
 
@@ -240,7 +255,7 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
             )
 
 
-def _notes(pair: Pair) -> Iterator[str]:
+def _notes_on_pair(pair: Pair) -> Iterator[str]:
     """Sentences that a reader of a comparison must not miss: interpolation, instants with too light
     a load to be judged, no convergence, and the notes of both solutions.
     """
@@ -254,22 +269,28 @@ def _notes(pair: Pair) -> Iterator[str]:
     # instants in contact whose load is too light to be judged
     light_count = int((pair.is_in_contact & ~pair.is_judged).sum())
     if light_count:
-        yield in_template("light", light_count, int(pair.is_in_contact.sum()), LIGHT)
+        yield in_template(
+            "light", light_count, int(pair.is_in_contact.sum()), LEAST_JUDGED_SHARE_OF_LOAD
+        )
     for solution in (pair.reference, pair.result):
-        name = name_of(solution.engine)
+        name = engine_in_words(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
         # Our finite elements note it themselves, with the change of the dissipation.
         is_without_note = solution.engine != "halfplane_fe" and not reason_by_missing_field(
             solution
         )
-        if pair.periodic and solution.steady_from is None and is_without_note:
+        if pair.is_periodic and solution.steady_from is None and is_without_note:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
     has_other_datum = pair.effects is not None or pair.lacks_common_datum
     if has_other_datum and _DISPLACEMENT not in reason_by_missing_field(pair.result):
         yield in_template("displacements", pair.effects is not None)
-    if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
+    if (
+        pair.is_unsymmetric
+        and pair.result.engine == "halfplane_fe"
+        and pair.polygon_reference is None
+    ):
         yield in_template("steps_not_apart")
     if not scene.friction.coefficient:
         yield in_template("frictionless")

@@ -30,7 +30,7 @@ import numpy as np
 from reports.comparison import Comparison, compare
 from reports.comparison.metrics import Metric
 from reports.comparison.pairs import are_half_planes
-from reports.comparison.work_of_loads import on_straight_steps
+from reports.comparison.work_of_loads import solution_on_straight_steps
 from reports.python_numbers import PythonNumbers
 from scenes import ContactSolution, ConvergenceError, InputError
 from scenes.array_types import Array
@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
-ROUNDING = 1e-12  # relative: two values that differ by less are the same
+ROUND_OFF_OF_METRIC = 1e-12  # relative: two values that differ by less are the same
 # Keys of the metrics that are parts of the dissipation, that of the load increments and that of all
 # else: a budget of them would count it twice.
 _PARTS_OF_DISSIPATION = ("dissipation_polygon", "dissipation_step")
 # Metric -> name, in `record.errors` of a solution, of the error estimate that theory states for it.
-_NAMES_OF_ERRORS = {
+_ERROR_NAME_BY_METRIC = {
     "largest_pressure": "pressure",
     "dissipation_density_peak": "dissipation_density",
     "peak_pressure": "pressure",
@@ -81,8 +81,8 @@ class Run(PythonNumbers):
     # metric -> its value without the error of the load increments; empty where the run failed
     values: Mapping[str, float | None]
     failure: str = ""  # why there are no values
-    steps: int = 0  # number of instants of the load path
-    nodes: int = 0  # number of contact nodes
+    n_instants: int = 0  # of the load path
+    n_contact_nodes: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,16 +151,16 @@ def values_without_step_error(comparison: Comparison) -> dict[str, float | None]
     theory on the smooth path. InputError where the polygon reference is absent for another reason.
     """
     if comparison.polygon_reference is not None:
-        result_on_polygon = on_straight_steps(comparison.result)
-        return _values_by_key(
+        result_on_polygon = solution_on_straight_steps(comparison.result)
+        return _value_by_metric(
             compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
         )
-    if not comparison.unsymmetric:
+    if not comparison.is_unsymmetric:
         raise InputError(
             "a budget needs the reference on the polygon of the result's steps: give compare"
             " polygon_reference"
         )
-    return _values_by_key(
+    return _value_by_metric(
         compare(comparison.reference, comparison.result, effects=comparison.effects)
     )
 
@@ -176,7 +176,7 @@ def settings_with_halved_steps(settings: SolverSettings) -> SolverSettings:
     )
 
 
-def _values_by_key(comparison: Comparison) -> dict[str, float | None]:
+def _value_by_metric(comparison: Comparison) -> dict[str, float | None]:
     """Key of each metric of a comparison -> its value."""
     return {metric.key: metric.value for metric in comparison.metrics}
 
@@ -200,7 +200,7 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     return min(2.0, largest_ratio)
 
 
-def coarser_settings(
+def coarser_mesh_and_settings(
     mesh: MeshSettings, settings: SolverSettings, factor: float
 ) -> tuple[MeshSettings, SolverSettings]:
     """Settings of mesh and solver for a mesh with all surface elements `factor` times larger, but
@@ -257,8 +257,8 @@ def solve_refinements(
         size=1.0,
         values=values_without_step_error(comparison),
         failure="",
-        steps=len(comparison.result.time),
-        nodes=len(comparison.result.x),
+        n_instants=len(comparison.result.time),
+        n_contact_nodes=len(comparison.result.x),
     )
     if ratio is None:
         return _no_refinements(base_run, comparison)
@@ -267,12 +267,12 @@ def solve_refinements(
     mesh_runs = [base_run]
     for exponent in range(1, coarsenings + 1):
         size = ratio**exponent
-        mesh_of_run, settings_of_run = coarser_settings(mesh, settings, size)
-        mesh_runs.append(solver.run(f"{size:.3g}h", size, mesh_of_run, settings_of_run))
+        mesh_of_run, settings_of_run = coarser_mesh_and_settings(mesh, settings, size)
+        mesh_runs.append(solver.solved_run(f"{size:.3g}h", size, mesh_of_run, settings_of_run))
 
     # far field and load increments are measured on the mesh of size r^2 h
     coarse_run = mesh_runs[2]
-    coarse_mesh, coarse_settings = coarser_settings(mesh, settings, ratio**2)
+    coarse_mesh, coarse_settings = coarser_mesh_and_settings(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
     reasons_not_measured: dict[str, str] = {}
     bodies = comparison.scene.bodies
@@ -287,7 +287,7 @@ def solve_refinements(
     step_runs: tuple[Run, ...] | None = None
     # Where theory has no answer on the increments of a run, their error is measured by halving
     # them.
-    if not solver.on_polygon:
+    if not solver.follows_polygon:
         step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
     penalty_pairs: tuple[tuple[Run, Run], ...] = ()
     if settings.method == "penalty":
@@ -327,7 +327,7 @@ class _RunSolver:
 
     Attributes
     ----------
-    on_polygon
+    follows_polygon
         whether theory follows the polygon of each run's own load increments; else the smooth path
     """
 
@@ -335,10 +335,12 @@ class _RunSolver:
         self.scene = comparison.scene
         self.effects = comparison.effects
         self.scales = getattr(comparison.result, "scales", None)
-        self.on_polygon = comparison.polygon_reference is not None
+        self.follows_polygon = comparison.polygon_reference is not None
         self.stage = stage
 
-    def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
+    def solved_run(
+        self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings
+    ) -> Run:
         """Solve the scene by finite elements and compare the solution with half-plane theory. The
         returned run holds the value of each metric. Where the finite elements do not converge, or
         theory has no answer, it holds the reason and no values.
@@ -366,22 +368,24 @@ class _RunSolver:
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
         # both follow the same loads: the polygon of the increments, or the smooth path
-        compared_solution = on_straight_steps(solution) if self.on_polygon else solution
-        values = _values_by_key(compare(reference, compared_solution, effects=self.effects))
+        compared_solution = (
+            solution_on_straight_steps(solution) if self.follows_polygon else solution
+        )
+        values = _value_by_metric(compare(reference, compared_solution, effects=self.effects))
         return Run(
             label=label,
             size=size,
             values=values,
             failure="",
-            steps=len(solution.time),
-            nodes=len(solution.x),
+            n_instants=len(solution.time),
+            n_contact_nodes=len(solution.x),
         )
 
     def _half_plane_theory(self, solution: ContactSolution) -> ContactSolution | None:
         """Half-plane theory at the points and instants of a run; None where it has no answer."""
         import semi_analytic
 
-        if self.on_polygon:
+        if self.follows_polygon:
             return theory_on_steps(solution)
         return semi_analytic.solve(self.scene, x=solution.x, time=solution.time)
 
@@ -391,7 +395,7 @@ def _finer_steps_run(
 ) -> Run:
     """The run on the coarse `mesh` with load increments of half the length of `settings`."""
     label = f"{coarse_run.label}, halved increments"
-    return solver.run(label, coarse_run.size, mesh, settings_with_halved_steps(settings))
+    return solver.solved_run(label, coarse_run.size, mesh, settings_with_halved_steps(settings))
 
 
 def _far_field_runs(
@@ -407,7 +411,7 @@ def _far_field_runs(
     for radius_in_words, size in (("2 L", 0.5), ("L/2", 2.0)):
         mesh_of_run = replace(mesh, far_radius=mesh.far_radius / size)
         label = f"{coarse_run.label}, {radius_in_words}"
-        runs.append(solver.run(label, size, mesh_of_run, settings))
+        runs.append(solver.solved_run(label, size, mesh_of_run, settings))
     run_with_large_disc, run_with_small_disc = runs
     return (run_with_large_disc, replace(coarse_run, size=1.0), run_with_small_disc)
 
@@ -434,9 +438,9 @@ def _penalty_runs(
     )
     pairs = []
     for run in runs:
-        mesh_of_run, _ = coarser_settings(mesh, settings, run.size)
+        mesh_of_run, _ = coarser_mesh_and_settings(mesh, settings, run.size)
         label = f"{run.label}, law met exactly"
-        pairs.append((run, solver.run(label, run.size, mesh_of_run, exact_settings)))
+        pairs.append((run, solver.solved_run(label, run.size, mesh_of_run, exact_settings)))
     return tuple(pairs)
 
 
@@ -448,9 +452,9 @@ class Term(PythonNumbers):
     # the error, with its sign; None where only scatter was seen, or nothing was measured
     value: float | None
     uncertainty: float | None  # of the error; None where nothing was measured
-    how: str  # by what it was measured, or why not
+    how_measured: str  # by what method, or why not
     # whether the uncertainty is never exceeded: such bounds add up, the others add by squares
-    bound: bool = False
+    is_bound: bool = False
     # order, kind: observed order of convergence and kind of sequence of the runs, if any
     order: float | None = None
     kind: str = ""
@@ -471,16 +475,16 @@ class Budget:
     are_half_planes: bool
 
     @property
-    def total(self) -> float:
+    def error(self) -> float:
         """E, the value of the metric; NaN where it has none."""
         return float("nan") if self.metric.value is None else self.metric.value
 
     @property
-    def rest(self) -> float:
+    def rest_of_error(self) -> float:
         """E minus all measured errors, a term without a value counting as 0: the idealisation error
         of real bodies; of half-planes, the part of E that is unexplained. NaN where E is.
         """
-        return self.total - sum(term.value or 0.0 for term in self.terms)
+        return self.error - sum(term.value or 0.0 for term in self.terms)
 
     @property
     def uncertainty(self) -> float | None:
@@ -489,12 +493,12 @@ class Budget:
         """
         if not all(term.is_measured for term in self.terms):
             return None
-        bounds = [term.uncertainty or 0.0 for term in self.terms if term.bound]
-        estimates = [term.uncertainty or 0.0 for term in self.terms if not term.bound]
+        bounds = [term.uncertainty or 0.0 for term in self.terms if term.is_bound]
+        estimates = [term.uncertainty or 0.0 for term in self.terms if not term.is_bound]
         return math.hypot(*estimates) + sum(bounds)
 
     @property
-    def judged(self) -> Metric:
+    def metric_with_uncertainty(self) -> Metric:
         """The metric with u for its uncertainty; as it is where u is not known."""
         if self.uncertainty is None:
             return self.metric
@@ -503,9 +507,9 @@ class Budget:
     @property
     def is_resolved(self) -> bool | None:
         """Whether the rest exceeds its uncertainty, |rest| > u; None where that is not known."""
-        if self.uncertainty is None or not math.isfinite(self.rest):
+        if self.uncertainty is None or not math.isfinite(self.rest_of_error):
             return None
-        return abs(self.rest) > self.uncertainty
+        return abs(self.rest_of_error) > self.uncertainty
 
     @property
     def is_covered(self) -> bool | None:
@@ -526,7 +530,7 @@ class ErrorBudget:
     seconds_of_run: float
 
     @property
-    def cost(self) -> float:
+    def cpu_time_ratio(self) -> float:
         """CPU time of the run with its budget over that of the plain run."""
         return 1 + self.refinements.cpu_seconds / self.seconds_of_run
 
@@ -535,7 +539,7 @@ class ErrorBudget:
         return {budget.metric.key: budget for budget in self.budgets}[key]
 
     @property
-    def coverage(self) -> str:
+    def coverage_in_words(self) -> str:
         """A sentence: for how many metrics the stated uncertainty covers the part of the error that
         no measured term explains. It can be checked for half-planes only.
         """
@@ -637,7 +641,7 @@ def _extrapolated_term(
         sizes=tuple(value_at_size),
         values=tuple(value_at_size.values()),
         formal_order=formal_order,
-        rounding=ROUNDING,
+        rounding=ROUND_OFF_OF_METRIC,
     )
     extrapolation = extrapolate(refinement)
     error_of_run = None
@@ -670,13 +674,16 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh_runs if not run.failure)
-    how_measured = f"{labels}: {term.kind}; {term.how}"
+    how_measured = f"{labels}: {term.kind}; {term.how_measured}"
     stated_uncertainty = _uncertainty_of_value(metric, comparison)
     if stated_uncertainty is None:
-        return _with_stated_uncertainties(replace(term, how=how_measured), metric, comparison)
+        return _with_stated_uncertainties(
+            replace(term, how_measured=how_measured), metric, comparison
+        )
     if term.value is not None and abs(term.value) > stated_uncertainty:
         return replace(
-            term, how=f"{how_measured}; the run itself states less, {stated_uncertainty:.1e}"
+            term,
+            how_measured=f"{how_measured}; the run itself states less, {stated_uncertainty:.1e}",
         )
     if stated_uncertainty < term.uncertainty:
         # The places of the edges within their elements move a value from mesh to mesh: a few meshes
@@ -687,7 +694,9 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
         )
         return Term("mesh", None, stated_uncertainty, how_measured)
     return replace(
-        term, uncertainty=stated_uncertainty, how=f"{how_measured}; {_STATED_BY_RUN_IN_WORDS}"
+        term,
+        uncertainty=stated_uncertainty,
+        how_measured=f"{how_measured}; {_STATED_BY_RUN_IN_WORDS}",
     )
 
 
@@ -705,7 +714,9 @@ def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Compariso
     least_uncertainty = float(np.fmax.reduce(stated_uncertainties))
     if (term.uncertainty or 0.0) < least_uncertainty < math.inf:
         return replace(
-            term, uncertainty=least_uncertainty, how=f"{term.how}; {_STATED_BY_RUN_IN_WORDS}"
+            term,
+            uncertainty=least_uncertainty,
+            how_measured=f"{term.how_measured}; {_STATED_BY_RUN_IN_WORDS}",
         )
     return term
 
@@ -772,7 +783,7 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
             f"halved increments at {refinements.coarse_label}, second order; half-plane theory has"
             " no answer on the polygon of the steps"
         )
-        return Term("step", 4 / 3 * change, abs(change) + ROUNDING, how_measured)
+        return Term("step", 4 / 3 * change, abs(change) + ROUND_OFF_OF_METRIC, how_measured)
     # the first run is the result itself, compared with theory on the polygon
     value_on_polygon = refinements.mesh_runs[0].values.get(metric.key)
     if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
@@ -781,7 +792,9 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
     how_measured = (
         "exact: half-plane theory on the smooth path against itself on the polygon of the steps"
     )
-    return Term("step", metric.value - value_on_polygon, ROUNDING, how_measured, bound=True)
+    return Term(
+        "step", metric.value - value_on_polygon, ROUND_OFF_OF_METRIC, how_measured, is_bound=True
+    )
 
 
 def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
@@ -794,7 +807,7 @@ def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinemen
     """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         how_measured = "none by construction: the law is met exactly"
-        return Term("penalty", None, 0.0, how_measured, bound=True)
+        return Term("penalty", None, 0.0, how_measured, is_bound=True)
     differences = []
     for run_pair in refinements.penalty_pairs:
         values = _finite_values(metric, run_pair)
@@ -822,7 +835,9 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
-        return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
+        return Term(
+            "far field", None, 0.0, "none: the bodies have a size of their own", is_bound=True
+        )
     formal_order = 4.0  # tractions under given loads converge with the fourth power of 1/L
     runs = refinements.far_field_runs
     term = _extrapolated_term("far field", metric, refinements, runs, formal_order)
@@ -830,11 +845,11 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
         return term
     how_measured = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
     if term.kind == "exact" or _is_plausible(term.order, formal_order):
-        return replace(term, how=how_measured)
+        return replace(term, how_measured=how_measured)
     values = _finite_values(metric, runs)
     spread = max(values) - min(values)
     how_measured += "; not resolved: the scatter between meshes is as large"
-    return replace(term, value=None, uncertainty=spread, how=how_measured)
+    return replace(term, value=None, uncertainty=spread, how_measured=how_measured)
 
 
 def _iteration_term(comparison: Comparison) -> Term:
@@ -847,7 +862,7 @@ def _iteration_term(comparison: Comparison) -> Term:
         return _unmeasured_term("solver", reason="the result states no residuals")
     worst_check = max(checks, key=lambda check: check.value)
     how_measured = f"worst residual of any step: {worst_check.name}"
-    return Term("solver", None, worst_check.value, how_measured, bound=True)
+    return Term("solver", None, worst_check.value, how_measured, is_bound=True)
 
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
@@ -855,7 +870,7 @@ def _theory_term(metric: Metric, comparison: Comparison) -> Term:
     sign is not known. The uncertainty is the largest estimate by theory itself, on the smooth path
     and on the polygon; round-off where it states none, as of closed forms.
     """
-    prefix = _NAMES_OF_ERRORS.get(metric.key, metric.key)
+    prefix = _ERROR_NAME_BY_METRIC.get(metric.key, metric.key)
     theory_solutions = [comparison.reference]
     if comparison.polygon_reference is not None:
         theory_solutions.append(comparison.polygon_reference)
@@ -868,12 +883,12 @@ def _theory_term(metric: Metric, comparison: Comparison) -> Term:
     if metric.stated_by_reference:
         error_estimates.append(metric.stated_by_reference)
     # without an estimate: closed forms
-    uncertainty = ROUNDING
+    uncertainty = ROUND_OFF_OF_METRIC
     how_measured = "closed forms: rounding"
     if error_estimates:
-        uncertainty = max(error_estimates) + ROUNDING
+        uncertainty = max(error_estimates) + ROUND_OFF_OF_METRIC
         how_measured = "its own estimate of quadratures and series"
-    return Term("half-plane theory", None, uncertainty, how_measured, bound=True)
+    return Term("half-plane theory", None, uncertainty, how_measured, is_bound=True)
 
 
 # --------------------------------------------------------------- mesh-refinement study of one value
@@ -885,7 +900,7 @@ _SAFETY_FACTOR = 1.25
 _LARGE_SAFETY_FACTOR = 3.0
 # Smallest and largest order p that is searched. Beyond 16 a size ratio of 2 leaves no digits
 # between the two finest solutions.
-_ORDER_RANGE = (0.01, 16.0)
+_RANGE_OF_SEARCHED_ORDERS = (0.01, 16.0)
 
 
 @dataclass(frozen=True)
@@ -918,7 +933,7 @@ class Refinement(PythonNumbers):
         """Largest minus smallest value."""
         return max(self.values) - min(self.values)
 
-    def admits(self, order: float | None) -> bool:
+    def is_plausible(self, order: float | None) -> bool:
         """Whether theory admits an observed order; no order is not admitted."""
         return _is_plausible(order, self.formal_order)
 
@@ -974,7 +989,7 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
         growth = math.expm1(p * coarse_log_ratio) / math.expm1(p * fine_log_ratio)
         return p * fine_log_ratio + math.log(growth) - log_of_changes
 
-    least_order, largest_order = _ORDER_RANGE
+    least_order, largest_order = _RANGE_OF_SEARCHED_ORDERS
     if misfit(least_order) >= 0 or misfit(largest_order) <= 0:
         return None
     from scipy.optimize import brentq  # a tenth of a second, for few comparisons
@@ -982,7 +997,7 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     return float(brentq(misfit, least_order, largest_order, xtol=1e-14))
 
 
-def kind_of(refinement: Refinement) -> _Kind:
+def kind_of_sequence(refinement: Refinement) -> _Kind:
     """How the values of a refinement study change as the element size falls.
 
     "too few": fewer than three values. "exact": all values are equal to rounding. Changes of one
@@ -1025,7 +1040,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     >>> limit.kind, round(limit.value, 6), round(limit.uncertainty / 0.97050, 6)
     ('monotone', 0.9713, 0.001031)
     """
-    kind = kind_of(refinement)
+    kind = kind_of_sequence(refinement)
     n_solutions = len(refinement.values)
     finest_value = refinement.values[0]
     if n_solutions == 1:
@@ -1034,7 +1049,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         rule = "all solutions agree to rounding"
         return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
     if n_solutions == 2:
-        correction = _richardson(refinement, refinement.formal_order)
+        correction = _richardson_correction(refinement, refinement.formal_order)
         limit = finest_value + correction
         uncertainty = _LARGE_SAFETY_FACTOR * abs(correction)
         rule = "formal order assumed, safety factor 3"
@@ -1047,13 +1062,15 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         orders.append(
             observed_order(refinement.sizes[three_meshes], refinement.values[three_meshes])
         )
-    plausible_orders = [order for order in orders if order is not None and refinement.admits(order)]
+    plausible_orders = [
+        order for order in orders if order is not None and refinement.is_plausible(order)
+    ]
     if len(plausible_orders) == len(orders):
         lowest_order = min(plausible_orders)
         if max(plausible_orders) - lowest_order <= refinement.formal_order / 4:
             finest_order = plausible_orders[0]
-            limit = finest_value + _richardson(refinement, finest_order)
-            uncertainty = _SAFETY_FACTOR * abs(_richardson(refinement, lowest_order))
+            limit = finest_value + _richardson_correction(refinement, finest_order)
+            uncertainty = _SAFETY_FACTOR * abs(_richardson_correction(refinement, lowest_order))
             rule = "Roache, safety factor 1.25"
             return Extrapolation(finest_order, kind, limit, uncertainty, rule)
     if n_solutions == 3:
@@ -1061,10 +1078,10 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         return Extrapolation(
             orders[0], kind, finest_value, _LARGE_SAFETY_FACTOR * refinement.spread, rule
         )
-    return _least_squares(refinement, kind)
+    return _extrapolation_by_least_squares(refinement, kind)
 
 
-def _richardson(refinement: Refinement, order: float) -> float:
+def _richardson_correction(refinement: Refinement, order: float) -> float:
     """Limit at size zero minus finest value, by Richardson's extrapolation with the order p from
     the two finest solutions: (phi_1 - phi_2) / ((h_2/h_1)^p - 1).
     """
@@ -1074,7 +1091,7 @@ def _richardson(refinement: Refinement, order: float) -> float:
 
 
 @dataclass(frozen=True)
-class _Fit:
+class _FittedCurve:
     """A curve through scattered solutions."""
 
     limit: float  # its value at size zero
@@ -1083,7 +1100,7 @@ class _Fit:
     order: float | None = None  # where the order was fitted too
 
 
-def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
+def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     """Limit at size zero and its uncertainty, from a curve fitted to four or more solutions (Eca
     and Hoekstra 2014, section 3).
 
@@ -1094,13 +1111,13 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes
-    residual = abs(finest_value - fit.finest_value)
+    sum_of_squares = abs(finest_value - fit.finest_value)
     error_of_finest = abs(fit.limit - fit.finest_value)
-    safety_factor = _SAFETY_FACTOR if refinement.admits(order) else _LARGE_SAFETY_FACTOR
-    uncertainty = safety_factor * error_of_finest + fit.deviation + residual
+    safety_factor = _SAFETY_FACTOR if refinement.is_plausible(order) else _LARGE_SAFETY_FACTOR
+    uncertainty = safety_factor * error_of_finest + fit.deviation + sum_of_squares
     if fit.deviation >= mean_change:  # the solutions scatter more than they change
         scatter_factor = _LARGE_SAFETY_FACTOR * fit.deviation / mean_change
-        uncertainty = scatter_factor * (error_of_finest + fit.deviation + residual)
+        uncertainty = scatter_factor * (error_of_finest + fit.deviation + sum_of_squares)
     if kind == "monotone":
         spread_of_finest = max(refinement.values[:3]) - min(refinement.values[:3])
         uncertainty = max(uncertainty, spread_of_finest)
@@ -1111,7 +1128,7 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     return Extrapolation(None, kind, finest_value, uncertainty, rule)
 
 
-def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
+def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | None]:
     """The curve phi(h) that gives the limit of a refinement study; its order in words; and the
     fitted order, None where no order from 0.01 to 16 fits best.
 
@@ -1120,7 +1137,7 @@ def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
     (where the fitted order is small or absent) with both.
     """
     formal_order = refinement.formal_order
-    free_fit = _best_free_fit(refinement)
+    free_fit = _best_curve_of_free_order(refinement)
     order = free_fit.order
     if order is not None and formal_order / 4 <= order <= formal_order:
         return free_fit, f"order {order:.2f}", order
@@ -1128,22 +1145,24 @@ def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
     if order is None or order < formal_order / 4:
         powers_of_curves.append((formal_order / 2, formal_order))
     fits = [
-        (_fit(refinement, powers, weights), powers)
+        (_fitted_curve(refinement, powers, weights), powers)
         for powers in powers_of_curves
-        for weights in _weights(refinement)
+        for weights in _two_sets_of_weights(refinement)
     ]
     best_fit, best_powers = min(fits, key=lambda pair: pair[0].deviation)
     powers_in_words = " and ".join(f"{power:g}" for power in best_powers)
     return best_fit, f"order {powers_in_words} assumed", order
 
 
-def _best_free_fit(refinement: Refinement) -> _Fit:
+def _best_curve_of_free_order(refinement: Refinement) -> _FittedCurve:
     """The curve of fitted order, with the one of the two sets of weights that deviates less."""
-    fits = [_fit_of_free_order(refinement, weights) for weights in _weights(refinement)]
+    fits = [
+        _curve_of_free_order(refinement, weights) for weights in _two_sets_of_weights(refinement)
+    ]
     return min(fits, key=lambda fit: fit.deviation)
 
 
-def _weights(refinement: Refinement) -> Iterator[Array]:
+def _two_sets_of_weights(refinement: Refinement) -> Iterator[Array]:
     """Two sets of weights of the solutions, (k,) each, of mean 1: equal weights, and 1/h."""
     h = np.array(refinement.sizes)
     yield np.ones_like(h)
@@ -1154,10 +1173,10 @@ def _order_of_best_curve(refinement: Refinement) -> float | None:
     """Order p of the curve that fits the values best; None where no p from 0.01 to 16 does."""
     if len(refinement.values) == 3:
         return observed_order(refinement.sizes, refinement.values)
-    return _best_free_fit(refinement).order
+    return _best_curve_of_free_order(refinement).order
 
 
-def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
+def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve:
     """The curve phi_0 + alpha h^p that fits the values of a refinement study best, for `weights`
     (k,) of the k solutions, p between 0.01 and 16. Its order is None where the best p is an end of
     that range.
@@ -1166,7 +1185,7 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
     values = np.array(refinement.values)
     deviations = values - np.average(values, weights=weights)
 
-    def residual(orders: Array) -> Array:
+    def sum_of_squares(orders: Array) -> Array:
         """For each of m orders p, the weighted sum of squared residuals with the best phi_0 and
         alpha, (m,).
         """
@@ -1175,26 +1194,26 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
         alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
         return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
 
-    trial_orders = np.geomspace(*_ORDER_RANGE, 97)
-    best_index = int(np.argmin(residual(trial_orders)))
+    trial_orders = np.geomspace(*_RANGE_OF_SEARCHED_ORDERS, 97)
+    best_index = int(np.argmin(sum_of_squares(trial_orders)))
     order = None
     if 0 < best_index < len(trial_orders) - 1:
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
-            lambda trial_order: residual(trial_order)[0],
+            lambda trial_order: sum_of_squares(trial_order)[0],
             bounds=(float(trial_orders[best_index - 1]), float(trial_orders[best_index + 1])),
             method="bounded",
             options={"xatol": 1e-9},
         )
         order = float(minimum.x)
     best_order = order or float(trial_orders[best_index])
-    return _fit(refinement, (best_order,), weights, order)
+    return _fitted_curve(refinement, (best_order,), weights, order)
 
 
-def _fit(
+def _fitted_curve(
     refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
-) -> _Fit:
+) -> _FittedCurve:
     """Fit the curve phi_0 + sum_j alpha_j h^p_j to the solutions of a refinement study by weighted
     least squares; h are their sizes, p_j the `powers`. Returns limit phi_0, finest value and
     standard deviation.
@@ -1222,4 +1241,4 @@ def _fit(
     deviation = math.sqrt(
         float(np.sum(weights * (values - fitted_values) ** 2)) / degrees_of_freedom
     )
-    return _Fit(float(coefficients[0]), float(fitted_values[0]), deviation, order)
+    return _FittedCurve(float(coefficients[0]), float(fitted_values[0]), deviation, order)

@@ -11,7 +11,7 @@ from reports.comparison.metrics import Metric
 from reports.comparison.words import term_in_words, value_in_words
 
 # A term below this share of the discrepancy with its uncertainty is negligible.
-_NEGLIGIBLE = 1e-3
+_NEGLIGIBLE_SHARE = 1e-3
 
 
 def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
@@ -31,8 +31,8 @@ def _is_negligible(entry: Budget, term: Term) -> bool:
     if term.uncertainty is None:
         return False
     size_of_term = abs(term.value or 0.0) + term.uncertainty
-    size_of_error = abs(entry.total) + (entry.uncertainty or 0.0)
-    return size_of_term <= _NEGLIGIBLE * size_of_error
+    size_of_error = abs(entry.error) + (entry.uncertainty or 0.0)
+    return size_of_term <= _NEGLIGIBLE_SHARE * size_of_error
 
 
 def budget_table(
@@ -81,7 +81,7 @@ def _budget_row(budget: Budget) -> tuple[str, ...]:
     if budget.uncertainty is not None:
         uncertainty = term_in_words(budget.uncertainty, metric)
     terms = [cell_of_term(term, metric) for term in budget.terms]
-    rest = term_in_words(budget.rest, metric, plus=True)
+    rest = term_in_words(budget.rest_of_error, metric, plus=True)
     label = metric.short or metric.label
     return (label, value_in_words(metric), *terms, rest, uncertainty, _judgement_in_short(budget))
 
@@ -98,7 +98,7 @@ def cell_of_term(term: Term, metric: Metric) -> str:
     return value if is_exact else f"{value} ± {uncertainty}"
 
 
-def _judgement(budget: Budget) -> str:
+def _verdict_in_words(budget: Budget) -> str:
     """The verdict in words: for half-planes, whether the uncertainty covers the rest; for real
     bodies, whether the idealisation error is larger than its uncertainty.
     """
@@ -125,7 +125,7 @@ def cost_in_words(budget: ErrorBudget) -> str:
     pairs = [run for pair in refinements.penalty_pairs for run in pair]
     runs = {run.label: run for run in (*refinements.mesh_runs, *refinements.far_field_runs, *pairs)}
     return in_template(
-        "budget_cost", budget.cost, list(runs.values()), refinements.reasons_not_measured
+        "budget_cost", budget.cpu_time_ratio, list(runs.values()), refinements.reasons_not_measured
     )
 
 
@@ -148,9 +148,9 @@ def are_covered(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | No
 def budget_content(budget: ErrorBudget) -> dict[str, Any]:
     """An error budget for comparison.json: cost, coverage, and the terms of every metric."""
     return {
-        "cost": budget.cost,
+        "cost": budget.cpu_time_ratio,
         "words": cost_in_words(budget),
-        "honest": budget.coverage,
+        "honest": budget.coverage_in_words,
         "metrics": {entry.metric.key: _entry_content(entry) for entry in budget.budgets},
     }
 
@@ -158,11 +158,25 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
 def _entry_content(budget: Budget) -> dict[str, Any]:
     """The budget of one metric for comparison.json."""
     return {
-        "E": budget.total,
-        "terms": {term.name: {**vars(term), "measured": term.is_measured} for term in budget.terms},
-        "unexplained" if budget.are_half_planes else "idealisation": budget.rest,
+        "E": budget.error,
+        "terms": {term.name: _term_content(term) for term in budget.terms},
+        "unexplained" if budget.are_half_planes else "idealisation": budget.rest_of_error,
         "u": budget.uncertainty,
         "resolved": budget.is_resolved,
         "honest": budget.is_covered,
-        "verdict": _judgement(budget),
+        "verdict": _verdict_in_words(budget),
+    }
+
+
+def _term_content(term: Term) -> dict[str, Any]:
+    """One source of error in one metric for comparison.json."""
+    return {
+        "name": term.name,
+        "value": term.value,
+        "uncertainty": term.uncertainty,
+        "how": term.how_measured,
+        "bound": term.is_bound,
+        "order": term.order,
+        "kind": term.kind,
+        "measured": term.is_measured,
     }

@@ -71,7 +71,7 @@ class Cycle:
     shear_moment: Array | None = None
 
     @property
-    def series(self) -> tuple[str, ...]:
+    def series_names(self) -> tuple[str, ...]:
         """Names of the loads, displacements, ... that this cycle holds, (k,) each."""
         return (*_SERIES_NAMES, *_names_of_bulk_series(self))
 
@@ -89,7 +89,7 @@ def last_cycle(solution: ContactSolution) -> Cycle:
     states that it holds no whole cycle. InputError where it should hold one and does not.
     """
     if "whole_cycle" in solution.work.skipped:
-        return _all_instants(solution)
+        return _cycle_of_all_instants(solution)
     indices = solution.last_cycle
     if len(indices) < 2:
         raise InputError(
@@ -113,7 +113,7 @@ def _fraction_at_start(solution: ContactSolution, time: float) -> float:
     return 0.0 if starts_together else lag
 
 
-def _all_instants(solution: ContactSolution) -> Cycle:
+def _cycle_of_all_instants(solution: ContactSolution) -> Cycle:
     """Every instant of a solution that holds no whole cycle. `fraction` is the time itself."""
     indices = np.arange(len(solution.time))
     return _cycle_at_instants(solution, indices, solution.time, is_whole=False)
@@ -159,16 +159,16 @@ def _cycle_at_instants(
 # ------------------------------------------------------------ on the points and instants of another
 
 
-def sample_instants(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
+def cycle_interpolated_by_time(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
     """The reference solution interpolated to the times and points of `target_cycle`, which holds no
     whole cycle.
 
     Instants are matched by their times: a target time after the end of the reference is moved back
     by whole periods, into the last cycle of the reference.
     """
-    reference_cycle = _all_instants(reference)
+    reference_cycle = _cycle_of_all_instants(reference)
     if np.array_equal(reference_cycle.time, target_cycle.time):
-        return sample(reference_cycle, target_cycle, reference.engine)
+        return interpolated_cycle(reference_cycle, target_cycle, reference.engine)
 
     period = reference.scene.load.path().period
     time_in_path = target_cycle.time
@@ -176,7 +176,7 @@ def sample_instants(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
         time_after_end = np.maximum(target_cycle.time - reference_cycle.time[-1], 0.0)
         periods_after_end = np.ceil(time_after_end / period - _FRACTION_TOLERANCE)
         time_in_path = target_cycle.time - period * periods_after_end
-    sampled_cycle = sample(
+    sampled_cycle = interpolated_cycle(
         reference_cycle,
         replace(target_cycle, fraction=read_only_copy(time_in_path)),
         reference.engine,
@@ -184,7 +184,7 @@ def sample_instants(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
     return replace(sampled_cycle, time=target_cycle.time, fraction=target_cycle.time)
 
 
-def sample(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
+def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     """A cycle of one solution interpolated to the points and instants of another solution's cycle,
     `target_cycle`; the values of `cycle` itself where both have the same points and instants.
 
@@ -204,7 +204,7 @@ def sample(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     # fractions above 1: the target starts within a cycle of the load path and ends in the next one
     starts_later = target_cycle.fraction[-1] > cycle.fraction[-1] + _FRACTION_TOLERANCE
     if starts_later and cycle.is_whole and target_cycle.is_whole:
-        return _sample_for_later_start(cycle, target_cycle, engine)
+        return _interpolated_for_later_start(cycle, target_cycle, engine)
 
     error_by_field: dict[str, float] = {}
     if not _are_same_places(cycle.fraction, target_cycle.fraction, _FRACTION_TOLERANCE):
@@ -226,7 +226,7 @@ def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bo
     )
 
 
-def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
+def _interpolated_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     """A cycle interpolated to the points and instants of another solution's cycle, `target_cycle`,
     that starts later in the load path's cycle: its last instants, of fraction above 1, lie in the
     next cycle of the load path.
@@ -242,12 +242,12 @@ def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> C
         fraction=read_only_copy(fraction_in_cycle[indices_by_time]),
         time=read_only_copy(target_cycle.time[indices_by_time]),
     )
-    sampled_cycle = sample(cycle, target_in_order, engine)
+    sampled_cycle = interpolated_cycle(cycle, target_in_order, engine)
 
     # the inverse of the sorting
     places_in_target = np.argsort(indices_by_time, kind="stable")
     values_by_name: dict[str, Any] = {}
-    for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series):
+    for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series_names):
         values = getattr(sampled_cycle, name)
         values_by_name[name] = read_only_copy(values[places_in_target], values.dtype)
     return replace(
@@ -281,7 +281,7 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
     nearest instant.
     """
     sampled_values: dict[str, Any] = {}
-    for name in (*_FIELD_NAMES, *_EDGE_NAMES, *cycle.series):
+    for name in (*_FIELD_NAMES, *_EDGE_NAMES, *cycle.series_names):
         sampled_values[name] = read_only_copy(
             _interpolate_linearly(target_cycle.fraction, cycle.fraction, getattr(cycle, name))
         )
@@ -417,7 +417,7 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
     slip ends.
     """
-    labels = _extremes(cycle, friction, first_index)
+    labels = _labels_of_extremes(cycle, friction, first_index)
     if not labels:
         labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(labels)):
@@ -441,7 +441,7 @@ def index_of_first_row(cycle: Cycle, scene: Scene) -> int:
     return min(int(np.searchsorted(cycle.time, time)), len(cycle.time) - 1)
 
 
-def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
+def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
     """Instants of a cycle at which P, Q, Q − f P or Q + f P is largest or least: index -> label.
 
     Where several instants have the extreme value the first counts; an instant that is extreme in

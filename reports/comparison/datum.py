@@ -40,7 +40,7 @@ def lacks_datum(solution: ContactSolution) -> bool:
     return is_plain_theory and not solution.scene.bodies.half_planes
 
 
-def from_supports(cycle: Cycle, effects: BodyEffects) -> Cycle:
+def cycle_from_supports(cycle: Cycle, effects: BodyEffects) -> Cycle:
     """A cycle of half-plane theory, with tangential displacement and normal approach counted from
     the supports of the bodies: U + c_t Q and approach + c_n P.
     """

@@ -41,7 +41,7 @@ class Scales(PythonNumbers):
         return self.compliance * (self.friction * self.normal_load) ** 2
 
     @property
-    def density(self) -> float:
+    def dissipation_density(self) -> float:
         """A f^2 P_ref^2/a_ref [energy / area]."""
         return self.dissipation / self.half_width
 

@@ -68,7 +68,7 @@ ONLY_B = "only in B"
 
 
 @dataclass(frozen=True)
-class Findings:
+class RunValues:
     """The values of a run or of a baseline."""
 
     source: str  # folder or file that they were read from, as the user named it
@@ -83,7 +83,7 @@ class Findings:
     tolerances: Mapping[str, float] = field(default_factory=dict)
 
 
-def read_findings(source: str | Path) -> Findings:
+def read_run_values(source: str | Path) -> RunValues:
     """The values of a run, for comparison with another one: from a run folder, comparison.json,
     <engine>.json, a solution (.nc) or a baseline.
 
@@ -99,18 +99,18 @@ def read_findings(source: str | Path) -> Findings:
         raise InputError(f"{source}: there is no such file or folder")
     if path.suffix == ".nc" and not path.is_dir():
         try:
-            return findings_of_solution(ContactSolution.load(path), str(source))
+            return run_values_of_solution(ContactSolution.load(path), str(source))
         except (OSError, KeyError, ValueError, TypeError) as reason:
             raise InputError(
                 f"{source}: this can't be read as a solution of halfplane: {first_line(reason)}"
             ) from reason
     file = path / "comparison.json" if path.is_dir() else path
     if file.exists():
-        return findings_of_content(_json_object(file, source), str(source))
-    return _findings_in_folder(path, source)
+        return run_values_of_content(_json_object(file, source), str(source))
+    return _run_values_in_folder(path, source)
 
 
-def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
+def _run_values_in_folder(folder: Path, source: str | Path) -> RunValues:
     """The values of every converged solution of an engine (*.json) in a run folder that holds no
     comparison. InputError where there is no solution, where none converged, where one is damaged,
     or where they answer different scenes.
@@ -127,7 +127,7 @@ def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
             " engine"
         )
     findings_of_engines = [
-        findings_of_content(content, str(source))
+        run_values_of_content(content, str(source))
         for content in solutions
         if content.get("converged", True)  # a file without it is damaged, and refused as such
     ]
@@ -147,10 +147,10 @@ def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
     for findings in findings_of_engines:
         figures |= findings.figures
         engines |= findings.engines
-    return Findings(str(source), findings_of_engines[0].scene, figures, engines)
+    return RunValues(str(source), findings_of_engines[0].scene, figures, engines)
 
 
-def findings_of_content(content: Mapping[str, Any], source: str) -> Findings:
+def run_values_of_content(content: Mapping[str, Any], source: str) -> RunValues:
     """The values in the content of comparison.json, <engine>.json or a baseline. InputError, naming
     `source`, where "format" names another kind of file or another version, or an entry is absent or
     of the wrong kind.
@@ -176,7 +176,7 @@ def findings_of_content(content: Mapping[str, Any], source: str) -> Findings:
             " or run the scene again"
         )
     try:
-        return _findings_of_kind(kind, content, source)
+        return _run_values_of_kind(kind, content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
@@ -186,7 +186,7 @@ def findings_of_content(content: Mapping[str, Any], source: str) -> Findings:
         ) from reason
 
 
-def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Findings:
+def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> RunValues:
     """The values of a run in the content of a JSON file of this kind ("baseline", "comparison" or
     "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
     "semi_analytic.counts.steps_solved", for example.
@@ -234,19 +234,19 @@ def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Fin
         engines[name] = _settings_and_versions(solution)
         if not solution["converged"]:
             failures.append(f"{name}: {solution['message']}")
-    return Findings(source, scene, figures, engines, tuple(failures), tolerances)
+    return RunValues(source, scene, figures, engines, tuple(failures), tolerances)
 
 
-def findings_of_solution(solution: ContactSolution, source: str) -> Findings:
+def run_values_of_solution(solution: ContactSolution, source: str) -> RunValues:
     """The values of one solution; `source` names it in messages."""
-    from reports.comparison.json_values import solution_content, strict
+    from reports.comparison.json_values import solution_content, strict_json_values
 
-    content = strict(solution_content(solution, ()))
+    content = strict_json_values(solution_content(solution, ()))
     content["scene"] = solution.scene.model_dump(mode="json")
-    return _findings_of_kind("solution", content, source)
+    return _run_values_of_kind("solution", content, source)
 
 
-def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
+def write_baseline(findings: RunValues, path: Path, tolerances: Mapping[str, float]) -> None:
     """Write the values of a run (`findings`) to `path` as a baseline that later runs are compared
     with. The file is written completely or not at all.
 
@@ -369,17 +369,17 @@ class Difference:
     notes: tuple[str, ...]
 
     @property
-    def same(self) -> bool:
+    def are_same(self) -> bool:
         """Whether the verdict of every row is "same"."""
         return all(row.verdict == SAME for row in self.rows)
 
     def content(self) -> dict[str, Any]:
         """The table as a mapping for JSON, where an infinite tolerance becomes null."""
-        return {"same": self.same, **asdict(self)}
+        return {"same": self.are_same, **asdict(self)}
 
 
-def difference(
-    a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None
+def difference_of_runs(
+    a: RunValues, b: RunValues, tolerances: Mapping[str, float] | None = None
 ) -> Difference:
     """The differences of the values of a run `b` from those of a run `a`.
 
@@ -433,7 +433,7 @@ def difference(
             f"not compared, for it is only in {letter}: {group}.*" for group in unmatched_groups
         ]
     name = a.scene.name or b.scene.name
-    return Difference(a.source, b.source, name, tuple(rows), (*notes, *_notes(a, b)))
+    return Difference(a.source, b.source, name, tuple(rows), (*notes, *_notes_on_runs(a, b)))
 
 
 def _group_of_key(key: str) -> str:
@@ -441,7 +441,7 @@ def _group_of_key(key: str) -> str:
     return key.partition(".")[0]
 
 
-def _refuse_different_scenes(a: Findings, b: Findings) -> None:
+def _refuse_different_scenes(a: RunValues, b: RunValues) -> None:
     """InputError where the scenes of two runs differ, with the first six keys that differ."""
     differences = _differing_keys(_physical_content(a.scene), _physical_content(b.scene))
     if not differences:
@@ -458,7 +458,7 @@ def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tu
     return [(key, value_a, value_b) for key, value_a, value_b in pairs if value_a != value_b]
 
 
-def _notes(a: Findings, b: Findings) -> Iterator[str]:
+def _notes_on_runs(a: RunValues, b: RunValues) -> Iterator[str]:
     """Sentences on settings and versions in which two runs differ, and on engines that did not
     converge.
     """
@@ -493,13 +493,14 @@ def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
     return tolerances
 
 
-def _row_of_key(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
+def _row_of_key(key: str, a: RunValues, b: RunValues, tolerance: float) -> Row:
     """Compare the value of one key in two runs `a` and `b`: both values, the difference b − a, and
     whether that is within the tolerance.
 
-    The difference is divided by the larger of the two absolute values, of energies at least by
-    `_least_scale`; a metric is relative already, and its difference is not divided. A key that one
-    run lacks has the verdict "only in A" or "only in B". Values that are None in both are the same.
+    The difference is divided by the larger of the two absolute values, of energies at least by a
+    small share of a typical energy; a metric is relative already, and is not divided. A key that
+    one run lacks has the verdict "only in A" or "only in B". Values that are None in both are the
+    same.
     """
     value_of_a = a.figures.get(key)
     value_of_b = b.figures.get(key)
@@ -519,7 +520,7 @@ def _row_of_key(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
     return Row(key, value_of_a, value_of_b, difference, kind, tolerance, verdict)
 
 
-def _least_scale(key: str, findings: Findings) -> float:
+def _least_scale(key: str, findings: RunValues) -> float:
     """The smallest number that a difference is divided by: for energies 1e-6 of A f^2 P^2, P being
     largest pressure times largest half-width; 0 for other values, and where these two are unknown.
     """

@@ -27,20 +27,20 @@ _FACTOR_OVER_FIELD = 3.0
 _FEWEST_POINTS = 6
 # A difference from the reference is isolated if it is 5 times as large as all others and at least a
 # tenth of p_ref: noise has large differences by chance.
-_FACTOR_OF_DIFFERENCE = 5.0
-_LEAST_DIFFERENCE = 0.1
+_FACTOR_OVER_DIFFERENCES = 5.0
+_LEAST_SHARE_OF_DIFFERENCE = 0.1
 # Point spacings to each side of an edge of contact or stick in which one node alone may be wrong,
 # since the edge lies within an element.
 _SPACINGS_NEAR_EDGE = 2.0
 
 
-def spikes(values: Array) -> Mask:
+def spike_mask(values: Array) -> Mask:
     """Where single values of a field are far larger than all others: (n_steps, n_points) -> mask of
     the same shape.
 
     >>> field = np.full((1, 9), 2.0)
     >>> field[0, 4] = 900.0
-    >>> np.flatnonzero(spikes(field)[0]).tolist()
+    >>> np.flatnonzero(spike_mask(field)[0]).tolist()
     [4]
     """
     return _is_far_larger(values, _FACTOR_OVER_FIELD) & _has_enough_points(values)
@@ -74,7 +74,7 @@ def without_spikes(values: Array) -> Array:
     than all others: each is replaced by the mean of its neighbours in x that are no spikes, by 0
     where both are.
     """
-    is_spike = spikes(values)
+    is_spike = spike_mask(values)
     if not is_spike.any():
         return values
     smooth_values = values.copy()
@@ -88,7 +88,7 @@ def without_spikes(values: Array) -> Array:
     return read_only_copy(smooth_values)
 
 
-def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
+def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
     """Isolated values in the last cycle of a result, which no neighbour supports: masks (k
     instants, n points) of "pressure", "shear" and "slip".
 
@@ -103,13 +103,15 @@ def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Ma
         "pressure": [reference_cycle.contact_edges],
         "shear": [reference_cycle.contact_edges, reference_cycle.stick_edges],
     }
-    masks = {name: spikes(getattr(result_cycle, name)) for name in ("pressure", "shear", "slip")}
+    masks = {
+        name: spike_mask(getattr(result_cycle, name)) for name in ("pressure", "shear", "slip")
+    }
     for name, edges_of_field in edges.items():
         reference_values = np.nan_to_num(getattr(reference_cycle, name))
         difference = getattr(result_cycle, name) - reference_values
         largest_reference = np.max(np.abs(reference_values), initial=0.0)
-        is_large = np.abs(difference) > _LEAST_DIFFERENCE * largest_reference
-        is_far_larger = _is_far_larger(difference, _FACTOR_OF_DIFFERENCE)
+        is_large = np.abs(difference) > _LEAST_SHARE_OF_DIFFERENCE * largest_reference
+        is_far_larger = _is_far_larger(difference, _FACTOR_OVER_DIFFERENCES)
         # with pressure at a few points only, no value can be told from the others
         is_isolated = is_far_larger & is_large & _has_enough_points(result_cycle.pressure)
         is_near_edge = _is_near_edge(edges_of_field, reference_cycle)

@@ -15,19 +15,19 @@ from reports.measured import load_cycles
 from scenes import ContactSolution, Scene
 
 
-def strict(value: Any) -> Any:
+def strict_json_values(value: Any) -> Any:
     """`value` for JSON: numpy types as Python's, and every NaN or infinity as None, in nested
     mappings and lists too.
 
-    >>> strict({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
+    >>> strict_json_values({"a": np.float64(1), "b": [float("nan"), np.int64(2)]})
     {'a': 1.0, 'b': [None, 2]}
     """
     if isinstance(value, Mapping):
-        return {str(key): strict(entry) for key, entry in value.items()}
+        return {str(key): strict_json_values(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray | np.generic):
-        return strict(value.tolist())
+        return strict_json_values(value.tolist())
     if isinstance(value, list | tuple):
-        return [strict(entry) for entry in value]
+        return [strict_json_values(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from reports.comparison.cycles import last_cycle
 from reports.comparison.dimensionless import energy_scale
-from reports.comparison.pairs import is_corrected, name_of
+from reports.comparison.pairs import engine_in_words, is_corrected
 from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.work_of_loads import bulk_work
 from reports.python_numbers import PythonNumbers
@@ -181,7 +181,7 @@ def _largest_pressure(solution: ContactSolution) -> float:
 
 # --------------------------------------------------------------------------------- expected numbers
 @dataclass(frozen=True)
-class Finding(PythonNumbers):
+class ExpectedNumber(PythonNumbers):
     """A number that a scene expects of an engine, beside the engine's own value."""
 
     expected: Expected  # the number, its tolerance, engine and source
@@ -189,7 +189,7 @@ class Finding(PythonNumbers):
     difference: float  # (value - expected)/scale, the scale being that of the tolerance
 
     @property
-    def met(self) -> bool:
+    def is_met(self) -> bool:
         """Whether the difference lies within the tolerance; a NaN never does."""
         return verdict_on(self.difference, self.expected.tolerance) is Verdict.WITHIN
 
@@ -254,7 +254,7 @@ class _Quantity:
 
     words: str
     kind: str
-    compute: Callable[[ContactSolution], float]
+    value_of: Callable[[ContactSolution], float]
 
 
 # In the scene's units; NaN where there is no such thing. Pressures are those at the solution's own
@@ -318,7 +318,7 @@ def values_of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
     """
     if solution.permanent_stick_edges is None:
         return {}
-    return {key: QUANTITIES[key].compute(solution) for key in NAMES_OF_UNSYMMETRIC_VALUES}
+    return {key: QUANTITIES[key].value_of(solution) for key in NAMES_OF_UNSYMMETRIC_VALUES}
 
 
 def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
@@ -353,23 +353,27 @@ def largest_load_ratio(solution: ContactSolution) -> float:
     return largest_ratio_of(solution.normal_load[rows], solution.tangential_load[rows]) / friction
 
 
-def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
+def expected_numbers(
+    scene: Scene, solutions: Iterable[ContactSolution]
+) -> Iterator[ExpectedNumber]:
     """The numbers that a scene expects of theory or finite elements, each beside the value of that
     engine's solution, in the order of the scene. Engines without a solution are left out, and so is
     theory corrected by responses of finite bodies.
     """
     solution_by_engine = {
-        name_of(solution.engine): solution for solution in solutions if not is_corrected(solution)
+        engine_in_words(solution.engine): solution
+        for solution in solutions
+        if not is_corrected(solution)
     }
     for expected in scene.expected:
         if expected.engine in solution_by_engine:
             solution = solution_by_engine[expected.engine]
-            value = QUANTITIES[expected.quantity].compute(solution)
+            value = QUANTITIES[expected.quantity].value_of(solution)
             difference = (value - expected.value) / _scale_of_tolerance(expected, solution)
-            yield Finding(expected, value, difference)
+            yield ExpectedNumber(expected, value, difference)
 
 
-def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
+def expected_rows(findings: Iterable[ExpectedNumber]) -> list[tuple[str, ...]]:
     """Cells of the table of expected numbers that the terminal shows: quantity, engine, expected
     number, value of the engine, difference, tolerance, whether the difference is within it.
     """
@@ -381,7 +385,7 @@ def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
             "none" if math.isnan(finding.value) else f"{finding.value:.5g}",
             "–" if math.isnan(finding.difference) else minus(f"{finding.difference:+.1e}"),
             f"{finding.expected.tolerance:.3g}",
-            "yes" if finding.met else "no",
+            "yes" if finding.is_met else "no",
         )
         for finding in findings
     ]
@@ -390,14 +394,14 @@ def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
 EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "met")
 
 
-def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+def expected_content(findings: Iterable[ExpectedNumber]) -> list[dict[str, Any]]:
     """The expected numbers of a scene beside the values of the engines, for JSON."""
     return [
         {
             **finding.expected.model_dump(mode="json"),
             "found": finding.value,
             "difference": finding.difference,
-            "met": finding.met,
+            "met": finding.is_met,
         }
         for finding in findings
     ]

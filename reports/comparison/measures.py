@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
-from reports.comparison.pairs import Mask, Pair, is_corrected, name_of
-from reports.comparison.work_of_loads import bulk_work, loop_work, on_straight_steps
+from reports.comparison.pairs import Mask, Pair, engine_in_words, is_corrected
+from reports.comparison.work_of_loads import bulk_work, loop_work, solution_on_straight_steps
 from reports.python_numbers import PythonNumbers
 from reports.units import minus
 from scenes import OPEN, ContactSolution
@@ -28,17 +28,17 @@ from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
 # Relative difference of two sizes that is round-off: engines repeat themselves to 1e-11.
-_RELATIVE_ROUNDING = 1e-9
+_RELATIVE_ROUND_OFF = 1e-9
 # A dissipation of the reference below this share of A f^2 P_ref^2 is the round-off of a sum whose
 # true value is 0.
-_NO_DISSIPATION = 1e-12
+_NEGLIGIBLE_SHARE_OF_WORK = 1e-12
 # An amount of the reference below this share of its scale counts as 0.
 _NEGLIGIBLE_SHARE = 1e-12
 # On the points of an external result, theory's largest value misses its true largest value by some
 # share. Above this share the points are too few for a comparison.
-_LARGEST_MISS = 0.1
+_LARGEST_SHARE_MISSED = 0.1
 # Below this share both values have the same digits in a table.
-_LEAST_VISIBLE_MISS = 1e-6
+_LEAST_VISIBLE_SHARE = 1e-6
 # Round-off of the slip of finite elements, over their largest slip: compliances are factorised.
 _ROUND_OFF_OF_SLIP = 1e-11
 # Stick edges within this distance of the contact edges, over a_ref, are the contact edges.
@@ -135,7 +135,7 @@ class Measured(PythonNumbers):
         reference_amount, result_amount = self.amounts
         difference = self.value * self.denominator
         mismatch = abs(result_amount - reference_amount - difference)
-        return mismatch > _LEAST_VISIBLE_MISS * max(abs(reference_amount), abs(result_amount))
+        return mismatch > _LEAST_VISIBLE_SHARE * max(abs(reference_amount), abs(result_amount))
 
     def _in_unit_of_value(self, uncertainty: float | None) -> float | None:
         """Uncertainty of an amount, in the unit of the value; None where there is no estimate."""
@@ -147,7 +147,7 @@ class Measured(PythonNumbers):
 # ------------------------------------------------------------------------- norms, shares, the worst
 
 
-def norm(x: Array, values: Array) -> Array:
+def l2_norm(x: Array, values: Array) -> Array:
     """L2 norm over x, sqrt(int values^2 dx) by the trapezoidal rule: (..., n) -> (...)."""
     return np.sqrt(np.trapezoid(np.square(values), x, axis=-1))
 
@@ -182,7 +182,7 @@ def _first_index_of_largest(size: Array) -> int:
     A cycle that is its own mirror image has each difference twice, with both signs: which of them
     is larger is chance.
     """
-    is_largest = size >= (1 - _RELATIVE_ROUNDING) * size.max()
+    is_largest = size >= (1 - _RELATIVE_ROUND_OFF) * size.max()
     return int(np.argmax(is_largest))
 
 
@@ -226,7 +226,7 @@ def _value_at_worst_instant(
     return Measured(value=value, time=time, series=series, **further_fields)
 
 
-def _without_value(reason: str) -> Measured:
+def _metric_without_value(reason: str) -> Measured:
     """A metric without a value, with the reason in words."""
     return Measured(value=None, note=reason)
 
@@ -300,20 +300,20 @@ def _difference_of_extremes(
         return _difference_of_amounts(extremum, value_of_result, scale, note=note)
     denominator = abs(extremum) if abs(extremum) > _NEGLIGIBLE_SHARE * scale else scale
     share_missed = abs(value_on_points - extremum) / denominator
-    if share_missed > _LARGEST_MISS:
+    if share_missed > _LARGEST_SHARE_MISSED:
         reason_for_none = (
             "the result's points and instants are too few: on them the reference has"
             f" {value_on_points:.4g}"
             f" in place of {extremum:.4g}"
         )
         return Measured(value=None, note=reason_for_none, amounts=amounts)
-    if share_missed > _LEAST_VISIBLE_MISS:
+    if share_missed > _LEAST_VISIBLE_SHARE:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
             f" {value_on_points:.5g}"
         )
-    measurement = _difference_of_amounts(value_on_points, value_of_result, scale, note=note)
-    return replace(measurement, amounts=amounts)
+    metric_value = _difference_of_amounts(value_on_points, value_of_result, scale, note=note)
+    return replace(metric_value, amounts=amounts)
 
 
 def _difference_of_largest_values(
@@ -347,7 +347,7 @@ def _difference_of_largest_values(
 
 
 def _with_stated_uncertainties(
-    pair: Pair, measurement: Measured, name: str, name_of_error: str = ""
+    pair: Pair, metric_value: Measured, name: str, name_of_error: str = ""
 ) -> Measured:
     """A measured metric together with the uncertainties that reference and result themselves state
     of the two amounts that it compares; as it is without amounts.
@@ -359,14 +359,14 @@ def _with_stated_uncertainties(
     name_of_error
         the quantity in `record.errors` of half-plane theory; "" where theory is exact
     """
-    if measurement.amounts is None:
-        return measurement
-    reference_value, result_value = measurement.amounts
+    if metric_value.amounts is None:
+        return metric_value
+    reference_value, result_value = metric_value.amounts
     stated_uncertainties = (
         _stated_uncertainty(pair.plain_reference, reference_value, name, name_of_error),
         _stated_uncertainty(pair.result, result_value, name, name_of_error),
     )
-    return replace(measurement, stated=stated_uncertainties)
+    return replace(metric_value, stated=stated_uncertainties)
 
 
 def _stated_uncertainty(
@@ -406,20 +406,20 @@ def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
     reference_value = float(pair.reference_cycle.pressure.max())
     result_value = float(pair.result_cycle.pressure.max())
-    measurement = _difference_of_largest_values(
+    metric_value = _difference_of_largest_values(
         pair, "pressure", reference_value, result_value, pair.scales.pressure
     )
-    return _with_stated_uncertainties(pair, measurement, "largest_pressure", "pressure")
+    return _with_stated_uncertainties(pair, metric_value, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
     reference_value = _largest_half_distance(pair.reference_cycle)
     result_value = _largest_half_distance(pair.result_cycle)
-    measurement = _difference_of_largest_values(
+    metric_value = _difference_of_largest_values(
         pair, "half_width", reference_value, result_value, pair.scales.half_width
     )
-    return _with_stated_uncertainties(pair, measurement, "largest_half_width")
+    return _with_stated_uncertainties(pair, metric_value, "largest_half_width")
 
 
 def _largest_half_distance(cycle: Cycle) -> float:
@@ -429,15 +429,15 @@ def _largest_half_distance(cycle: Cycle) -> float:
 
 def permanent_stick(pair: Pair) -> Measured:
     """Half-width of the zone that sticks through the whole cycle, result − reference over a_ref."""
-    measurement = _difference_of_stick_zones(pair, _permanent_half_width)
-    return _with_stated_uncertainties(pair, measurement, "permanent_stick_half_width")
+    metric_value = _difference_of_stick_zones(pair, _permanent_half_width)
+    return _with_stated_uncertainties(pair, metric_value, "permanent_stick_half_width")
 
 
 def stick_eccentricity(pair: Pair) -> Measured:
     """Middle x of the zone that sticks through the whole cycle, result − reference over a_ref."""
-    measurement = _difference_of_stick_zones(pair, _middle_of_stick)
+    metric_value = _difference_of_stick_zones(pair, _middle_of_stick)
     # Half the sum of two edges is as uncertain as half their distance.
-    return _with_stated_uncertainties(pair, measurement, "permanent_stick_half_width")
+    return _with_stated_uncertainties(pair, metric_value, "permanent_stick_half_width")
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
@@ -452,7 +452,8 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 def _difference_of_stick_zones(
     pair: Pair, length_of: Callable[[ContactSolution], float]
 ) -> Measured:
-    """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
+    """A length of the zone that sticks through the whole cycle, result − reference over a_ref. The
+    amounts are those of `pair.plain_reference`, the reference without a rule of the result.
 
     `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
     value where one solution lacks the zone or both do: the note then names them.
@@ -461,12 +462,14 @@ def _difference_of_stick_zones(
     result_value = float(length_of(pair.result))
     amounts = (float(length_of(pair.plain_reference)), result_value)
     if math.isnan(reference_value) and math.isnan(result_value):
-        engines = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
-        return _without_value(f"none in {engines}")
+        engines = (
+            f"{engine_in_words(pair.reference.engine)} and {engine_in_words(pair.result.engine)}"
+        )
+        return _metric_without_value(f"none in {engines}")
     if math.isnan(reference_value):
-        return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
+        return Measured(note=f"none in {engine_in_words(pair.reference.engine)}", amounts=amounts)
     if math.isnan(result_value):
-        return Measured(note=f"none in {name_of(pair.result.engine)}", amounts=amounts)
+        return Measured(note=f"none in {engine_in_words(pair.result.engine)}", amounts=amounts)
     return Measured(
         value=(result_value - reference_value) / pair.scales.half_width,
         amounts=amounts,
@@ -484,26 +487,26 @@ def largest_slip(pair: Pair) -> Measured:
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.result.scene.friction.coefficient:
-        return _without_value("nothing resists slip")
+        return _metric_without_value("nothing resists slip")
     is_closed_in_result = result_cycle.state != OPEN
     is_closed_in_reference = reference_cycle.state != OPEN
     if not is_closed_in_result.any():
-        return _without_value(_REASON_NO_CONTACT)
+        return _metric_without_value(_REASON_NO_CONTACT)
     # ranges (n,) of the points
     ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
     ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
     reference_value = float(ranges_in_reference.max())
     result_value = float(ranges_in_result.max())
-    measurement = _difference_of_largest_values(
+    metric_value = _difference_of_largest_values(
         pair, "slip", reference_value, result_value, pair.scales.slip
     )
-    measurement = _with_stated_uncertainties(pair, measurement, "largest_slip", "slip")
-    if pair.result.engine == "halfplane_fe" and measurement.amounts is not None:
+    metric_value = _with_stated_uncertainties(pair, metric_value, "largest_slip", "slip")
+    if pair.result.engine == "halfplane_fe" and metric_value.amounts is not None:
         # Where all slip is round-off the slip zone is narrower than an element.
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
-        if result_value <= round_off < measurement.amounts[0]:
-            return replace(measurement, value=None, note=_REASON_NO_SLIP_RESOLVED)
-    return replace(measurement, place=_place_of_largest_value(pair, ranges_in_result))
+        if result_value <= round_off < metric_value.amounts[0]:
+            return replace(metric_value, value=None, note=_REASON_NO_SLIP_RESOLVED)
+    return replace(metric_value, place=_place_of_largest_value(pair, ranges_in_result))
 
 
 def largest_slip_common(pair: Pair) -> Measured:
@@ -512,7 +515,7 @@ def largest_slip_common(pair: Pair) -> Measured:
     """
     is_closed = _is_closed_in_both(pair)
     if not is_closed.any():
-        return _without_value(_REASON_NO_CONTACT)
+        return _metric_without_value(_REASON_NO_CONTACT)
     # ranges (n,) of the points
     ranges_in_reference = range_of_slip(pair.reference_cycle.slip, is_closed)
     ranges_in_result = range_of_slip(pair.result_cycle.slip, is_closed)
@@ -534,21 +537,21 @@ def dissipation(pair: Pair) -> Measured:
     marked `absolute` where the reference dissipates nothing.
 
     An external result is compared with W of `pair.reference`, which integrates by the same rule and
-    on the same points as the result. The table shows the reference's own W, that of
-    `pair.plain_reference`.
+    on the same points as the result. The table shows the W of `pair.plain_reference`, the same
+    solution with its own rule and points.
     """
-    measurement = _difference_of_extremes(
+    metric_value = _difference_of_extremes(
         pair.plain_reference.dissipation,
         pair.reference.dissipation,
         pair.result.dissipation,
         pair.scales.dissipation,
         is_external=pair.plain_reference is not pair.reference,
     )
-    measurement = _with_stated_uncertainties(pair, measurement, "dissipation", "dissipation")
-    if measurement.absolute:
+    metric_value = _with_stated_uncertainties(pair, metric_value, "dissipation", "dissipation")
+    if metric_value.absolute:
         note = "the reference dissipates nothing, so the value is absolute"
-        return replace(measurement, note=note)
-    return measurement
+        return replace(metric_value, note=note)
+    return metric_value
 
 
 def largest_dissipation_density(pair: Pair) -> Measured:
@@ -559,40 +562,42 @@ def largest_dissipation_density(pair: Pair) -> Measured:
     result_cycle = pair.result_cycle
     value_on_points = float(reference_cycle.dissipation_density.max())
     largest_value = float(result_cycle.dissipation_density.max())
-    measurement = _difference_of_largest_values(
-        pair, "dissipation_density", value_on_points, largest_value, pair.scales.density
+    metric_value = _difference_of_largest_values(
+        pair, "dissipation_density", value_on_points, largest_value, pair.scales.dissipation_density
     )
-    measurement = _with_stated_uncertainties(
-        pair, measurement, "largest_dissipation_density", "dissipation_density"
+    metric_value = _with_stated_uncertainties(
+        pair, metric_value, "largest_dissipation_density", "dissipation_density"
     )
     return replace(
-        measurement, place=_place_of_largest_value(pair, result_cycle.dissipation_density)
+        metric_value, place=_place_of_largest_value(pair, result_cycle.dissipation_density)
     )
 
 
 def edge_tension(pair: Pair) -> Measured:
     """Largest tensile stress along a face at an edge of contact, (result − reference)/reference.
 
-    Its uncertainty is the sum of those that both solutions state. No value without friction, or
-    where one solution does not state that stress.
+    Where the stress of the reference is negligible beside f p_ref it is the difference over f
+    p_ref. Its uncertainty is the sum of those that both solutions state. No value without friction,
+    or where one solution does not state that stress. The reference counts with its own states and
+    edges (`pair.plain_reference`), not with those by a rule of the result.
     """
     if not pair.result.scene.friction.coefficient:
-        return _without_value("frictionless: nothing stretches the faces")
-    tension_of_reference = _largest_tension(pair.plain_reference, pair)
-    tension_of_result = _largest_tension(pair.result, pair)
+        return _metric_without_value("frictionless: nothing stretches the faces")
+    tension_of_reference = _largest_tension_and_uncertainty(pair.plain_reference, pair)
+    tension_of_result = _largest_tension_and_uncertainty(pair.result, pair)
     if tension_of_reference is None or tension_of_result is None:
-        return _without_both_tensions(pair, tension_of_reference, tension_of_result)
+        return _metric_without_tension(pair, tension_of_reference, tension_of_result)
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
-    measurement = _difference_of_amounts(reference_value, result_value, pair.scales.shear)
-    scale = pair.scales.shear if measurement.absolute else abs(reference_value)
+    metric_value = _difference_of_amounts(reference_value, result_value, pair.scales.shear)
+    scale = pair.scales.shear if metric_value.absolute else abs(reference_value)
     relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
     stated_uncertainties = (reference_uncertainty, result_uncertainty)
-    return replace(measurement, uncertainty=relative_uncertainty, stated=stated_uncertainties)
+    return replace(metric_value, uncertainty=relative_uncertainty, stated=stated_uncertainties)
 
 
-def _without_both_tensions(
+def _metric_without_tension(
     pair: Pair,
     tension_of_reference: tuple[float, float] | None,
     tension_of_result: tuple[float, float] | None,
@@ -607,21 +612,23 @@ def _without_both_tensions(
     result_value, result_uncertainty = tension_of_result or unknown_tension
     engines_without_value = []
     if tension_of_reference is None:
-        engines_without_value.append(name_of(pair.reference.engine))
+        engines_without_value.append(engine_in_words(pair.reference.engine))
     if tension_of_result is None:
-        engines_without_value.append(name_of(pair.result.engine))
+        engines_without_value.append(engine_in_words(pair.result.engine))
     note = f"not known of {' and '.join(engines_without_value)}"
     if tension_of_result is None and pair.result.engine == "halfplane_fe":
         reason = why_tension_is_unknown(pair.result)
         note = f"{note}: {reason}" if reason else note
     return replace(
-        _without_value(note),
+        _metric_without_value(note),
         amounts=(reference_value, result_value),
         stated=(reference_uncertainty, result_uncertainty),
     )
 
 
-def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
+def _largest_tension_and_uncertainty(
+    solution: ContactSolution, pair: Pair
+) -> tuple[float, float] | None:
     """Largest tensile stress along a face at an edge of contact, and its uncertainty [stress]; None
     where the solution does not state it: an external one, theory corrected by the responses of
     finite bodies, or theory that is compared with a reference which is not theory.
@@ -661,8 +668,8 @@ def pressure(pair: Pair) -> Measured:
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
-    difference = norm(x, result_cycle.pressure - reference_cycle.pressure)
-    series = quotient(difference, norm(x, reference_cycle.pressure))
+    difference = l2_norm(x, result_cycle.pressure - reference_cycle.pressure)
+    series = quotient(difference, l2_norm(x, reference_cycle.pressure))
     return _value_at_worst_instant(
         pair, series, stated=_stated_uncertainties_of_norm(pair, "pressure"), denominator=1.0
     )
@@ -675,8 +682,8 @@ def shear(pair: Pair) -> Measured:
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
-    difference = norm(x, result_cycle.shear - reference_cycle.shear)
-    series = quotient(difference, pair.scales.friction * norm(x, reference_cycle.pressure))
+    difference = l2_norm(x, result_cycle.shear - reference_cycle.shear)
+    series = quotient(difference, pair.scales.friction * l2_norm(x, reference_cycle.pressure))
     return _value_at_worst_instant(
         pair, series, stated=_stated_uncertainties_of_norm(pair, "shear"), denominator=1.0
     )
@@ -702,32 +709,47 @@ def tangential_resultant(pair: Pair) -> Measured:
     return _excess_of_resultant(pair, _tangential_resultant, "tangential_load")
 
 
-def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
+def _normal_resultant(cycle: Cycle, face_lengths: Array, normals: Array) -> Array:
     """Normal load P that the tractions of a cycle carry at each instant, (k,) [force / thickness].
 
     Parameters
     ----------
-    weights
-        (n,) length of surface that belongs to each point [length]
+    face_lengths
+        (n,) length of the face that belongs to each point [length]
     normals
         (2, n) components (x, y) of the unit normal n out of the lower body: on that body the
         pressure acts against it, positive shear along (n_y, -n_x)
     """
     normal_x, normal_y = normals
-    resultant = np.asarray(cycle.pressure @ (weights * normal_y))
+    resultant = np.asarray(cycle.pressure @ (face_lengths * normal_y))
     # On a flat face the shear has no part in P. It may be absent, that is NaN, and NaN times 0 is
     # NaN.
     if normal_x.any():
-        resultant = resultant + cycle.shear @ (weights * normal_x)
+        resultant = resultant + cycle.shear @ (face_lengths * normal_x)
     return resultant
 
 
-def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
+def _tangential_resultant(cycle: Cycle, face_lengths: Array, normals: Array) -> Array:
     """Tangential load Q that the tractions of a cycle carry at each instant, (k,)
-    [force / thickness]; `weights` and `normals` as in `_normal_resultant`.
+    [force / thickness]; `face_lengths` and `normals` as in `_normal_resultant`.
     """
     normal_x, normal_y = normals
-    return np.asarray(cycle.shear @ (weights * normal_y) - cycle.pressure @ (weights * normal_x))
+    return np.asarray(
+        cycle.shear @ (face_lengths * normal_y) - cycle.pressure @ (face_lengths * normal_x)
+    )
+
+
+def _faces_of_result(result: ContactSolution) -> tuple[Array, Array] | None:
+    """Length of the lower face at each point of a result, (n,) [length], and the unit normal out of
+    it, (2, n). None for a result that is no finite-element solution, or was read from a file.
+    """
+    if result.engine != "halfplane_fe":
+        return None
+    from halfplane_fe.solution import FiniteElementSolution
+
+    if not isinstance(result, FiniteElementSolution):
+        return None
+    return result.face_lengths, result.face_normals
 
 
 def _excess_of_resultant(
@@ -736,29 +758,28 @@ def _excess_of_resultant(
     """Load that the result's tractions carry minus load that the result states, over P, at the
     worst instant: a check of equilibrium.
 
-    A finite-element result states the weights of its points, the length of surface of each.
+    A finite-element result states the length of the face at each of its points, and the normal.
     Otherwise the tractions are integrated by the trapezoidal rule. The error of that rule, known
     from the reference, is then subtracted.
 
     Parameters
     ----------
     resultant_of
-        integrates tractions, (cycle, weights, normals) -> (k,)
+        integrates tractions, (cycle, face lengths, normals) -> (k,)
     name_of_load
         name of the stated load in a cycle, "normal_load" or "tangential_load"
     """
     x = pair.result_cycle.x
+    trapezoidal_lengths = trapezoidal_weights(x)
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
-    weights = getattr(pair.result, "face_lengths", None)
-    normals = getattr(pair.result, "face_normals", None)
-    note = ""
-    weights_of_points = trapezoidal_weights(x) if weights is None else weights
-    normals_of_points = normals_of_flat if normals is None else normals
-    resultant = resultant_of(pair.result_cycle, weights_of_points, normals_of_points)
+    faces = _faces_of_result(pair.result)
+    lengths_of_points, normals_of_points = faces or (trapezoidal_lengths, normals_of_flat)
+    resultant = resultant_of(pair.result_cycle, lengths_of_points, normals_of_points)
     excess = resultant - getattr(pair.result_cycle, name_of_load)
-    if weights is None:
+    note = ""
+    if faces is None:
         resultant_of_reference = resultant_of(
-            pair.reference_cycle, trapezoidal_weights(x), normals_of_flat
+            pair.reference_cycle, trapezoidal_lengths, normals_of_flat
         )
         error_of_rule = resultant_of_reference - getattr(pair.reference_cycle, name_of_load)
         excess = excess - error_of_rule
@@ -774,11 +795,11 @@ def _excess_of_resultant(
 
 def contact_edge(pair: Pair) -> Measured:
     """Outward shift of the worse contact edge over a_ref, at the worst instant."""
-    shift = _shift_of_worse_edge(
+    shift = _outward_shift_of_worse_edge(
         pair.reference_cycle.contact_edges, pair.result_cycle.contact_edges
     )
-    measurement = _value_at_worst_instant(pair, shift / pair.scales.half_width)
-    return replace(measurement, elements=_shift_in_elements(pair, measurement.value))
+    metric_value = _value_at_worst_instant(pair, shift / pair.scales.half_width)
+    return replace(metric_value, elements=_shift_in_elements(pair, metric_value.value))
 
 
 def stick_edge(pair: Pair) -> Measured:
@@ -795,11 +816,11 @@ def stick_edge(pair: Pair) -> Measured:
     # (k,) status of the whole contact: full stick, partial slip, full slip or out of contact
     status_of_reference = _stick_status(reference_cycle, half_width)
     status_of_result = _stick_status(result_cycle, half_width)
-    shift = _shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
+    shift = _outward_shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
     is_compared = pair.is_judged & _has_comparable_stick_edges(
         status_of_reference, status_of_result
     )
-    measurement = _value_at_worst_instant(pair, shift / half_width, is_compared)
+    metric_value = _value_at_worst_instant(pair, shift / half_width, is_compared)
 
     n_differing = int((status_of_reference != status_of_result)[pair.is_judged].sum())
     note = ""
@@ -808,17 +829,19 @@ def stick_edge(pair: Pair) -> Measured:
             f"{n_differing} of {int(pair.is_judged.sum())} instants differ in full stick, partial"
             " slip or full slip"
         )
-    if measurement.value is None and n_differing:
+    if metric_value.value is None and n_differing:
         reason_for_none = f"no instant has a stick edge in both: {note}"
-        return replace(measurement, value=math.nan, note=reason_for_none)
-    return replace(measurement, note=note, elements=_shift_in_elements(pair, measurement.value))
+        return replace(metric_value, value=math.nan, note=reason_for_none)
+    return replace(metric_value, note=note, elements=_shift_in_elements(pair, metric_value.value))
 
 
-def _shift_of_worse_edge(reference_edges: Array, result_edges: Array) -> Array:
+def _outward_shift_of_worse_edge(reference_edges: Array, result_edges: Array) -> Array:
     """Outward shift of the edge, left or right, that differs more, (k,) from (k, 2); NaN where a
     solution lacks an edge.
 
-    >>> _shift_of_worse_edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]])).round(12).tolist()
+    >>> _outward_shift_of_worse_edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]])).round(
+    ...     12
+    ... ).tolist()
     [0.02]
     """
     outward_shift = (result_edges - reference_edges) * np.array([-1.0, 1.0])
@@ -922,7 +945,7 @@ def slip(pair: Pair) -> Measured:
     is_closed = _is_closed_in_both(pair)  # at an open point s is a displacement, and no slip
     is_considered = pair.is_judged & is_closed.any(axis=1)
     if not is_considered.any():
-        return _without_value(_REASON_NO_CONTACT)
+        return _metric_without_value(_REASON_NO_CONTACT)
     range_of_reference = np.ptp(reference_cycle.slip[is_closed])
     is_absolute = bool(range_of_reference <= _NEGLIGIBLE_SHARE * pair.scales.slip)
     scale = pair.scales.slip if is_absolute else range_of_reference
@@ -951,7 +974,7 @@ def _difference_of_series(pair: Pair, name: str, scale: float) -> Measured:
     reference_values = getattr(pair.reference_cycle, name)
     result_values = getattr(pair.result_cycle, name)
     if reference_values is None or result_values is None:
-        return _without_value("a solution states none")
+        return _metric_without_value("a solution states none")
     return _value_at_worst_instant(pair, (result_values - reference_values) / scale)
 
 
@@ -966,7 +989,7 @@ def tangential_displacement(pair: Pair) -> Measured:
     where no instant carries enough load.
     """
     if pair.lacks_common_datum:
-        return _without_value(_REASON_NO_DATUM)
+        return _metric_without_value(_REASON_NO_DATUM)
     reference_values = pair.reference_cycle.tangential_displacement
     result_values = pair.result_cycle.tangential_displacement
     stroke = float(np.ptp(reference_values))
@@ -989,15 +1012,15 @@ def displacement_amplitude(pair: Pair) -> Measured:
     """Half the range of the tangential displacement U in the cycle, (result −
     reference)/reference.
     """
-    return _amplitude(pair, "tangential_displacement", "U does not vary")
+    return _difference_of_amplitudes(pair, "tangential_displacement", "U does not vary")
 
 
 def approach_amplitude(pair: Pair) -> Measured:
     """Half the range of the normal approach in the cycle, (result − reference)/reference."""
-    return _amplitude(pair, "normal_approach", "the approach does not vary")
+    return _difference_of_amplitudes(pair, "normal_approach", "the approach does not vary")
 
 
-def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
+def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Measured:
     """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
 
     The metric has no value where a solution does not state the displacement, nor where that of the
@@ -1013,10 +1036,10 @@ def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
     reference_amplitude = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
     result_amplitude = float(np.ptp(getattr(pair.result_cycle, name))) / 2
     if not math.isfinite(reference_amplitude + result_amplitude):
-        return _without_value("a solution states none")
+        return _metric_without_value("a solution states none")
     typical_displacement = pair.scales.displacement
     if reference_amplitude <= _NEGLIGIBLE_SHARE * typical_displacement:
-        return _without_value(reason_for_none)
+        return _metric_without_value(reason_for_none)
     return _difference_of_amounts(
         reference_amplitude, result_amplitude, typical_displacement, note=_NOTE_ON_COMPLIANCES
     )
@@ -1027,7 +1050,7 @@ def dissipation_without_steps(pair: Pair) -> Measured:
     instant to the next: the error of the load increments drops out.
     """
     reference_on_polygon = pair.polygon_reference or pair.reference
-    result_on_polygon = on_straight_steps(pair.result)
+    result_on_polygon = solution_on_straight_steps(pair.result)
     return _difference_of_amounts(
         reference_on_polygon.dissipation, result_on_polygon.dissipation, pair.scales.dissipation
     )
@@ -1042,7 +1065,7 @@ def dissipation_of_steps(pair: Pair) -> Measured:
     polygon is multiplied by the same factor, so that only the rest of the error is left.
     """
     reference_on_polygon = pair.polygon_reference or pair.reference
-    work_on_polygon = on_straight_steps(pair.result).dissipation
+    work_on_polygon = solution_on_straight_steps(pair.result).dissipation
     factor_for_curve = pair.result.dissipation / work_on_polygon if work_on_polygon else 1.0
     return _difference_of_amounts(
         pair.reference.dissipation,
@@ -1055,8 +1078,8 @@ def hysteresis(pair: Pair) -> Measured:
     """Closed integral of Q dU over the cycle, (result − reference)/reference; no value where the
     load path is not periodic.
     """
-    if not pair.periodic:
-        return _without_value(_REASON_NO_LOOP)
+    if not pair.is_periodic:
+        return _metric_without_value(_REASON_NO_LOOP)
     return _difference_of_amounts(
         loop_work(pair.reference_cycle), loop_work(pair.result_cycle), pair.scales.dissipation
     )
@@ -1072,16 +1095,18 @@ def bulk_term(pair: Pair) -> Measured:
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    if not pair.periodic:
-        return _without_value(_REASON_NO_LOOP)
+    if not pair.is_periodic:
+        return _metric_without_value(_REASON_NO_LOOP)
     for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
         if cycle.shear_moment is None:
-            return _without_value(f"{name_of(solution.engine)} states no moment of its shear")
+            return _metric_without_value(
+                f"{engine_in_words(solution.engine)} states no moment of its shear"
+            )
     materials = pair.result.scene.material
     difference = bulk_work(result_cycle, materials) - bulk_work(reference_cycle, materials)
     friction_work = pair.reference.dissipation
     scale = pair.scales.dissipation
-    is_absolute = abs(friction_work) <= _NO_DISSIPATION * scale
+    is_absolute = abs(friction_work) <= _NEGLIGIBLE_SHARE_OF_WORK * scale
     denominator = scale if is_absolute else friction_work
     return Measured(value=difference / denominator, absolute=is_absolute)
 
@@ -1095,13 +1120,15 @@ def drift(pair: Pair) -> Measured:
     sentences = []
     for solution, change in ((pair.reference, reference_value), (pair.result, result_value)):
         if math.isnan(change):
-            sentences.append(f"{name_of(solution.engine)}: not known")
+            sentences.append(f"{engine_in_words(solution.engine)}: not known")
         elif change:
             change_in_words = minus(f"{change:+.1e}")
-            sentences.append(f"{name_of(solution.engine)}: {change_in_words} in its last cycle")
+            sentences.append(
+                f"{engine_in_words(solution.engine)}: {change_in_words} in its last cycle"
+            )
     note = "; ".join(sentences)
     if math.isnan(reference_value) or math.isnan(result_value):
-        return _without_value(note)
+        return _metric_without_value(note)
     return Measured(value=result_value - reference_value, note=note)
 
 
@@ -1116,8 +1143,10 @@ def dissipation_density(pair: Pair) -> Measured:
     result_cycle = pair.result_cycle
     reference_values = reference_cycle.dissipation_density
     largest_reference = np.max(np.abs(reference_values))
-    is_absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)
-    scale = pair.scales.density if is_absolute else largest_reference
+    is_absolute = bool(
+        largest_reference <= _NEGLIGIBLE_SHARE_OF_WORK * pair.scales.dissipation_density
+    )
+    scale = pair.scales.dissipation_density if is_absolute else largest_reference
     difference = (result_cycle.dissipation_density - reference_values) / scale
     value, x = _worst_value_and_place(difference, np.ones(len(difference), bool), result_cycle.x)
     place = None if x is None else x / pair.scales.half_width
@@ -1130,6 +1159,6 @@ def energy_balance(pair: Pair) -> Measured:
     """
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
-        return _without_value("the result records none")
+        return _metric_without_value("the result records none")
     series = np.asarray(balance, dtype=float)[pair.result.last_cycle]
     return _value_at_worst_instant(pair, series, np.ones(len(series), bool))

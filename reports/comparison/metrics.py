@@ -15,7 +15,7 @@ import numpy as np
 
 from reports.comparison import measures
 from reports.comparison.measures import Measured
-from reports.comparison.pairs import Pair, name_of
+from reports.comparison.pairs import Pair, engine_in_words
 from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import ContactSolution, Scene
 from scenes.scene import OWN_TOLERANCES
@@ -26,7 +26,7 @@ FRICTION = "friction"
 # Fields that are 0 or have no meaning where a contact carries no shear.
 FIELDS_OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
 # A shear of the reference below this share of f p_ref is round-off.
-_NO_SHEAR = 1e-9
+_NEGLIGIBLE_SHARE_OF_SHEAR = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -147,7 +147,7 @@ def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
     }
 
 
-def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
+def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     """Every metric that a comparison has, in the order of the table, with its value and the
     tolerance that judges it, from `tolerances` (key -> |E| admitted).
 
@@ -156,11 +156,11 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     metrics without a value, and those of friction in a frictionless scene, have no tolerance.
     """
     reasons_by_engine = {
-        name_of(solution.engine): reason_by_missing_field(solution)
+        engine_in_words(solution.engine): reason_by_missing_field(solution)
         for solution in (pair.result, pair.reference)
     }
     largest_shear = np.abs(np.nan_to_num(pair.reference_cycle.shear)).max()
-    carries_shear = bool(largest_shear > _NO_SHEAR * pair.scales.shear)
+    carries_shear = bool(largest_shear > _NEGLIGIBLE_SHARE_OF_SHEAR * pair.scales.shear)
     metrics = []
     for metric in METRICS.values():
         if metric.exists is not None and not metric.exists(pair):
@@ -218,10 +218,10 @@ def tolerances_of(
 def markdown() -> str:
     """The table of docs/metrics.md: one row for each metric, in the order of the table."""
     heads = ("Metric", "How", "Why", "Unit", "Norm; region", "Tolerance")
-    return "\n".join((_cells(heads), "|---" * len(heads) + "|", *_markdown_rows()))
+    return "\n".join((_markdown_row(heads), "|---" * len(heads) + "|", *_markdown_rows()))
 
 
-def _cells(cells: tuple[str, ...]) -> str:
+def _markdown_row(cells: tuple[str, ...]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
@@ -254,12 +254,12 @@ def _markdown_rows() -> Iterator[str]:
                 tolerance += f" (`{metric.judged_by}`)"
         name = f"{metric.label}: `{metric.key}`"
         method = metric.how.replace("|", "\\|")
-        yield _cells((name, method, metric.why, metric.unit, norm_and_region, tolerance))
+        yield _markdown_row((name, method, metric.why, metric.unit, norm_and_region, tolerance))
 
 
 # ---------------------------------------------------------------------------------------- the table
 
-_WORK = "A f² P_ref²"
+_UNIT_OF_WORK = "A f² P_ref²"
 _ONE_VALUE = "one value"
 _WORST_INSTANT = "value at the worst instant"
 _L2 = "L2 over x; worst instant"
@@ -331,7 +331,7 @@ _ROWS = (
         quantity="length",
         short="Stick centre",
         judged_by="permanent_stick",
-        exists=attrgetter("unsymmetric"),
+        exists=attrgetter("is_unsymmetric"),
     ),
     Metric(
         key="largest_slip",
@@ -358,7 +358,7 @@ _ROWS = (
         needs=("dissipation", WHOLE_CYCLE),
         measure=measures.dissipation,
         quantity="energy",
-        absolute_unit=_WORK,
+        absolute_unit=_UNIT_OF_WORK,
     ),
     Metric(
         key="dissipation_density_peak",
@@ -372,7 +372,7 @@ _ROWS = (
         measure=measures.largest_dissipation_density,
         quantity="energy density",
         short="Peak W(x)",
-        absolute_unit=f"{_WORK}/a_ref",
+        absolute_unit=f"{_UNIT_OF_WORK}/a_ref",
     ),
     Metric(
         key="edge_tension",
@@ -520,7 +520,7 @@ _ROWS = (
         region=_CYCLE,
         needs=("dissipation", WHOLE_CYCLE),
         measure=measures.dissipation_without_steps,
-        absolute_unit=_WORK,
+        absolute_unit=_UNIT_OF_WORK,
         exists=attrgetter("has_polygon"),
     ),
     Metric(
@@ -534,7 +534,7 @@ _ROWS = (
         region=_CYCLE,
         needs=(),
         measure=measures.dissipation_of_steps,
-        absolute_unit=_WORK,
+        absolute_unit=_UNIT_OF_WORK,
         exists=attrgetter("has_polygon"),
     ),
     Metric(
@@ -548,7 +548,7 @@ _ROWS = (
         region=_CYCLE,
         needs=("tangential_displacement", WHOLE_CYCLE),
         measure=measures.hysteresis,
-        absolute_unit=_WORK,
+        absolute_unit=_UNIT_OF_WORK,
     ),
     Metric(
         key="bulk_work",
@@ -561,7 +561,7 @@ _ROWS = (
         region=_CYCLE,
         needs=("shear", "dissipation", WHOLE_CYCLE),
         measure=measures.bulk_term,
-        absolute_unit=_WORK,
+        absolute_unit=_UNIT_OF_WORK,
         judged_by="dissipation",
         exists=_HAS_BULK_STRESS,
     ),
@@ -611,7 +611,7 @@ _ROWS = (
         region=_POINTS_OF_CYCLE,
         needs=("dissipation_density", WHOLE_CYCLE),
         measure=measures.dissipation_density,
-        absolute_unit=f"{_WORK}/a_ref",
+        absolute_unit=f"{_UNIT_OF_WORK}/a_ref",
     ),
     Metric(
         key="resultant_normal",

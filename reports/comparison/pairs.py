@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from reports.comparison.cycles import Cycle
 from reports.comparison.dimensionless import Scales
-from reports.comparison.isolated import isolated_values
+from reports.comparison.isolated import masks_of_isolated_values
 from scenes import BodyEffects, ContactSolution, Scene
 
 if TYPE_CHECKING:
@@ -24,20 +24,20 @@ Mask = NDArray[np.bool_]
 # Instants with less than this share of P_ref are shown and not judged: on its way from or to the
 # unloaded state a contact passes through sizes of a few elements and of one, where an error
 # relative to its own traction measures the mesh only.
-LIGHT = 0.1
+LEAST_JUDGED_SHARE_OF_LOAD = 0.1
 # Of beta, at most 1/2: rounding of like moduli written with a few digits more or less.
-_NO_COUPLING = 1e-9
+_NEGLIGIBLE_BETA = 1e-9
 
-_ENGINES = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
+_NAME_BY_ENGINE = {"semi_analytic": "half-plane theory", "halfplane_fe": "finite elements"}
 
 
-def name_of(engine: str) -> str:
+def engine_in_words(engine: str) -> str:
     """The name of an engine on the page; of another code its own.
 
-    >>> name_of("halfplane_fe"), name_of("somebody's code")
+    >>> engine_in_words("halfplane_fe"), engine_in_words("somebody's code")
     ('finite elements', "somebody's code")
     """
-    return _ENGINES.get(engine, engine)
+    return _NAME_BY_ENGINE.get(engine, engine)
 
 
 def has_coupled_tractions(scene: Scene) -> bool:
@@ -48,7 +48,7 @@ def has_coupled_tractions(scene: Scene) -> bool:
         return False
     from halfplane_fe.dundurs import dundurs
 
-    return abs(dundurs(scene.material).beta) >= _NO_COUPLING
+    return abs(dundurs(scene.material).beta) >= _NEGLIGIBLE_BETA
 
 
 def is_corrected(solution: ContactSolution) -> bool:
@@ -123,16 +123,18 @@ class Pair:
     @cached_property
     def is_judged(self) -> Mask:
         """(k,) whether a verdict is taken from an instant: in contact, and P at least 0.1 P_ref."""
-        is_loaded = self.reference_cycle.normal_load >= LIGHT * self.scales.normal_load
+        is_loaded = (
+            self.reference_cycle.normal_load >= LEAST_JUDGED_SHARE_OF_LOAD * self.scales.normal_load
+        )
         return self.is_in_contact & is_loaded
 
     @cached_property
-    def isolated(self) -> dict[str, Mask]:
+    def masks_of_isolated(self) -> dict[str, Mask]:
         """(k, n) of pressure, shear and slip: values of the result that no neighbour supports."""
-        return isolated_values(self.result_cycle, self.reference_cycle)
+        return masks_of_isolated_values(self.result_cycle, self.reference_cycle)
 
     @cached_property
-    def periodic(self) -> bool:
+    def is_periodic(self) -> bool:
         """Whether the load path repeats."""
         return self.result.scene.load.path().period is not None
 
@@ -152,7 +154,7 @@ class Pair:
         return any(value is not None for value in stated_tilts) or not scene.profile.symmetric
 
     @property
-    def unsymmetric(self) -> bool:
+    def is_unsymmetric(self) -> bool:
         """Whether the scene states bulk stress, tilt, moment or unequal sides."""
         return self.has_bulk_stress or self.may_tilt
 
@@ -161,4 +163,4 @@ class Pair:
         """Whether every cycle may differ from the one before: the load path repeats, and the scene
         is unsymmetric.
         """
-        return self.periodic and self.unsymmetric
+        return self.is_periodic and self.is_unsymmetric

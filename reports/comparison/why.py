@@ -93,7 +93,7 @@ class Why(PythonNumbers):
     reason_not_split: str = ""
 
     @property
-    def unexplained(self) -> Estimate:
+    def unexplained_part(self) -> Estimate:
         """The part of the difference that no cause explains. Its uncertainty is that of all causes
         and of the difference, which has that of mesh and steps.
         """
@@ -107,9 +107,9 @@ class Why(PythonNumbers):
     @property
     def is_explained(self) -> bool | None:
         """Whether the unexplained part is within its uncertainty; None where that is not known."""
-        if math.isnan(self.unexplained.uncertainty):
+        if math.isnan(self.unexplained_part.uncertainty):
             return None
-        return abs(self.unexplained.value) <= self.unexplained.uncertainty
+        return abs(self.unexplained_part.value) <= self.unexplained_part.uncertainty
 
     @property
     def all_parts(self) -> list[ErrorPart]:
@@ -120,7 +120,7 @@ class Why(PythonNumbers):
             return []
         change_by_cause = {
             **self.parts,
-            UNEXPLAINED: self.unexplained,
+            UNEXPLAINED: self.unexplained_part,
             MESH_AND_STEPS: self.numerical_part,
         }
         all_parts = []
@@ -155,13 +155,13 @@ class Why(PythonNumbers):
             1.0, self.difference.value
         )
         is_main = size >= _LEAST_SHARE_OF_MAIN_CAUSE * all_sizes and size > 2 * change.uncertainty
-        is_mostly_explained = abs(self.unexplained.value) <= _LARGEST_UNEXPLAINED_SHARE * size
+        is_mostly_explained = abs(self.unexplained_part.value) <= _LARGEST_UNEXPLAINED_SHARE * size
         return cause if is_resolved and has_same_sign and is_main and is_mostly_explained else ""
 
     @property
     def unexplained_in_percent(self) -> str:
         """The part of the difference that no cause explains, in per cent with its uncertainty."""
-        return percent_of(self.unexplained)
+        return percent_of(self.unexplained_part)
 
     @property
     def cause_in_percent(self) -> str:

@@ -25,7 +25,7 @@ from reports.comparison.laws import (
     values_of_unsymmetric,
 )
 from reports.comparison.metrics import Metric
-from reports.comparison.pairs import are_half_planes, has_coupled_tractions, name_of
+from reports.comparison.pairs import are_half_planes, engine_in_words, has_coupled_tractions
 from reports.comparison.verdicts import Verdict
 from reports.comparison.work_of_loads import normal_work
 from reports.measured import load_cycles
@@ -80,17 +80,19 @@ def text_on_part_of_path(text: str, scene: Scene) -> str:
     return text.replace("the cycle", f"the {noun}")
 
 
-def question(scene: Scene) -> str:
+def question_in_words(scene: Scene) -> str:
     """A sentence on what a scene asks: bodies, material, friction, loads, with units."""
-    return in_template("question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt(scene))
+    return in_template(
+        "question", scene, *units(scene)[1:], load_unit(scene), bulk_and_tilt_in_words(scene)
+    )
 
 
-def bulk_and_tilt(scene: Scene) -> str:
+def bulk_and_tilt_in_words(scene: Scene) -> str:
     """The bulk stresses, tilt, moment or line of action in the loads of a scene, a sentence each;
     empty without any.
 
     >>> from scenes import load_scene
-    >>> bulk_and_tilt(
+    >>> bulk_and_tilt_in_words(
     ...     load_scene("cattaneo-mindlin").vary(
     ...         load={"bulk_stress_lower": (0.0, 50.0, -50.0), "tilt": 0.001}
     ...     )
@@ -144,7 +146,7 @@ def bodies_in_words(scene: Scene) -> str:
     return in_template("bodies", scene, units(scene)[1])
 
 
-def idealisation(scene: Scene) -> str:
+def idealisation_in_words(scene: Scene) -> str:
     """A sentence on what theory leaves out for these bodies, so that the difference of the two
     engines holds it beside their errors; empty where theory is exact.
     """
@@ -155,7 +157,7 @@ def idealisation(scene: Scene) -> str:
     )
 
 
-def unlike_materials(scene: Scene) -> str:
+def unlike_materials_in_words(scene: Scene) -> str:
     """Dundurs' parameters and what they mean for half-plane theory; empty for like materials."""
     if scene.material.alike:
         return ""
@@ -166,15 +168,15 @@ def unlike_materials(scene: Scene) -> str:
     )
 
 
-def beyond_theory(comparison: JudgedPair) -> str:
+def sentence_beyond_theory(comparison: JudgedPair) -> str:
     """A sentence on what the difference holds beside errors of the two solutions; empty where the
     reference is exact for the bodies.
     """
     if _are_both_of_project(comparison):
-        return idealisation(comparison.scene)
+        return idealisation_in_words(comparison.scene)
     if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
         return ""
-    return in_template("beyond_theory", name_of(comparison.result.engine))
+    return in_template("beyond_theory", engine_in_words(comparison.result.engine))
 
 
 def _are_both_of_project(comparison: JudgedPair) -> bool:
@@ -191,18 +193,18 @@ def _are_both_of_project(comparison: JudgedPair) -> bool:
 _ROUNDING = 1e-13
 
 
-def _in_digits(
+def _number_in_words(
     value: float, *, is_relative: bool = True, plus: bool = True, digits: int = 3
 ) -> str:
     """A value in words to so many significant digits; in per cent if it is relative, with a plus
     sign if `plus`. A value below 1e-13 is round-off, written as 0.
 
     >>> (
-    ...     _in_digits(-0.00123456),
-    ...     _in_digits(0.5, plus=False),
-    ...     _in_digits(-1.87e-16),
-    ...     _in_digits(float("nan")),
-    ...     _in_digits(0.25, is_relative=False),
+    ...     _number_in_words(-0.00123456),
+    ...     _number_in_words(0.5, plus=False),
+    ...     _number_in_words(-1.87e-16),
+    ...     _number_in_words(float("nan")),
+    ...     _number_in_words(0.25, is_relative=False),
     ... )
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
@@ -230,28 +232,28 @@ def term_in_words(value: float, metric: Metric, *, plus: bool = False, digits: i
     round-off, written as 0.
     """
     shown_value = 0.0 if abs(value) < 1e-11 else value
-    return _in_digits(shown_value, is_relative=not metric.absolute, plus=plus, digits=digits)
+    return _number_in_words(shown_value, is_relative=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_in_words(metric: Metric) -> str:
     """The value of a metric in words, in per cent unless it is absolute; a dash without a value."""
     if metric.value is None:
         return "–"
-    return _in_digits(metric.value, is_relative=not metric.absolute, plus=metric.signed)
+    return _number_in_words(metric.value, is_relative=not metric.absolute, plus=metric.signed)
 
 
 def unit_in_words(metric: Metric) -> str:
     """The unit of a metric's value, and for an edge its shift in element sizes in brackets."""
     if metric.elements is None:
         return metric.unit
-    return f"{metric.unit} ({_in_digits(metric.elements, is_relative=False)} elements)"
+    return f"{metric.unit} ({_number_in_words(metric.elements, is_relative=False)} elements)"
 
 
 def uncertainty_in_words(metric: Metric) -> str:
     """The uncertainty of a metric in words, "± ..." with two digits; empty where none is known."""
     if metric.uncertainty is None:
         return ""
-    uncertainty_in_words = _in_digits(
+    uncertainty_in_words = _number_in_words(
         metric.uncertainty, is_relative=not metric.absolute, plus=False, digits=2
     )
     return f"± {uncertainty_in_words}"
@@ -261,7 +263,7 @@ def tolerance_in_words(metric: Metric) -> str:
     """The tolerance of a metric in words; a dash where it has none."""
     if metric.tolerance is None:
         return "–"
-    return _in_digits(metric.tolerance, is_relative=not metric.absolute, plus=False)
+    return _number_in_words(metric.tolerance, is_relative=not metric.absolute, plus=False)
 
 
 # Most significant digits of a value that is shown.
@@ -303,7 +305,7 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
 
 
 # --------------------------------------------------------------------------------------- the answer
-def headline(comparison: JudgedPair) -> str:
+def headline_sentence(comparison: JudgedPair) -> str:
     """The comparison in one sentence: how wrong half-plane theory is for these bodies, or how far
     the two solutions agree.
 
@@ -311,7 +313,7 @@ def headline(comparison: JudgedPair) -> str:
     not resolved. For an external result outside its tolerances the sentence names the metrics that
     are outside.
     """
-    if _is_failed(comparison):
+    if _has_failed(comparison):
         return _sentence_of_failure(comparison)
     dissipation = comparison.metric("dissipation")
     # quantities that the sentence names
@@ -352,7 +354,7 @@ _MOST_METRICS_NAMED = 2
 _NEGLIGIBLE_ERROR = 1e-6
 
 
-def _is_failed(comparison: JudgedPair) -> bool:
+def _has_failed(comparison: JudgedPair) -> bool:
     """Whether an external result was judged and is outside a tolerance or violates a law of
     contact.
     """
@@ -416,7 +418,7 @@ def _violated_checks(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
         (comparison.result, comparison.result_certificates),
     )
     return [
-        (name_of(solution.engine), check)
+        (engine_in_words(solution.engine), check)
         for solution, checks in checked_solutions
         for check in checks
         if not check.holds
@@ -432,7 +434,7 @@ def _count_of_judged_metrics(comparison: JudgedPair) -> int:
 
 def _names_of_engines(comparison: JudgedPair) -> tuple[str, str]:
     """Names of the engines of the reference and of the result."""
-    return name_of(comparison.reference.engine), name_of(comparison.result.engine)
+    return engine_in_words(comparison.reference.engine), engine_in_words(comparison.result.engine)
 
 
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
@@ -445,7 +447,7 @@ def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
             relative_error = solution.dissipation_uncertainty / solution.dissipation
         if relative_error > _NEGLIGIBLE_ERROR:
-            errors.append((name_of(solution.engine), f"{100 * relative_error:.2g}"))
+            errors.append((engine_in_words(solution.engine), f"{100 * relative_error:.2g}"))
     return errors
 
 
@@ -455,7 +457,11 @@ def _claim_of_agreement(metric: Metric) -> tuple[str, str, str]:
     counts as 0.
     """
     difference = abs(metric.value or 0.0) + (metric.uncertainty or 0.0)
-    return "agreement", _label_in_sentence(metric), _in_digits(difference, plus=False, digits=2)
+    return (
+        "agreement",
+        _label_in_sentence(metric),
+        _number_in_words(difference, plus=False, digits=2),
+    )
 
 
 def _claim_of_difference(metric: Metric) -> tuple[str, str, str]:
@@ -500,7 +506,7 @@ def _texts_of_metric(metric: Metric) -> dict[str, str]:
     }
 
 
-def verdict(comparison: JudgedPair) -> str:
+def verdict_in_sentences(comparison: JudgedPair) -> str:
     """The verdict in sentences: the metrics outside their tolerance and those undecided, or that
     all are within; whether the laws of contact hold; the metrics that could not be scored.
     """
@@ -512,7 +518,7 @@ def verdict(comparison: JudgedPair) -> str:
     dissipation = comparison.metric("dissipation")
     dissipation_in_words = None if dissipation.value is None else value_in_words(dissipation)
     has_no_shear = np.isnan(comparison.result.shear).all()
-    isolated_count = sum(int(mask.sum()) for mask in comparison.isolated.values())
+    isolated_count = sum(int(mask.sum()) for mask in comparison.masks_of_isolated.values())
     sentences = in_template(
         "verdict",
         _names_of_engines(comparison),
@@ -528,13 +534,13 @@ def verdict(comparison: JudgedPair) -> str:
 
 def verdict_in_short(comparison: JudgedPair) -> str:
     """The verdict with names of metrics only: those outside, those undecided, or that all are
-    within. The long `verdict` where no metric is judged, a law of contact is violated, or the
-    result has isolated values.
+    within. The long `verdict_in_sentences` where no metric is judged, a law of contact is violated,
+    or the result has isolated values.
     """
-    has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
+    has_isolated_points = any(mask.any() for mask in comparison.masks_of_isolated.values())
     first_words = verdict_in_few_words(comparison)
     if not first_words or has_isolated_points or not comparison.admissible:
-        return f"{first_words} {verdict(comparison)}".strip()
+        return f"{first_words} {verdict_in_sentences(comparison)}".strip()
     # "Undecided." is left out: the next sentence starts with that word.
     sentences = [] if verdict_for_colour(comparison) == "undecided" else [first_words]
     for kind, kind_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
@@ -594,7 +600,7 @@ def verdict_in_few_words(comparison: JudgedPair) -> str:
     mistake as well.
     """
     return in_template(
-        "lead", comparison, beyond_theory(comparison), _are_both_of_project(comparison)
+        "lead", comparison, sentence_beyond_theory(comparison), _are_both_of_project(comparison)
     )
 
 
@@ -608,10 +614,10 @@ def sentence_on_work(comparison: JudgedPair) -> str:
     share_in_words = ""
     if solution.dissipation:
         relative_uncertainty = solution.dissipation_uncertainty / solution.dissipation
-        share_in_words = _in_digits(relative_uncertainty, plus=False)
+        share_in_words = _number_in_words(relative_uncertainty, plus=False)
     return in_template(
         "uncertain_work",
-        name_of(solution.engine),
+        engine_in_words(solution.engine),
         solution,
         share_in_words,
         energy_unit(comparison.scene),
@@ -632,39 +638,39 @@ def verdict_for_colour(comparison: JudgedPair) -> Verdict | None:
     return comparison.verdict
 
 
-def sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """`text` with a capital first letter and a full stop; "" for an empty text.
 
-    >>> sentence("to compare"), sentence("Why?"), sentence("")
+    >>> as_sentence("to compare"), as_sentence("Why?"), as_sentence("")
     ('To compare.', 'Why?', '')
     """
     full_stop = "." if text and not text.endswith((".", "!", "?")) else ""
     return text[:1].upper() + text[1:] + full_stop
 
 
-def read_in_words(name: str, read_as: ReadAs) -> str:
+def reading_in_words(name: str, read_as: ReadAs) -> str:
     """How a file was read, as sentences: its layout, then each column with its unit and factor.
 
-    >>> read_in_words("loop.csv", (("decimal sign", "comma"),))
+    >>> reading_in_words("loop.csv", (("decimal sign", "comma"),))
     'loop.csv, as it was read: Decimal sign: comma.'
     """
-    sentences = [sentence(": ".join(pair)) for pair in read_as]
+    sentences = [as_sentence(": ".join(pair)) for pair in read_as]
     return " ".join([f"{name}, as it was read:", *sentences])
 
 
-def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
+def notebook_html(comparison: JudgedPair, *, has_budget: bool) -> str:
     """A comparison as an HTML fragment for a notebook: headline, table of the values of both
     solutions, verdict, and how the verdict was reached. `has_budget` says that an error budget was
     measured.
     """
-    heads, rows = first_cells(comparison)
+    heads, rows = cells_of_first_table(comparison)
     sentences = (
         verdict_in_few_words(comparison),
-        verdict(comparison),
+        verdict_in_sentences(comparison),
         sentence_on_judging(comparison, has_budget=has_budget),
     )
     texts = {
-        "headline": headline(comparison),
+        "headline": headline_sentence(comparison),
         "heads": heads,
         "rows": rows,
         "last": " ".join(sentences),
@@ -674,7 +680,7 @@ def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
 
 
 # ------------------------------------------------------------------------------------------- tables
-def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
+def factor_and_unit_shown(scene: Scene, quantity: str) -> tuple[float, str]:
     """(factor, unit) in which a quantity is shown: slip in µm where lengths are in mm, all others
     in units of the scene.
     """
@@ -698,7 +704,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     difference, verdict, tolerance, note.
     """
     solution_names = [
-        {"semi_analytic": "theory"}.get(solution.engine, name_of(solution.engine))
+        {"semi_analytic": "theory"}.get(solution.engine, engine_in_words(solution.engine))
         for solution in (comparison.reference, comparison.result)
     ]
     rows = []
@@ -708,7 +714,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         factor = 1.0
         # a quantity with a unit; the other metrics are shares
         if metric.headline:
-            factor, unit = shown_unit(comparison.scene, metric.quantity)
+            factor, unit = factor_and_unit_shown(comparison.scene, metric.quantity)
             label = f"{label} [{unit}]"
             short_label = f"{short_label} [{unit}]"
         reference_amount, result_amount = metric.amounts or (math.nan, math.nan)
@@ -726,7 +732,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
                 ),
                 "result": _value_with_stated_uncertainty(result_amount, stated_of_result, factor),
                 "place": place,
-                "difference": _difference_of(metric),
+                "difference": _difference_in_words(metric),
                 "verdict": metric.verdict or "–",
                 "tolerance": tolerance_in_words(metric),
                 "note": metric.note,
@@ -739,7 +745,7 @@ def _metrics_of_first_table(comparison: JudgedPair) -> list[Metric]:
     """The metrics of the first table, those with amounts of both solutions. For an external result
     that fails, all metrics that are not within tolerance come first.
     """
-    if not _is_failed(comparison):
+    if not _has_failed(comparison):
         return list(comparison.headlines)
     failing_metrics = _metrics_not_passed(comparison)
     return failing_metrics + [
@@ -776,7 +782,7 @@ def _value_with_stated_uncertainty(value: float, uncertainty: float | None, fact
     return with_uncertainty(factor * value, factor * uncertainty)
 
 
-def first_cells(
+def cells_of_first_table(
     comparison: JudgedPair,
     label: Literal["label", "short"] = "label",
     *,
@@ -791,14 +797,14 @@ def first_cells(
     heads, rows = first_table(comparison)
     cells = []
     for row in rows:
-        if is_empty(row) and not with_empty:
+        if is_empty_row(row) and not with_empty:
             continue
         shown_keys = (label, "reference", "result", "difference", "verdict")
         cells.append(tuple(row[key] for key in shown_keys))
     return heads, cells
 
 
-def is_empty(row: Mapping[str, str]) -> bool:
+def is_empty_row(row: Mapping[str, str]) -> bool:
     """Whether a row of the first table has neither a value of a solution nor a difference."""
     return row["reference"] == row["result"] == row["difference"] == "–"
 
@@ -813,7 +819,7 @@ def sentences_on_missing_values(comparison: JudgedPair) -> str:
     for row in first_table(comparison)[1]:
         reason = f" ({row['note']})" if row["note"] else ""
         label_with_reason = row["short"].partition(" [")[0] + reason
-        if is_empty(row):
+        if is_empty_row(row):
             in_neither.append(label_with_reason)
         elif "–" in (row["reference"], row["result"]) and row["difference"] == "–":
             in_one.append(label_with_reason)
@@ -825,7 +831,7 @@ def sentences_on_missing_values(comparison: JudgedPair) -> str:
     return " ".join(sentences)
 
 
-def _difference_of(metric: Metric) -> str:
+def _difference_in_words(metric: Metric) -> str:
     """A metric's difference (result − reference) in words with its uncertainty: in per cent of the
     reference's value, or of the half-width a for lengths of the stick zone; in the metric's unit
     where it is absolute.
@@ -851,11 +857,11 @@ def _difference_of(metric: Metric) -> str:
     return f"{difference_in_words} %{' of a' if metric.unit == 'of a_ref' else ''}"
 
 
-def summary(comparison: JudgedPair) -> str:
+def summary_text(comparison: JudgedPair) -> str:
     """A comparison as plain text: headline; table of the values of both solutions with columns of
     equal width; verdict.
     """
-    heads, table_rows = first_cells(comparison)
+    heads, table_rows = cells_of_first_table(comparison)
     column_widths = [max(map(len, column)) for column in zip(heads, *table_rows, strict=True)]
     table_lines = []
     for row in (heads, *table_rows):
@@ -863,26 +869,34 @@ def summary(comparison: JudgedPair) -> str:
         table_lines.append("  ".join(padded_cells).rstrip())
     head_line, *row_lines = table_lines
     rule = "-" * len(head_line)
-    parts = [headline(comparison), "", head_line, rule, *row_lines, "", verdict(comparison)]
+    parts = [
+        headline_sentence(comparison),
+        "",
+        head_line,
+        rule,
+        *row_lines,
+        "",
+        verdict_in_sentences(comparison),
+    ]
     return "\n".join(parts)
 
 
-def in_five_lines(comparison: JudgedPair, kind: str) -> str:
+def summary_in_five_lines(comparison: JudgedPair, kind: str) -> str:
     """A comparison in five lines, for an interactive session: engines and scene, headline,
     dissipation and largest pressure of both, verdict. `kind` is the name of the object's class.
     """
     name = comparison.scene.name or comparison.scene.title or "a scene"
     lines = [
         f"{kind} of {comparison.result.engine} with {comparison.reference.engine} on {name!r}",
-        f"  {headline(comparison)}",
+        f"  {headline_sentence(comparison)}",
     ]
-    heads, rows = first_cells(comparison)
+    heads, rows = cells_of_first_table(comparison)
     for metric, cells in zip(_metrics_of_first_table(comparison), rows, strict=True):
         if metric.key in ("dissipation", "largest_pressure"):
             label, *values = cells
             named_values = zip(heads[1:], values, strict=True)
             lines.append(f"  {label}: " + ", ".join(" ".join(pair) for pair in named_values))
-    return "\n".join([*lines, f"  {verdict(comparison)}"])
+    return "\n".join([*lines, f"  {verdict_in_sentences(comparison)}"])
 
 
 def summary_csv(comparison: JudgedPair) -> str:
@@ -899,7 +913,7 @@ def summary_csv(comparison: JudgedPair) -> str:
         ("key", "quantity", "unit", "reference", "result", "error", "uncertainty", "verdict")
     )
     for metric in comparison.headlines:
-        factor, unit = shown_unit(comparison.scene, metric.quantity)
+        factor, unit = factor_and_unit_shown(comparison.scene, metric.quantity)
         amounts = [factor * amount for amount in metric.amounts or (math.nan, math.nan)]
         numbers = [
             "" if number is None or math.isnan(number) else float(number)
@@ -928,7 +942,7 @@ def summary_latex(comparison: JudgedPair) -> str:
     """The table of the values of both solutions as a LaTeX `tabular`, with a column for their
     difference and one for the verdict. It needs the LaTeX package booktabs.
     """
-    heads, cells = first_cells(comparison)
+    heads, cells = cells_of_first_table(comparison)
     escape_table = str.maketrans(_LATEX_OF_SIGN)
     latex_rows = [
         " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *cells)
@@ -947,7 +961,7 @@ def summary_latex(comparison: JudgedPair) -> str:
 
 
 # ---------------------------------------------------------------------------------- of one solution
-def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
+def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The first rows (label with unit, value) of the summary of a solution: engine, termination,
     size, largest pressure and half-widths, dissipation.
     """
@@ -963,7 +977,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     if math.isfinite(solution.permanent_stick_half_width):
         permanent_stick += _stated_uncertainty(solution, "permanent_stick_half_width")
     rows = [
-        ("engine", name_of(solution.engine)),
+        ("engine", engine_in_words(solution.engine)),
         ("how it ended", solution.record.message),
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
         ("last instant", f"time {solution.time[-1]:.6g}, {last_loads}"),
@@ -1032,14 +1046,14 @@ def summary_rows(
     With `loads_are_found`, under a prescribed displacement, also how near the loads come to gross
     sliding.
     """
-    rows = first_rows(solution)
+    rows = first_summary_rows(solution)
     if loads_are_found and solution.scene.friction.coefficient:
         rows.append(row_of_sliding(solution))
     if solution.dissipation_drift and np.isfinite(solution.dissipation_drift):
         drift = f"{solution.dissipation_drift:+.2e} of it"
         rows.append(("dissipation, change from the cycle before", drift))
     if np.isfinite(solution.loop_work):
-        rows += _loop_rows(solution)
+        rows += _rows_of_loop_work(solution)
     rows += _rows_of_load_cycles(solution)
     rows.append(("laws of contact", _laws_in_words(solution)))
     rows += [("note", note) for note in solution.record.notes]
@@ -1080,7 +1094,7 @@ def _laws_in_words(solution: ContactSolution) -> str:
     return f"all {len(checks)} hold"
 
 
-def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
+def _rows_of_loop_work(solution: ContactSolution) -> Iterator[tuple[str, str]]:
     """Rows (label with unit, value) of the work that the loads do in a closed cycle: of the
     tangential load Q and the bulk stress together, of the bulk stress alone, of the normal load P.
 

@@ -18,12 +18,12 @@ from scenes import ContactSolution, Materials, read_only_copy
 from scenes.array_types import Array
 
 
-def bulk_strains(materials: Materials) -> tuple[float, float]:
+def bulk_strains_per_stress(materials: Materials) -> tuple[float, float]:
     """Bulk strain eps per bulk stress of the lower and of the upper body, 1/E' and −1/E', with
     E' = E/(1 − nu^2) [1/stress]. eps is the strain of the lower body minus that of the upper one.
 
     >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
-    >>> [round(1 / compliance) for compliance in bulk_strains(steel)]
+    >>> [round(1 / compliance) for compliance in bulk_strains_per_stress(steel)]
     [230769, -230769]
     """
     lower_material = materials.lower
@@ -39,7 +39,7 @@ def bulk_strain(source: ContactSolution | Cycle, materials: Materials) -> Array:
     """
     strain = np.zeros(len(source.time))
     stresses = (source.bulk_stress_lower, source.bulk_stress_upper)
-    for compliance, stress in zip(bulk_strains(materials), stresses, strict=True):
+    for compliance, stress in zip(bulk_strains_per_stress(materials), stresses, strict=True):
         if stress is not None:
             strain = strain + compliance * stress
     return strain
@@ -87,7 +87,7 @@ def normal_work(solution: ContactSolution) -> float | None:
     return work
 
 
-def on_straight_steps(solution: ContactSolution) -> ContactSolution:
+def solution_on_straight_steps(solution: ContactSolution) -> ContactSolution:
     """The solution with the dissipation that it would have if the load path were straight between
     its instants: the work that finite elements add for the curve of the path is subtracted.
     """

@@ -26,8 +26,8 @@ from reports.charts.plate import (
     limits,
 )
 from reports.charts.templating import Table
-from reports.comparison.words import bodies_in_words, bulk_and_tilt
-from reports.profile_fit import fit_of
+from reports.comparison.words import bodies_in_words, bulk_and_tilt_in_words
+from reports.profile_fit import profile_fit_of
 from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled_times
 from scenes.array_types import Array
@@ -108,7 +108,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         normal=_range_in_words(_normal_loads(scene)),
         tangential=_range_in_words(_tangential_loads(scene)),
         load=load_unit(scene),
-        beside=bulk_and_tilt(scene),
+        beside=bulk_and_tilt_in_words(scene),
         alt=alt,
     )
 
@@ -123,7 +123,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     half_width
         half-width of the largest contact [length]
     """
-    fit = fit_of(scene)
+    fit = profile_fit_of(scene)
     if fit is None:
         return None
     _, unit_of_length, _ = units(scene)

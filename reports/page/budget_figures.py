@@ -21,7 +21,13 @@ from reports.charts.plate import (
     figure_with_texts,
 )
 from reports.charts.templating import Table
-from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
+from reports.comparison.budget import (
+    ROUND_OFF_OF_METRIC,
+    Budget,
+    ErrorBudget,
+    Refinement,
+    extrapolate,
+)
 from reports.comparison.why import Why, percent_of
 from reports.comparison.words import value_in_words
 from reports.page.cycle_view import LINE_LOOKS, broad_panel
@@ -215,8 +221,8 @@ def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
         return length if math.isfinite(length) else 0.0
 
     lengths = [length_of(term.value) for term in budget.terms]
-    lengths.append(length_of(budget.rest))
-    length_of_total = length_of(budget.total)
+    lengths.append(length_of(budget.rest_of_error))
+    length_of_total = length_of(budget.error)
     uncertainty = length_of(budget.uncertainty)
     return _Stack(budget, np.array(lengths), length_of_total, uncertainty)
 
@@ -279,11 +285,11 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
     """
     columns: dict[str, list[float | None]] = {
         "tolerance": [budget.metric.tolerance for budget in budgets],
-        "E": [budget.total for budget in budgets],
+        "E": [budget.error for budget in budgets],
     }
     for index, name in enumerate(term_names):
         columns[name] = [budget.terms[index].value for budget in budgets]
-    columns[rest_name] = [budget.rest for budget in budgets]
+    columns[rest_name] = [budget.rest_of_error for budget in budgets]
     columns["u"] = [budget.uncertainty for budget in budgets]
     table: dict[str, Any] = {"metric": [budget.metric.key for budget in budgets]}
     for name, values in columns.items():
@@ -337,7 +343,9 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
             continue
         sizes = tuple(size for size, _ in known_points)
         values = tuple(value for _, value in known_points)
-        limit = extrapolate(Refinement(sizes, values, formal_order=2.0, rounding=ROUNDING))
+        limit = extrapolate(
+            Refinement(sizes, values, formal_order=2.0, rounding=ROUND_OFF_OF_METRIC)
+        )
         if limit.kind == "monotone" and limit.value is not None:
             distances_by_label[metric.label] = [
                 (size, abs(value - limit.value))

@@ -9,16 +9,16 @@ from typing import Any
 
 from reports.charts.templating import in_template
 from reports.comparison.budget_words import budget_content, is_covered
-from reports.comparison.json_values import metric_content, solution_content, strict
+from reports.comparison.json_values import metric_content, solution_content, strict_json_values
 from reports.comparison.laws import expected_content, expected_numbers, names_of_derived_fields
 from reports.comparison.words import (
-    beyond_theory,
     bodies_in_words,
     first_table,
-    question,
+    question_in_words,
+    sentence_beyond_theory,
     sentence_on_judging,
-    unlike_materials,
-    verdict,
+    unlike_materials_in_words,
+    verdict_in_sentences,
 )
 from reports.input_words import content_of_report
 from reports.measured import record_content
@@ -32,7 +32,7 @@ _FORMAT = "halfplane comparison 2"
 def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
     """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
     return json.dumps(
-        strict(whole_content(report, command, seconds or {})),
+        strict_json_values(whole_content(report, command, seconds or {})),
         allow_nan=False,
         indent=1,
         ensure_ascii=False,
@@ -50,10 +50,10 @@ def common_content(report: Report) -> dict[str, Any]:
         "headline": report.first_sentence,
         "table": table_rows,
         "claim": in_template("claim"),
-        "question": question(scene),
+        "question": question_in_words(scene),
         "bodies": bodies_in_words(scene),
-        "unlike_materials": unlike_materials(scene),
-        "idealisation": beyond_theory(comparison),
+        "unlike_materials": unlike_materials_in_words(scene),
+        "idealisation": sentence_beyond_theory(comparison),
     }
 
 
@@ -83,7 +83,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             "unscored": unscored_keys,
             "judged": sentence_on_judging(comparison, has_budget=budget is not None),
             "honest": report.coverage_in_words,
-            "sentence": verdict(comparison),
+            "sentence": verdict_in_sentences(comparison),
         },
         "scales": {
             "P_ref": scales.normal_load,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from reports.charts.plate import Axis, Key, Mark, Panel, Rule, limits
 from reports.comparison import Comparison, words
 from reports.comparison.cycles import Cycle, events, index_of_first_row
-from reports.comparison.pairs import name_of
+from reports.comparison.pairs import engine_in_words
 from reports.units import minus
 from scenes import ContactSolution
 from scenes.array_types import Array
@@ -71,8 +71,8 @@ class CycleView:
         self.result_cycle = comparison.result_cycle
         # "r" and "f" (finite elements): the classes of the style sheet for reference and result
         self.engines = (
-            EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
-            EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
+            EngineView("r", self.reference_cycle, engine_in_words(comparison.reference.engine)),
+            EngineView("f", self.result_cycle, engine_in_words(comparison.result.engine)),
         )
         self.keys = [Key(f"{view.line_css} p", view.name) for view in self.engines]
         self.chosen_events = events(

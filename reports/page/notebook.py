@@ -12,7 +12,7 @@ import numpy as np
 
 from reports.charts.templating import template
 from reports.comparison.datum import lacks_datum
-from reports.comparison.words import bulk_and_tilt, first_rows, part_of_path
+from reports.comparison.words import bulk_and_tilt_in_words, first_summary_rows, part_of_path
 from scenes import ContactSolution, InputError, Scene, SurfaceState
 from scenes.notebook_forms import NotebookForms, register
 
@@ -40,9 +40,9 @@ def scene_html(scene: Scene) -> str:
         (normal_words, f"{normal_range[0]:.6g} to {normal_range[1]:.6g}"),
         (tangential_words, f"{tangential_range[0]:.6g} to {tangential_range[1]:.6g}"),
     ]
-    bulk_and_tilt_in_words = bulk_and_tilt(scene)
-    if bulk_and_tilt_in_words:
-        rows.append(("beside P and Q", bulk_and_tilt_in_words))
+    other_loads_in_words = bulk_and_tilt_in_words(scene)
+    if other_loads_in_words:
+        rows.append(("beside P and Q", other_loads_in_words))
     rows.append(("units", scene.units))
     return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows)
 
@@ -50,7 +50,7 @@ def scene_html(scene: Scene) -> str:
 def solution_html(solution: ContactSolution) -> str:
     """How a solution ended, its size and its values."""
     title = solution.scene.title or solution.scene.name or "Solution"
-    return template("notebook.html").render(title=title, rows=first_rows(solution))
+    return template("notebook.html").render(title=title, rows=first_summary_rows(solution))
 
 
 # On white, and different in grey too.

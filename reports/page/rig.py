@@ -32,7 +32,7 @@ from reports.charts.plate import (
     write_tables,
 )
 from reports.charts.templating import Table, script, template
-from reports.comparison.pairs import name_of
+from reports.comparison.pairs import engine_in_words
 from reports.comparison.words import row_of_sliding, summary_rows
 from reports.folder import results_folder
 from reports.inputs import InputEffects
@@ -207,7 +207,7 @@ def _loop(rig_motion: RigMotion) -> Plate:
         rig_motions.append(rig_motion.motion_by_elements)
     table: dict[str, list[Any]] = {"engine": []}
     for motion_by_engine in rig_motions:
-        engine_name = name_of(motion_by_engine.solution.engine)
+        engine_name = engine_in_words(motion_by_engine.solution.engine)
         table["engine"] += [engine_name] * len(motion_by_engine.time)
     for column, attribute in (
         ("time", "time"),

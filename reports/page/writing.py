@@ -28,13 +28,13 @@ from reports.charts.templating import script, template
 from reports.comparison import Comparison, budget_words, words
 from reports.comparison.cycles import last_cycle
 from reports.comparison.metrics import reason_by_missing_field
-from reports.comparison.pairs import name_of
-from reports.comparison.words import headline, verdict
+from reports.comparison.pairs import engine_in_words
+from reports.comparison.words import headline_sentence, verdict_in_sentences
 from reports.comparison.work_of_loads import bulk_work, normal_work
 from reports.field_output.files import with_bodies, write_fields
 from reports.folder import results_folder
 from reports.inputs import input_effects
-from reports.measured import section
+from reports.measured import page_section
 from reports.page.body_figures import fit_residuals, sketch
 from reports.page.budget_figures import (
     budget_bars,
@@ -141,7 +141,10 @@ def write(
         page = render(report, drawings, command, seconds or {}, script_data, third_content)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
-            log_text = "\n".join([*log, headline(comparison), verdict(comparison)]) + "\n"
+            log_text = (
+                "\n".join([*log, headline_sentence(comparison), verdict_in_sentences(comparison)])
+                + "\n"
+            )
             (folder / "run.log").write_text(log_text, encoding="utf-8")
     return Path(out) / "report.html"
 
@@ -220,10 +223,10 @@ def render(
         notes=_notes(comparison),
         dissipations=list(_dissipations(comparison)),
         stretch=words.part_of_path(scene),
-        measured=section(scene, (comparison.reference, comparison.result)),
+        measured=page_section(scene, (comparison.reference, comparison.result)),
         figures={drawing.name: drawing for drawing in drawings},
         engines=[
-            (name_of(solution.engine), solution)
+            (engine_in_words(solution.engine), solution)
             for solution in (comparison.reference, comparison.result)
         ],
         flat=_settings_by_name,
@@ -271,9 +274,9 @@ def _notes(comparison: Comparison) -> list[str]:
         note = metric.note
         label = metric.label
         if note and note.lower().startswith(label.lower()):
-            notes.append(words.sentence(note))
+            notes.append(words.as_sentence(note))
         elif note:
-            notes.append(words.sentence(f"{label}: {note}"))
+            notes.append(words.as_sentence(f"{label}: {note}"))
     return [*notes, *comparison.notes]
 
 
@@ -292,7 +295,7 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
 
     reference_on_steps = comparison.polygon_reference
     for solution in filter(None, (comparison.reference, reference_on_steps, comparison.result)):
-        name = name_of(solution.engine)
+        name = engine_in_words(solution.engine)
         if solution is reference_on_steps:
             name += ", on the polygon of the steps"
         dissipation = solution.dissipation

@@ -16,7 +16,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed
+from reports.scoring.mapping import (
+    ColumnQuantity,
+    Mapping,
+    converted_values,
+    name_of_column,
+    names_in_words,
+)
 from scenes import InputError
 from scenes.array_types import Array
 from scenes.column_names import normalised_name
@@ -32,17 +38,19 @@ _HEADER = re.compile(
     r"|Field Output reported at (?P<location>.+?) for "
     r"(?:part|region|element set|node set|set|surface):\s*(?P<region>.+?))\s*$"
 )
-_TIME = re.compile(r"(?:Step )?Time\s*=\s*(?P<time>[-+]?\d+\.?\d*(?:[eE][-+]?\d{1,2})?)(?!\S)")
-_MOST_CHARACTERS = 100_000  # of a line
+_TIME_IN_FRAME = re.compile(
+    r"(?:Step )?Time\s*=\s*(?P<time>[-+]?\d+\.?\d*(?:[eE][-+]?\d{1,2})?)(?!\S)"
+)
+_MOST_CHARACTERS_OF_LINE = 100_000  # of a line
 _MOST_ROWS = 2_000_000
 # Nodes of a flat face differ in height by round-off: by at most this fraction of the extent in x,
 # plus this length.
-_FLAT_TOLERANCE = 1e-6
-_LEAST_FLAT_TOLERANCE = 1e-9
+_RELATIVE_TOLERANCE_OF_FLATNESS = 1e-6
+_LEAST_TOLERANCE_OF_FLATNESS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class _Block:
+class _ReportTable:
     """A table of a report: values of one region (a part or a surface) at one frame (an instant).
 
     Attributes
@@ -80,7 +88,9 @@ def is_field_report(path: Path) -> bool:
         return _TITLE.encode() in stream.read(4096)
 
 
-def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]]:
+def read_field_report(
+    path: Path, mapping: Mapping
+) -> tuple[dict[ColumnQuantity, Array], list[str]]:
     """Pressure, shear, slip, x, frame and time of an Abaqus field report, one row for each frame
     (instant) and node of the contact surface, in the scene's units and this program's signs; and
     notes.
@@ -98,7 +108,7 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
     check_size(
         path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )
-    blocks = list(_blocks(path))
+    blocks = list(_tables_of_report(path))
     if not blocks:
         raise InputError(
             f"{path}: the report holds no table of values below a line of dashes; report CPRESS,"
@@ -114,10 +124,10 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
     blocks_of_region = [block for block in blocks if block.region == region]
     frames = {(block.step, block.frame) for block in blocks_of_region}
     notes = [f"the nodal values of {region} were taken, at {len(frames)} frames"]
-    return _columns(path, blocks_of_region, mapping, notes), notes
+    return _surface_columns(path, blocks_of_region, mapping, notes), notes
 
 
-def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping) -> str:
+def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: Mapping) -> str:
     """Name of the one region (surface) of an Abaqus report that carries pressure; where several do,
     the one that the mapping names. `blocks` are the report's tables.
     """
@@ -125,31 +135,33 @@ def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping
     if mapping.surface is not None and mapping.surface not in regions:
         raise InputError(
             f"{path}: the mapping says surface = {mapping.surface!r}, and it reports"
-            f" {listed(sorted(regions))}"
+            f" {names_in_words(sorted(regions))}"
         )
     loaded_regions = set()
     for block in blocks:
-        name = find_column(mapping, "pressure", block.names, str(path))
+        name = name_of_column(mapping, "pressure", block.names, str(path))
         is_chosen = mapping.surface in (None, block.region)
         if is_chosen and name is not None and np.any(block.column(name)):
             loaded_regions.add(block.region)
     if not loaded_regions:
-        names = listed(list(dict.fromkeys(name for block in blocks for name in block.names)))
+        names = names_in_words(
+            list(dict.fromkeys(name for block in blocks for name in block.names))
+        )
         raise InputError(
             f"{path}: no pressure that is not zero everywhere (looked for CPRESS) among {names}"
         )
     if len(loaded_regions) > 1:
         raise InputError(
-            f"{path}: {listed(sorted(loaded_regions))} carry pressure, master and slave perhaps:"
-            " say which by surface of a mapping"
+            f"{path}: {names_in_words(sorted(loaded_regions))} carry pressure, master and slave"
+            " perhaps: say which by surface of a mapping"
         )
     (region,) = loaded_regions
     return region
 
 
-def _columns(
-    path: Path, blocks: Sequence[_Block], mapping: Mapping, notes: list[str]
-) -> dict[Quantity, Array]:
+def _surface_columns(
+    path: Path, blocks: Sequence[_ReportTable], mapping: Mapping, notes: list[str]
+) -> dict[ColumnQuantity, Array]:
     """Pressure, shear, slip, x, frame and time of a report, as far as it has them: one row for each
     frame and each node on the contact surface, in the scene's units and this program's signs.
 
@@ -169,18 +181,18 @@ def _columns(
     n_left_out = int(np.sum(~is_on_surface & is_in_first_frame))
     if n_left_out:
         notes.append(f"{n_left_out} nodes that do not lie on the contact surface were left out")
-    surface_quantities: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip", "frame")
+    surface_quantities: tuple[ColumnQuantity, ...] = ("x", "pressure", "shear", "slip", "frame")
     surface_columns = {
-        name: converted(mapping, name, rows[name][is_on_surface].to_numpy())
+        name: converted_values(mapping, name, rows[name][is_on_surface].to_numpy())
         for name in surface_quantities
         if name in rows
     }
     steps = {step for step, _ in frames}
-    time_matches = [_TIME.search(frame) for _, frame in frames]
+    time_matches = [_TIME_IN_FRAME.search(frame) for _, frame in frames]
     if len(steps) == 1 and all(time_matches):
         times = np.array([float(match["time"]) for match in time_matches if match])
         frame_of_row = surface_columns["frame"].astype(int)
-        surface_columns["time"] = converted(mapping, "time", times)[frame_of_row]
+        surface_columns["time"] = converted_values(mapping, "time", times)[frame_of_row]
     elif len(frames) > 1:
         notes.append(
             f"its frames are of {len(steps)} steps, whose times start again: they were numbered in"
@@ -190,11 +202,12 @@ def _columns(
 
 
 def _rows_of_nodes(
-    path: Path, blocks: Sequence[_Block], mapping: Mapping, frames: Sequence[tuple[str, str]]
+    path: Path, blocks: Sequence[_ReportTable], mapping: Mapping, frames: Sequence[tuple[str, str]]
 ) -> pd.DataFrame:
     """One table of an Abaqus report with a row for each frame and each node that has a pressure.
-    Its columns are pressure, x, as far as reported shear, slip and y, and "frame", the index of
-    the frame in `frames`. Its index is the node's label.
+    Its columns are pressure, x, as far as reported shear, slip and y, and "frame", the index of the
+    frame in `frames`. Its index is the node's label, or where the report has none the number of the
+    row in its table.
 
     `blocks` are the report's tables, each of one frame. Coordinates may stand in tables of their
     own, once for all frames. InputError where a node has none. `mapping` states the names of
@@ -204,10 +217,10 @@ def _rows_of_nodes(
 
     tables = []
     for block in blocks:
-        quantities: tuple[Quantity, ...] = ("x", "y", "pressure", "shear", "slip")
+        quantities: tuple[ColumnQuantity, ...] = ("x", "y", "pressure", "shear", "slip")
         columns = {}
         for quantity in quantities:
-            name = find_column(mapping, quantity, block.names, str(path))
+            name = name_of_column(mapping, quantity, block.names, str(path))
             if name is not None:
                 columns[quantity] = block.column(name)
         node_labels = np.arange(float(len(block.values)))
@@ -246,7 +259,9 @@ def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:
     is_on_surface = (rows["pressure"] != 0).groupby(level=0).transform("any")
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     if "y" in rows:
-        tolerance = _LEAST_FLAT_TOLERANCE + _FLAT_TOLERANCE * np.ptp(rows["x"])
+        tolerance = _LEAST_TOLERANCE_OF_FLATNESS + _RELATIVE_TOLERANCE_OF_FLATNESS * np.ptp(
+            rows["x"]
+        )
         heights = rows["y"][is_on_surface]
         is_flat = np.ptp(heights) <= tolerance
         if is_flat:
@@ -256,7 +271,7 @@ def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:
     return is_on_surface
 
 
-def _blocks(path: Path) -> Iterator[_Block]:
+def _tables_of_report(path: Path) -> Iterator[_ReportTable]:
     """The tables of an Abaqus report that have rows, in its order; each with its step, its frame,
     the location of its values (nodes, centroids) and its region, from the lines above it.
 
@@ -276,10 +291,12 @@ def _blocks(path: Path) -> Iterator[_Block]:
                 raise InputError(
                     f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
                 )
-            names = names or _names(line, lines_above)
-            rows.append(_numbers(f"{path}, line {line_number}", line, names))
+            names = names or _column_names_above(line, lines_above)
+            rows.append(_numbers_in_row(f"{path}, line {line_number}", line, names))
         elif rows:  # the end of the table
-            yield _Block(**header_values, names=names, values=np.array(rows), line=line_of_dashes)
+            yield _ReportTable(
+                **header_values, names=names, values=np.array(rows), line=line_of_dashes
+            )
             lines_above = []
             names = []
             rows = []
@@ -303,17 +320,17 @@ def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
     InputError for a line that is too long for a report.
     """
     with path.open(encoding="utf-8", errors="replace") as stream:
-        lines = iter(lambda: stream.readline(_MOST_CHARACTERS + 1), "")
+        lines = iter(lambda: stream.readline(_MOST_CHARACTERS_OF_LINE + 1), "")
         for line_number, line in enumerate(chain(lines, [""]), 1):
-            if len(line) > _MOST_CHARACTERS:
+            if len(line) > _MOST_CHARACTERS_OF_LINE:
                 raise InputError(
-                    f"{path}, line {line_number}: more than {_MOST_CHARACTERS:,} characters are no"
-                    " row of a report"
+                    f"{path}, line {line_number}: more than {_MOST_CHARACTERS_OF_LINE:,} characters"
+                    " are no row of a report"
                 )
             yield line_number, line.rstrip()
 
 
-def _names(row: str, lines_above: list[str]) -> list[str]:
+def _column_names_above(row: str, lines_above: list[str]) -> list[str]:
     """The names of the columns of a table, from the `lines_above` it: each heading ends where the
     numbers of its column end in the first `row`.
     """
@@ -326,7 +343,7 @@ def _names(row: str, lines_above: list[str]) -> list[str]:
     return names
 
 
-def _numbers(place: str, row: str, names: list[str]) -> list[float]:
+def _numbers_in_row(place: str, row: str, names: list[str]) -> list[float]:
     """The numbers in a row of a report, one for each of the columns `names`. InputError for another
     count and for a number that is not finite; its message begins with `place`, file and line.
     """

@@ -18,8 +18,12 @@ from reports.comparison.laws import DERIVED, certificates, names_of_derived_fiel
 from reports.comparison.metrics import WHOLE_CYCLE
 from reports.report import Report
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import OWN_SUFFIX, read
-from reports.scoring.solution import contact_solution, reference_by_same_rule, theory_of_whole_path
+from reports.scoring.reading import SOLUTION_SUFFIX, read_result
+from reports.scoring.solution import (
+    reference_by_same_rule,
+    solution_of_surface,
+    theory_of_whole_path,
+)
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated
@@ -104,7 +108,7 @@ def score(
     report = score_surface(
         result, mapping or Mapping(), valid_scene, against=against, tolerances=tolerances
     )
-    return diagnosed(report)
+    return report_with_diagnoses(report)
 
 
 def score_file(
@@ -122,7 +126,7 @@ def score_file(
     names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
     finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
     """
-    is_of_this_program = path.suffix.lower() == OWN_SUFFIX and path.is_file()
+    is_of_this_program = path.suffix.lower() == SOLUTION_SUFFIX and path.is_file()
     if is_of_this_program:
         return score_solution(
             stored_solution(path, scene),
@@ -134,7 +138,7 @@ def score_file(
         )
     states_times = mapping.times is not None or mapping.columns.time is not None
     return score_surface(
-        read(path, mapping),
+        read_result(path, mapping),
         mapping,
         scene,
         against=against,
@@ -180,7 +184,7 @@ def score_surface(
     are those of the scene's load path. Without it the instants may be found by the loads instead.
     """
     theory_of_path = theory_of_whole_path(scene)
-    solution, guesses = contact_solution(
+    solution, guesses = solution_of_surface(
         result, mapping, theory_of_path, sure_of_times=sure_of_times
     )
     return score_solution(solution, guesses, theory_of_path, against=against, tolerances=tolerances)
@@ -216,7 +220,7 @@ def score_solution(
     InputError
         Where no point of the result lies in the reference's contact at any of its instants.
     """
-    reference = _reference_for(solution, against)
+    reference = _reference_solution(solution, against)
     _require_points_in_contact(solution, reference)
     theory_on_polygon = None
     if with_polygon and against == "exact" and _states_increments_of_solver(solution):
@@ -252,7 +256,7 @@ def score_solution(
     return Report(comparison, guesses=guesses)
 
 
-def _reference_for(solution: ContactSolution, against: Against) -> ContactSolution:
+def _reference_solution(solution: ContactSolution, against: Against) -> ContactSolution:
     """The reference for a solution: its scene solved by half-plane theory at the same points and
     instants (`against` = "exact"), or by finite elements ("fe"). Where the solution states that it
     has no whole cycle, the reference states so too.
@@ -304,13 +308,13 @@ def _require_points_in_contact(solution: ContactSolution, reference: ContactSolu
     )
 
 
-def diagnosed(report: Report) -> Report:
+def report_with_diagnoses(report: Report) -> Report:
     """`report` with the likely causes of its difference, and where it has any, the steps of the
     evidence for them.
     """
     from reports.scoring.diagnosis import diagnose
-    from reports.scoring.evidence import evidence
+    from reports.scoring.evidence import evidence_steps
 
     diagnoses = diagnose(report.comparison)
-    evidence_steps = evidence(report.comparison) if diagnoses else ()
-    return replace(report, diagnoses=diagnoses, evidence=evidence_steps)
+    steps = evidence_steps(report.comparison) if diagnoses else ()
+    return replace(report, diagnoses=diagnoses, evidence=steps)

@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reports.scoring.calculix_files import DatFile, DatTable, FrdBlock, FrdFile, read_dat, read_frd
-from reports.scoring.mapping import Mapping, converted, stated_times
+from reports.scoring.mapping import Mapping, converted_values, stated_times
 from reports.scoring.surface import (
-    SAME,
+    SAME_PLACE_SHARE,
     SurfaceResult,
-    extent,
     height_of_material,
+    longest_side,
     one_plane,
     surface_result,
 )
@@ -39,7 +39,7 @@ Integers = NDArray[np.int64]
 
 # Of the blocks that tractions are read from: quantities, and the components that they are.
 _Quantity = Literal["pressure", "shear", "slip"]
-_COMPONENTS: dict[str, dict[_Quantity, str]] = {
+_COMPONENT_BY_QUANTITY: dict[str, dict[_Quantity, str]] = {
     "CONTACT": {"pressure": "CPRESS", "shear": "CSHEAR1", "slip": "CSLIP1"},
     "STRESS": {"pressure": "SYY", "shear": "SXY"},
 }
@@ -96,10 +96,10 @@ class CalculixMesh:
         nodes_by_count: dict[int, list[tuple[int, ...]]] = {}
         for element in file.elements:
             nodes_by_count.setdefault(len(element.nodes), []).append(element.nodes)
-        rows = [self.rows(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
+        rows = [self.rows_of_nodes(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
         self.material_heights = height_of_material(self.points, rows)
 
-    def rows(self, nodes: Integers) -> Integers:
+    def rows_of_nodes(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
         rows = np.minimum(np.searchsorted(self.numbers, nodes), len(self.numbers) - 1)
         unknown_nodes = np.asarray(nodes)[self.numbers[rows] != nodes]
@@ -130,7 +130,7 @@ class CalculixMesh:
                 f"{self.path}: element {element_number} {fault}; it must be of the same run as the"
                 " .dat file, with *NODE FILE and *EL FILE"
             )
-        node_rows = self.rows(np.array(element.nodes))
+        node_rows = self.rows_of_nodes(np.array(element.nodes))
         middle_of_face = self.points[node_rows[list(corners)]].mean(axis=0)
         y_of_element_middle = self.points[node_rows, 1].mean()
         return middle_of_face, float(y_of_element_middle - middle_of_face[1])
@@ -140,7 +140,7 @@ class CalculixMesh:
         the block does not hold.
         """
         values = np.zeros(len(self.numbers))
-        values[self.rows(block.nodes)] = block.column(name)
+        values[self.rows_of_nodes(block.nodes)] = block.column(name)
         return values
 
 
@@ -166,7 +166,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     mesh = CalculixMesh(file)
     kind = file.blocks[0].name
-    component_of = _COMPONENTS[kind]  # quantity -> name of its component
+    component_of = _COMPONENT_BY_QUANTITY[kind]  # quantity -> name of its component
     noun = "stress" if kind == "STRESS" else "contact values"
     blocks, notes = _one_block_a_time(file, list(component_of.values()), noun)
     if kind == "STRESS":
@@ -198,7 +198,9 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     face_values = _FaceValues(
         mesh.points[rows, 0], depth, fields, np.array([block.time for block in blocks])
     )
-    return _result(path, mapping, file.version, face_values, printed_file, [*notes, *plane_notes])
+    return _result_of_face(
+        path, mapping, file.version, face_values, printed_file, [*notes, *plane_notes]
+    )
 
 
 def _face_by_stress(
@@ -212,7 +214,9 @@ def _face_by_stress(
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
     height = mesh.points[:, 1] - y_of_face
-    is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.material_heights < 0)
+    is_on_face = (np.abs(height) <= SAME_PLACE_SHARE * longest_side(mesh.points)) & (
+        mesh.material_heights < 0
+    )
     if not is_on_face.any():
         raise InputError(
             f"{mesh.path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it"
@@ -238,7 +242,9 @@ def _face_by_contact(
     `mapping` states units and signs of the file. InputError where nothing touches at any time.
     """
     # nodes that have a contact value at some time
-    rows_of_blocks = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
+    rows_of_blocks = [
+        mesh.rows_of_nodes(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks
+    ]
     touching_rows = np.unique(np.concatenate(rows_of_blocks))
     if not len(touching_rows):
         raise InputError(
@@ -248,7 +254,8 @@ def _face_by_contact(
     body = _body_of_face(mesh.path, mesh.material_heights[touching_rows])
     face_rows, face_notes = _nodes_of_face(mesh, touching_rows)
     factors = {
-        quantity: _factor_with_sign(mapping, quantity, body) for quantity in _COMPONENTS["CONTACT"]
+        quantity: _factor_with_sign(mapping, quantity, body)
+        for quantity in _COMPONENT_BY_QUANTITY["CONTACT"]
     }
     note = f"contact values stand at the slave face, that of the {body} body"
     return face_rows, factors, [note, _SLIP_NOTE, *face_notes]
@@ -320,7 +327,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
     face_values = _FaceValues(all_points[rows, 0], depth, fields, np.array(list(stress_at)))
-    return _result(path, mapping, "CalculiX", face_values, printed_file, notes)
+    return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
 def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float:
@@ -328,7 +335,7 @@ def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float
     sign is the mapping's where it states one, else that of the slave face, which is part of `body`
     ("lower" or "upper").
     """
-    factor = float(converted(mapping, quantity, np.ones(1))[0])
+    factor = float(converted_values(mapping, quantity, np.ones(1))[0])
     has_sign = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
     if has_sign or body == "upper":
         return factor
@@ -364,7 +371,7 @@ def _points_of_ids(mesh: CalculixMesh, ids: Integers) -> tuple[Array, Array]:
         (n, 1) numbers of nodes; or (n, 2) numbers of elements and of their faces
     """
     if ids.shape[1] == 1:
-        node_rows = mesh.rows(ids[:, 0])
+        node_rows = mesh.rows_of_nodes(ids[:, 0])
         return mesh.points[node_rows], mesh.material_heights[node_rows]
     middles_and_heights = [mesh.face_middle(int(element), int(face)) for element, face in ids]
     middles = np.array([middle for middle, _ in middles_and_heights])
@@ -428,7 +435,7 @@ def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integer
     height; of a curved one those that touch at some time, `touching_rows`.
     """
     height = mesh.points[:, 1]
-    tolerance = SAME * extent(mesh.points)
+    tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
     if np.ptp(height[touching_rows]) > tolerance:
         return touching_rows, [
             "the slave face is curved: points that never carry a contact value are left out, and x"
@@ -460,7 +467,7 @@ class _FaceValues(NamedTuple):
     times: Array
 
 
-def _result(
+def _result_of_face(
     path: Path,
     mapping: Mapping,
     code: str,
@@ -493,8 +500,8 @@ def _result(
     if mapping.times is not None:
         series["time"] = stated_times(str(path), mapping, len(face_values.times))
     else:
-        series["time"] = converted(mapping, "time", face_values.times)
-    x = converted(mapping, "x", face_values.x)
+        series["time"] = converted_values(mapping, "time", face_values.times)
+    x = converted_values(mapping, "x", face_values.x)
     return surface_result(
         str(path), mapping.code or code, x, dict(face_values.fields), series, [*notes, *load_notes]
     )
@@ -542,8 +549,10 @@ def _pair_loads(
         thickness_source = "mesh"
         thickness = depth * (mapping.factors.length or 1.0)
     loads = {
-        "normal_load": converted(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
-        "tangential_load": converted(mapping, "tangential_load", force_on_lower[:, 0] / thickness),
+        "normal_load": converted_values(mapping, "normal_load", -force_on_lower[:, 1] / thickness),
+        "tangential_load": converted_values(
+            mapping, "tangential_load", force_on_lower[:, 0] / thickness
+        ),
     }
     note = (
         f"loads are the resultants of the contact pair in {file.path.name}, divided by the"

@@ -25,16 +25,16 @@ Integers = NDArray[np.int64]
 
 # bytes; a path along the surface needs no more, and the whole of a larger file would not fit beside
 # the engines
-LARGEST = 2**29
+MOST_BYTES_OF_FILE = 2**29
 _LARGEST_COORDINATE = 1e100  # the square of a larger coordinate would be none
 _CHARACTERS_OF_NUMBER = 12  # characters a number, with no blank kept between two
-_CHARACTERS_OF_LABEL = {
-    0: 5,
-    1: 10,
-}  # of a node's number, in the short and in the long form
+# of a node's number, in the short and in the long form
+_CHARACTERS_OF_LABEL = {0: 5, 1: 10}
 # Fortran drops the E before an exponent of three digits: 1.46685-100.
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?", re.ASCII)
-_INTEGER = re.compile(r" *[+-]?\d{1,18} *", re.ASCII)
+_DECIMAL_NUMBER = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EeDd]?([+-]\d+)|[EeDd](\d+))?", re.ASCII
+)
+_WHOLE_NUMBER = re.compile(r" *[+-]?\d{1,18} *", re.ASCII)
 
 
 class FrdElement(NamedTuple):
@@ -124,23 +124,27 @@ def read_frd(
                         if text.startswith(keyword)
                     ]
                 case "2C":
-                    nodes, coordinates = lines.nodes(line)
+                    nodes, coordinates = lines.nodes_below(line)
                 case "3C":
-                    elements += lines.elements(line)
+                    elements += lines.elements_below(line)
                 case "100C":
-                    header_line = lines.number
-                    time = lines.float(line[12:24], "the time of a frame in columns 13 to 24")
-                    name, components = lines.components()
+                    header_line = lines.line_number
+                    time = lines.decimal_number(
+                        line[12:24], "the time of a frame in columns 13 to 24"
+                    )
+                    name, components = lines.components_below()
                     times[time] = None
                     block_names[name] = None
-                    label_width, records = lines.records(
+                    label_width, records = lines.records_below(
                         line, f"records of block {name}", header_line
                     )
                     has_named_block = bool(blocks) and blocks[0].name in names
                     if name in names and not has_named_block:
                         blocks.clear()  # of substitutes
                     if name in names or (name in substitutes and not has_named_block):
-                        node_numbers, values = lines.table(records, label_width, len(components))
+                        node_numbers, values = lines.table_of_records(
+                            records, label_width, len(components)
+                        )
                         blocks.append(
                             FrdBlock(name, time, components, node_numbers, values, header_line)
                         )
@@ -166,9 +170,9 @@ def read_frd(
 
 
 def _check_size(path: Path) -> None:
-    """InputError for a file that is too large or can't be read."""
+    """InputError for a file of more than half a GB, or one that can't be read."""
     try:
-        check_size(path, "the result", LARGEST, "write fewer sets or frames into it")
+        check_size(path, "the result", MOST_BYTES_OF_FILE, "write fewer sets or frames into it")
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
@@ -190,26 +194,26 @@ class _Lines(Iterator[str]):
     ----------
     path
         the file, for messages
-    number
+    line_number
         number of the last line taken, counted from 1
     """
 
     def __init__(self, path: Path, lines: Iterable[str]) -> None:
         self.path = path
         self._numbered = enumerate(lines, start=1)
-        self.number = 0
+        self.line_number = 0
 
     def __next__(self) -> str:
-        self.number, line = next(self._numbered)
+        self.line_number, line = next(self._numbered)
         return line.rstrip()
 
-    def refusal(self, expected: str, number: int = 0) -> InputError:
+    def error_expecting(self, expected: str, number: int = 0) -> InputError:
         """The InputError to raise, with file and line; the last line taken where no `number` of a
         line is given.
         """
-        return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
+        return InputError(f"{self.path}: line {number or self.line_number}: expected {expected}")
 
-    def records(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
+    def records_below(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
         """Width of a node's or an element's number in characters, and the records of a block of a
         .frd file, from the lines below its header.
 
@@ -227,10 +231,10 @@ class _Lines(Iterator[str]):
         InputError
             For a binary block, and for more or fewer records than announced.
         """
-        n_announced = self.integer(
+        n_announced = self.whole_number(
             header[24:36], "the count of records in columns 25 to 36", header_line
         )
-        format_number = self.integer(
+        format_number = self.whole_number(
             header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
         )
         if format_number not in _CHARACTERS_OF_LABEL:
@@ -242,75 +246,78 @@ class _Lines(Iterator[str]):
         records: list[_Record] = []
         for line in self:
             if line.startswith(" -1"):
-                records.append(_Record(self.number, line[3:], []))
+                records.append(_Record(self.line_number, line[3:], []))
             elif line.startswith(" -2") and records:
                 records[-1].continuations.append(line[3:])
             elif line.startswith(" -3"):
                 if len(records) != n_announced:
-                    raise self.refusal(
+                    raise self.error_expecting(
                         f"{n_announced} {noun} as announced here, found {len(records)}", header_line
                     )
                 return _CHARACTERS_OF_LABEL[format_number], records
             else:
-                raise self.refusal(
+                raise self.error_expecting(
                     "the head of a record (-1), then its rest (-2), or the end of the block (-3),"
                     f" found {line[:40]!r}"
                 )
-        raise self.refusal(
+        raise self.error_expecting(
             f"the end of the block (-3): the file breaks off after {len(records)} of {n_announced}"
             f" {noun}"
         )
 
-    def nodes(self, header: str) -> tuple[Integers, Array]:
+    def nodes_below(self, header: str) -> tuple[Integers, Array]:
         """Numbers (n,) and coordinates (n, 3) of the nodes in the block below `header` [length].
         InputError where a number comes twice.
         """
-        header_line = self.number
-        label_width, records = self.records(header, "nodes", header_line)
-        nodes, points = self.table(records, label_width, 3)
+        header_line = self.line_number
+        label_width, records = self.records_below(header, "nodes", header_line)
+        nodes, points = self.table_of_records(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
-            raise self.refusal("every node once: a number comes twice", header_line + 1)
+            raise self.error_expecting("every node once: a number comes twice", header_line + 1)
         if not (np.abs(points) <= _LARGEST_COORDINATE).all():
-            raise self.refusal("finite coordinates", header_line + 1)
+            raise self.error_expecting("finite coordinates", header_line + 1)
         return nodes, points
 
-    def elements(self, header: str) -> Iterator[FrdElement]:
+    def elements_below(self, header: str) -> Iterator[FrdElement]:
         """Number, kind and node numbers of each element of a .frd file, in the block below
         `header`. InputError for an element without nodes.
         """
-        header_line = self.number
-        label_width, records = self.records(header, "elements", header_line)
+        header_line = self.line_number
+        label_width, records = self.records_below(header, "elements", header_line)
         for line_number, record_text, continuations in records:
-            number = self.integer(record_text[:label_width], "an element's number", line_number)
-            kind = self.integer(record_text[label_width:][:5], "its kind", line_number)
+            number = self.whole_number(
+                record_text[:label_width], "an element's number", line_number
+            )
+            kind = self.whole_number(record_text[label_width:][:5], "its kind", line_number)
             texts_of_nodes = [
                 continuation[begin : begin + label_width]
                 for continuation in continuations
                 for begin in range(0, len(continuation), label_width)
             ]
             nodes = tuple(
-                self.integer(text, "a node's number", line_number + 1) for text in texts_of_nodes
+                self.whole_number(text, "a node's number", line_number + 1)
+                for text in texts_of_nodes
             )
             if not nodes:
-                raise self.refusal(
+                raise self.error_expecting(
                     f"nodes (-2) of every element, found none of element {number}", header_line
                 )
             yield FrdElement(number, kind, nodes)
 
-    def components(self) -> tuple[str, tuple[str, ...]]:
+    def components_below(self) -> tuple[str, tuple[str, ...]]:
         """Name of a result block and the names of its components, from the lines below its
         header.
         """
         line = next(self, "")
         if not line.startswith(" -4"):
-            raise self.refusal(f"the name of a result block (-4), found {line[:40]!r}")
+            raise self.error_expecting(f"the name of a result block (-4), found {line[:40]!r}")
         name = line[5:13].strip()
         components = []
-        n_announced = self.integer(line[13:18], "how many components the block has")
+        n_announced = self.whole_number(line[13:18], "how many components the block has")
         for _ in range(n_announced):
             line = next(self, "")
             if not line.startswith(" -5"):
-                raise self.refusal(
+                raise self.error_expecting(
                     f"the name of a component (-5), {n_announced} in all, found {line[:40]!r}"
                 )
             # ALL, which a viewer works out, is announced and is not in the file
@@ -318,7 +325,7 @@ class _Lines(Iterator[str]):
                 components.append(line[5:13].strip())
         return name, tuple(components)
 
-    def table(
+    def table_of_records(
         self, records: list[_Record], label_width: int, n_columns: int
     ) -> tuple[Integers, Array]:
         """Node numbers (n,) and values (n, n_columns) of the records of a result block, in columns
@@ -335,12 +342,14 @@ class _Lines(Iterator[str]):
                 # a record begins with a key of three characters
                 expected_length = 3 + label_width + _CHARACTERS_OF_NUMBER * n_columns
                 record_length = 3 + label_width + len(text_of_values)
-                raise self.refusal(
+                raise self.error_expecting(
                     f"{n_columns} numbers of {_CHARACTERS_OF_NUMBER} characters, {expected_length}"
                     f" in all, found {record_length}: {record_text[:40]!r}",
                     line_number,
                 )
-            nodes.append(self.integer(record_text[:label_width], "a node's number", line_number))
+            nodes.append(
+                self.whole_number(record_text[:label_width], "a node's number", line_number)
+            )
             value_texts += [
                 text_of_values[begin : begin + _CHARACTERS_OF_NUMBER]
                 for begin in range(0, len(text_of_values), _CHARACTERS_OF_NUMBER)
@@ -350,28 +359,28 @@ class _Lines(Iterator[str]):
         except ValueError:  # one of them is not as Python writes it
             values = np.array(
                 [
-                    self.float(text, "a number", records[index // n_columns].line_number)
+                    self.decimal_number(text, "a number", records[index // n_columns].line_number)
                     for index, text in enumerate(value_texts)
                 ]
             )
         return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)
 
-    def float(self, text: str, noun: str = "a number", line: int = 0) -> float:
+    def decimal_number(self, text: str, noun: str = "a number", line: int = 0) -> float:
         """The number that the text states, also as Fortran writes it."""
         try:
             return float(text)
         except ValueError:
-            match = _NUMBER.fullmatch(text.strip())
+            match = _DECIMAL_NUMBER.fullmatch(text.strip())
         if match is None:
-            raise self.refusal(f"{noun}, found {text[:40]!r}", line)
+            raise self.error_expecting(f"{noun}, found {text[:40]!r}", line)
         mantissa = match[1]
         exponent = match[2] or match[3] or 0
         return float(f"{mantissa}e{exponent}")
 
-    def integer(self, text: str, noun: str, line: int = 0) -> int:
+    def whole_number(self, text: str, noun: str, line: int = 0) -> int:
         """The whole number that the text states."""
-        if not _INTEGER.fullmatch(text):
-            raise self.refusal(f"{noun}, found {text[:40]!r}", line)
+        if not _WHOLE_NUMBER.fullmatch(text):
+            raise self.error_expecting(f"{noun}, found {text[:40]!r}", line)
         return int(text)
 
 
@@ -382,7 +391,7 @@ _TITLE = re.compile(
     r" ?(?P<quantity>[a-z][^()]*?) ?\((?P<columns>[^)]*)\) for (?P<scope>.*?) and"
     r" time\s*(?P<time>\S+)\s*"
 )
-_STATISTICS = re.compile(
+_TITLE_OF_PAIR = re.compile(
     r" ?statistics for slave set (?P<slave>[^,]+), ?master set (?P<master>.+?) and"
     r" time\s*(?P<time>\S+)\s*"
 )
@@ -441,7 +450,7 @@ def read_dat(path: str | Path) -> DatFile:
     for title_line_number, line in enumerate(lines, start=1):
         if " time" not in line:
             continue
-        pair_title = _STATISTICS.fullmatch(line)
+        pair_title = _TITLE_OF_PAIR.fullmatch(line)
         if pair_title:
             pair_forces.append(_pair_force(reader, lines, title_line_number, pair_title))
             continue
@@ -483,20 +492,22 @@ def _pair_force(
             if line.strip().startswith(heading) and heading_line + 1 < len(lines):
                 number_texts = lines[heading_line + 1].split()
                 if len(number_texts) != 6:
-                    raise reader.refusal(
+                    raise reader.error_expecting(
                         f"6 numbers under {heading!r}, found {len(number_texts)}", heading_line + 2
                     )
                 return np.array(
-                    [reader.float(text, line=heading_line + 2) for text in number_texts]
+                    [reader.decimal_number(text, line=heading_line + 2) for text in number_texts]
                 )
-        raise reader.refusal(f"{heading!r} below this title: the file breaks off", title_line)
+        raise reader.error_expecting(
+            f"{heading!r} below this title: the file breaks off", title_line
+        )
 
     force_and_moment = six_numbers_under("total surface force")
     centre_and_normal = six_numbers_under("center of gravity and mean normal")
     return PairForce(
         title["slave"].strip(),
         title["master"].strip(),
-        reader.float(title["time"], line=title_line),
+        reader.decimal_number(title["time"], line=title_line),
         force=force_and_moment[:3],
         normal=centre_and_normal[3:],
     )
@@ -539,19 +550,19 @@ def _printed_table(
         n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
     for line_number, row in enumerate(rows, start=begin + 1):
         if len(row) != n_ids + n_values:
-            raise reader.refusal(
+            raise reader.error_expecting(
                 f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", line_number
             )
     ids = []
     values = []
     noun = "the number of a node, element or face"
     for line_number, row in enumerate(rows, start=begin + 1):
-        ids.append([reader.integer(text, noun, line_number) for text in row[:n_ids]])
-        values.append([reader.float(text, line=line_number) for text in row[n_ids:]])
+        ids.append([reader.whole_number(text, noun, line_number) for text in row[:n_ids]])
+        values.append([reader.decimal_number(text, line=line_number) for text in row[n_ids:]])
     return DatTable(
         title["quantity"],
         title["scope"].strip(),
-        reader.float(title["time"], line=title_line),
+        reader.decimal_number(title["time"], line=title_line),
         np.array(ids, np.int64).reshape(len(rows), n_ids),
         np.array(values, float).reshape(len(rows), n_values),
     )

@@ -55,9 +55,9 @@ class Cause:
     ----------
     key
         of its sentence in templates/faults.toml
-    change
+    changed_variant
         the variant with the fault of this size in it
-    starts
+    start_sizes
         sizes at which its search starts; none where the file can't have it. A fault without a size
         has the one size 1
     channel
@@ -66,19 +66,19 @@ class Cause:
         causes of one group are not told apart where two of them meet
     has_size
         whether its size is fitted
-    resultant
+    resultant_factor
         the factor by which it changes the sum of the pressures; None where it leaves it
     largest_size
         size that no search goes beyond
     """
 
     key: str
-    change: Callable[[Variant, float], Variant]
-    starts: Callable[[Discrepancy], Sequence[float]]
+    changed_variant: Callable[[Variant, float], Variant]
+    start_sizes: Callable[[Discrepancy], Sequence[float]]
     channel: int = PRESSURE
     group: str = ""
     has_size: bool = True
-    resultant: Callable[[float], float] | None = None
+    resultant_factor: Callable[[float], float] | None = None
     largest_size: float = 3.5
 
 
@@ -106,21 +106,21 @@ def _compared_moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     return sum_of_result / sum_of_reference, width_ratio, distance
 
 
-def _away_from_zero(value: float) -> float:
+def _size_away_from_zero(value: float) -> float:
     return value if abs(value) > _LEAST_START else float(np.copysign(_LEAST_START, value))
 
 
-def _starts_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
     _, width_ratio, _ = _compared_moments(discrepancy)
-    return (_away_from_zero(-2 * np.log(width_ratio)),)
+    return (_size_away_from_zero(-2 * np.log(width_ratio)),)
 
 
-def _starts_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
     ratio, _, _ = _compared_moments(discrepancy)
-    return (_away_from_zero(np.log(ratio)),)
+    return (_size_away_from_zero(np.log(ratio)),)
 
 
-def _starts_of_units(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_units(discrepancy: Discrepancy) -> Sequence[float]:
     """The power of ten that the sum of the pressures is near to."""
     ratio, _, _ = _compared_moments(discrepancy)
     power = nearest_power_of_ten(ratio)
@@ -138,16 +138,16 @@ def nearest_power_of_ten(factor: float) -> float | None:
     return float(10.0**order)
 
 
-def _starts_of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Under a wrong factor of the pressure the shear is right."""
     is_shear_right = (
-        discrepancy.is_within(SHEAR)
+        discrepancy.is_within_tolerance(SHEAR)
         or discrepancy.residual(discrepancy.reference_tractions, SHEAR).is_noise
     )
-    return _starts_of_factor(discrepancy) if is_shear_right and _has_shear(discrepancy) else ()
+    return _start_sizes_of_factor(discrepancy) if is_shear_right and _has_shear(discrepancy) else ()
 
 
-def _starts_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Size at which to start the search for a factor of the shear, in a tuple: the logarithm of the
     ratio of the sums of the shear over x, result to reference.
 
@@ -164,21 +164,21 @@ def _starts_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     if not square_of_reference:
         return ()
     ratio = float(result_sums @ reference_sums) / square_of_reference
-    return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
+    return (_size_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
 
 
-def _starts_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a stretch of x starts: logarithms of the ratio of widths, and
     of that of the sums, which a coarse mesh leaves alone.
     """
     _, width_ratio, _ = _compared_moments(discrepancy)
-    starts = [_away_from_zero(np.log(width_ratio))]
+    starts = [_size_away_from_zero(np.log(width_ratio))]
     if discrepancy.resultant_ratio > 0:
-        starts.append(_away_from_zero(np.log(discrepancy.resultant_ratio)))
+        starts.append(_size_away_from_zero(np.log(discrepancy.resultant_ratio)))
     return starts
 
 
-def _starts_of_offset(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_offset(discrepancy: Discrepancy) -> Sequence[float]:
     _, _, shift = _compared_moments(discrepancy)
     limit = 2 * discrepancy.half_width
     return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _LEAST_START,)
@@ -193,34 +193,36 @@ def _has_shear(discrepancy: Discrepancy) -> bool:
     )
 
 
-def _starts_where_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
+def _start_sizes_where_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
     return lambda discrepancy: starts if _has_shear(discrepancy) else ()
 
 
-def _starts_of_delay(discrepancy: Discrepancy) -> Sequence[float]:
-    return _DELAYS if discrepancy.is_on_cycle and len(discrepancy.rows) >= 4 else ()
+def _start_sizes_of_delay(discrepancy: Discrepancy) -> Sequence[float]:
+    return _DELAYS if discrepancy.is_on_cycle and len(discrepancy.instants_of_cycle) >= 4 else ()
 
 
-def _starts_on_cycle(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_on_cycle(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if _has_shear(discrepancy) and discrepancy.is_on_cycle else ()
 
 
-def _starts_of_short_steps(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_short_steps(discrepancy: Discrepancy) -> Sequence[float]:
     is_short = len(discrepancy.comparison.result_cycle.time) - 1 <= _MOST_STEPS_OF_CYCLE
     return (
-        (1.0,) if _starts_on_cycle(discrepancy) and is_short and not discrepancy.unsymmetric else ()
+        (1.0,)
+        if _start_sizes_on_cycle(discrepancy) and is_short and not discrepancy.unsymmetric
+        else ()
     )
 
 
-def _starts_of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if discrepancy.elements_per_half_width < _FINE_ELEMENTS else ()
 
 
-def _starts_of_body(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_body(discrepancy: Discrepancy) -> Sequence[float]:
     return () if discrepancy.unsymmetric else (0.5,)
 
 
-def _starts_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a soft layer starts: none where the contact is not wider than
     theory's.
     """
@@ -228,27 +230,27 @@ def _starts_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     return _COMPLIANCES_OF_LAYER if width_ratio > 1 and not discrepancy.unsymmetric else ()
 
 
-def _starts_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
     has_shear = discrepancy.has_shear and bool(discrepancy.scene.friction.coefficient)
     is_plain = not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
     may_be_coupled = has_shear and is_plain
     return _BETAS if may_be_coupled and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
 
 
-def _starts_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
+def _start_sizes_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[float]]:
     """The function that gives the start of a search for a wrong load `key`, such as a tilt left
     out; it gives none where the scene has no such load.
     """
 
-    def starts(discrepancy: Discrepancy) -> Sequence[float]:
+    def start_sizes(discrepancy: Discrepancy) -> Sequence[float]:
         with contextlib.suppress(InputError):
             return (1.0,) if key in wrong_loads(discrepancy.scene) else ()
         return ()
 
-    return starts
+    return start_sizes
 
 
-def _with_tractions_times(variant: Variant, log_factor: float) -> Variant:
+def _variant_with_tractions_times(variant: Variant, log_factor: float) -> Variant:
     """The variant with pressure and shear of the file multiplied by exp(log_factor)."""
     k = float(np.exp(log_factor))
     return replace(
@@ -258,10 +260,12 @@ def _with_tractions_times(variant: Variant, log_factor: float) -> Variant:
     )
 
 
-def _with_loads_times(variant: Variant, log_factor: float) -> Variant:
+def _variant_with_loads_times(variant: Variant, log_factor: float) -> Variant:
     """Loads k times too large: bodies 1/k times as stiff, and every traction times k."""
-    scaled_tractions = _with_tractions_times(variant, log_factor)
-    return replace(scaled_tractions, stiffness=variant.stiffness * float(np.exp(-log_factor)))
+    scaled_tractions = _variant_with_tractions_times(variant, log_factor)
+    return replace(
+        scaled_tractions, modulus_factor=variant.modulus_factor * float(np.exp(-log_factor))
+    )
 
 
 def _factor_of_log(size: float) -> float:
@@ -270,42 +274,48 @@ def _factor_of_log(size: float) -> float:
 
 STIFFNESS = Cause(
     "stiffness",
-    lambda variant, m: replace(variant, stiffness=variant.stiffness * float(np.exp(m))),
-    _starts_of_stiffness,
+    lambda variant, m: replace(variant, modulus_factor=variant.modulus_factor * float(np.exp(m))),
+    _start_sizes_of_stiffness,
     group="size",
 )
-LOADS = Cause("loads", _with_loads_times, _starts_of_factor, group="size", resultant=_factor_of_log)
+LOADS = Cause(
+    "loads",
+    _variant_with_loads_times,
+    _start_sizes_of_factor,
+    group="size",
+    resultant_factor=_factor_of_log,
+)
 TRACTION_FACTOR = Cause(
     "traction_factor",
-    _with_tractions_times,
-    _starts_of_factor,
+    _variant_with_tractions_times,
+    _start_sizes_of_factor,
     group="size",
-    resultant=_factor_of_log,
+    resultant_factor=_factor_of_log,
     largest_size=_LARGEST_LOG_OF_UNITS,
 )
 UNITS = Cause(
     "units",
-    _with_tractions_times,
-    _starts_of_units,
+    _variant_with_tractions_times,
+    _start_sizes_of_units,
     has_size=False,
-    resultant=_factor_of_log,
+    resultant_factor=_factor_of_log,
     largest_size=_LARGEST_LOG_OF_UNITS,
 )
 PRESSURE_FACTOR = Cause(
     "pressure_factor",
     lambda variant, k: replace(variant, pressure_factor=float(np.exp(k)) * variant.pressure_factor),
-    _starts_of_pressure_alone,
+    _start_sizes_of_pressure_alone,
     group="size",
-    resultant=_factor_of_log,
+    resultant_factor=_factor_of_log,
 )
 X_SCALE = Cause(
     "x_scale",
-    lambda variant, k: replace(variant, stretch=float(np.exp(k))),
-    _starts_of_stretch,
+    lambda variant, k: replace(variant, x_stretch=float(np.exp(k))),
+    _start_sizes_of_stretch,
     group="size",
-    resultant=_factor_of_log,
+    resultant_factor=_factor_of_log,
 )
-OFFSET = Cause("offset", lambda variant, d: replace(variant, offset=d), _starts_of_offset)
+OFFSET = Cause("offset", lambda variant, d: replace(variant, x_offset=d), _start_sizes_of_offset)
 PRESSURE_SIGN = Cause(
     "pressure_sign",
     lambda variant, _: replace(variant, pressure_factor=-variant.pressure_factor),
@@ -315,82 +325,82 @@ PRESSURE_SIGN = Cause(
 SWAPPED = Cause(
     "swapped",
     lambda variant, _: replace(variant, is_swapped=True),
-    _starts_where_shear(1.0),
+    _start_sizes_where_shear(1.0),
     has_size=False,
 )
 COARSE_MESH = Cause(
     "coarse_edge",
     lambda variant, _: replace(variant, has_nodal_forces=True),
-    _starts_of_mesh,
+    _start_sizes_of_mesh,
     has_size=False,
 )
 SMALL_BODY = Cause(
     "small_body",
-    lambda variant, share: replace(variant, small_body=share),
-    _starts_of_body,
+    lambda variant, share: replace(variant, share_of_block_curvatures=share),
+    _start_sizes_of_body,
     group="size",
     largest_size=_LARGEST_SHARE_OF_BLOCKS,
 )
 SOFT_NORMAL = Cause(
     "soft_normal",
-    lambda variant, compliance: replace(variant, soft_normal=compliance),
-    _starts_of_layer,
+    lambda variant, compliance: replace(variant, relative_layer_compliance=compliance),
+    _start_sizes_of_layer,
     group="size",
 )
 COUPLING = Cause(
     "coupling",
-    lambda variant, beta: replace(variant, beta=beta),
-    _starts_of_coupling,
+    lambda variant, beta: replace(variant, dundurs_beta=beta),
+    _start_sizes_of_coupling,
     channel=SHEAR,
     largest_size=_LARGEST_BETA,
 )
 ODD_PART = Cause(
     "coupling",
     lambda variant, _: replace(variant, takes_odd_part=True),
-    lambda discrepancy: (1.0,) if _starts_of_coupling(discrepancy) else (),
+    lambda discrepancy: (1.0,) if _start_sizes_of_coupling(discrepancy) else (),
     channel=SHEAR,
     has_size=False,
 )
 OTHER_TIMES = Cause(
     "other_times",
     lambda variant, delay: replace(variant, delay=delay),
-    _starts_of_delay,
+    _start_sizes_of_delay,
     group="history",
 )
 SHEAR_SIGN = Cause(
     "shear_sign",
     lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
-    _starts_where_shear(1.0),
+    _start_sizes_where_shear(1.0),
     channel=SHEAR,
     has_size=False,
 )
 SHEAR_FACTOR = Cause(
     "shear_factor",
     lambda variant, k: replace(variant, shear_factor=float(np.exp(k)) * variant.shear_factor),
-    _starts_of_shear_alone,
+    _start_sizes_of_shear_alone,
     channel=SHEAR,
     group="friction",
 )
 FRICTIONLESS = Cause(
     "frictionless",
     lambda variant, _: replace(variant, shear_factor=0.0),
-    _starts_where_shear(1.0),
+    _start_sizes_where_shear(1.0),
     channel=SHEAR,
     group="history",
     has_size=False,
 )
 FRICTION = Cause(
     "friction",
-    lambda variant, k: replace(variant, friction=variant.friction * float(np.exp(k))),
-    _starts_where_shear(*_LOGS_OF_FRICTION),
+    lambda variant, k: replace(variant, friction_factor=variant.friction_factor * float(np.exp(k))),
+    _start_sizes_where_shear(*_LOGS_OF_FRICTION),
     channel=SHEAR,
     group="friction",
     largest_size=_LARGEST_LOG_OF_FRICTION,
 )
 FULL_STICK = Cause(
     "full_stick",
-    lambda variant, k: replace(variant, friction=float(np.exp(k))),
-    _starts_where_shear(*_LOGS_OF_FRICTION_WITHOUT_SLIP),
+    lambda variant, k: replace(variant, friction_factor=float(np.exp(k))),
+    _start_sizes_where_shear(*_LOGS_OF_FRICTION_WITHOUT_SLIP),
     channel=SHEAR,
     group="friction",
     has_size=False,
@@ -399,13 +409,13 @@ FULL_STICK = Cause(
 
 
 def _cause_by_history(
-    key: str, history: str, starts: Callable[[Discrepancy], Sequence[float]]
+    key: str, history_fault: str, start_sizes: Callable[[Discrepancy], Sequence[float]]
 ) -> Cause:
     """The cause that the history of friction is treated wrongly, in one way."""
     return Cause(
         key,
-        lambda variant, _: replace(variant, history=history),
-        starts,
+        lambda variant, _: replace(variant, history_fault=history_fault),
+        start_sizes,
         channel=SHEAR,
         group="history",
         has_size=False,
@@ -417,13 +427,13 @@ def _cause_by_load(key: str) -> Cause:
     return Cause(
         key,
         lambda variant, _: replace(variant, wrong_load=key),
-        _starts_of_wrong_load(key),
+        _start_sizes_of_wrong_load(key),
         channel=PRESSURE if key.startswith("tilt") else SHEAR,
         has_size=False,
     )
 
 
-def _starts_of_lost_memory(discrepancy: Discrepancy) -> Sequence[float]:
+def _start_sizes_of_lost_memory(discrepancy: Discrepancy) -> Sequence[float]:
     return (1.0,) if _has_shear(discrepancy) and not discrepancy.unsymmetric else ()
 
 
@@ -448,10 +458,10 @@ CAUSES = (
     FRICTIONLESS,
     FRICTION,
     FULL_STICK,
-    _cause_by_history("memoryless", "no memory", _starts_of_lost_memory),
-    _cause_by_history("not_steady", "first revolution", _starts_on_cycle),
-    _cause_by_history("steps", "straight steps", _starts_on_cycle),
-    _cause_by_history("steps", "end of steps", _starts_of_short_steps),
+    _cause_by_history("memoryless", "no memory", _start_sizes_of_lost_memory),
+    _cause_by_history("not_steady", "first revolution", _start_sizes_on_cycle),
+    _cause_by_history("steps", "straight steps", _start_sizes_on_cycle),
+    _cause_by_history("steps", "end of steps", _start_sizes_of_short_steps),
     _cause_by_load("bulk_sign"),
     _cause_by_load("bulk_left_out"),
     COUPLING,

@@ -11,7 +11,7 @@ from halfplane_fe.dundurs import dundurs
 from reports.scoring.causes import COUPLING, Cause, nearest_power_of_ten
 from reports.scoring.discrepancy import PRESSURE, Discrepancy
 from reports.scoring.fits import Fit
-from reports.scoring.judgement import NO_COUPLING
+from reports.scoring.judgement import NEGLIGIBLE_BETA
 from reports.scoring.traces import FAULTS, WORDS
 from reports.scoring.variants import BLOCK_HEIGHT
 from reports.units import minus
@@ -134,7 +134,7 @@ def coupling_sentence(discrepancy: Discrepancy) -> str:
     unlike materials and the reference does not have their coupling.
     """
     beta = dundurs(discrepancy.comparison.scene.material).beta
-    if abs(beta) <= NO_COUPLING:
+    if abs(beta) <= NEGLIGIBLE_BETA:
         return FAULTS["coupling"]
     in_reference = discrepancy.comparison.reference.engine == "halfplane_fe"
     key = "coupling_of_reference" if in_reference else "own_coupling"

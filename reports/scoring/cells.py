@@ -25,21 +25,21 @@ _N_CELLS = 120
 _N_CELLS_OF_SHEAR = 80
 # Half-widths of theory's contact that are covered: a layer of a_ref/(10 E*) makes a contact wider
 # by a tenth, the widest one of a search by three quarters.
-_REACH_OF_LAYER = 1.8
-_REACH_OF_SHEAR = 1.02
+_REACH_OF_CELLS_ON_LAYER = 1.8
+_REACH_OF_SHEAR_CELLS = 1.02
 # States of stick and slip that one step tries with all cells that break a law changed at once; of
 # the Coulomb limit and of a displacement, below which it is kept.
 _MOST_STATES_AT_ONCE = 10
 _ROUND_OFF = 1e-9
 
 
-def cells(reach: float, count: int) -> tuple[Array, float]:
+def cell_centres_and_width(reach: float, count: int) -> tuple[Array, float]:
     """Middles (count,) and width of equal cells between -reach and reach [length]."""
     edges = np.linspace(-reach, reach, count + 1)
     return (edges[1:] + edges[:-1]) / 2, float(edges[1] - edges[0])
 
 
-def influence(scene: Scene, cell_centres: Array, cell_width: float) -> Array:
+def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Array:
     """Influence matrix (n, n): relative displacement at the centre of cell i by a unit traction on
     cell j, A_ij [length/stress].
     """
@@ -73,9 +73,9 @@ def pressure_on_layer(
         indentation of the layer per pressure [length/stress]
     """
     contact = contact_of(scene.profile, scene.material)
-    half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_loads.max()))
-    cell_centres, cell_width = cells(half_width_of_cells, _N_CELLS)
-    matrix = influence(scene, cell_centres, cell_width) + layer_compliance * np.eye(_N_CELLS)
+    half_width_of_cells = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
+    cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS)
+    matrix = influence_matrix(scene, cell_centres, cell_width) + layer_compliance * np.eye(_N_CELLS)
     gap = np.asarray(scene.profile.height(cell_centres))
     pressures = np.zeros((len(normal_loads), _N_CELLS))
     for number, normal_load in enumerate(normal_loads):
@@ -88,10 +88,10 @@ def pressure_on_layer(
                 pressures[number, is_closed] = closed_pressure
                 break
             is_closed[is_closed] = closed_pressure > 0
-    return _at_points(x, cell_centres, pressures)
+    return _interpolated_to_points(x, cell_centres, pressures)
 
 
-def _at_points(x: Array, cell_centres: Array, tractions: Array) -> Array:
+def _interpolated_to_points(x: Array, cell_centres: Array, tractions: Array) -> Array:
     """Tractions (k, n) at points x (n,), interpolated from (k, n_cells) on cells; 0 beyond them."""
     return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in tractions])
 
@@ -120,9 +120,9 @@ def shear_by_coupling(
         Dundurs' constant of the unlike materials
     """
     contact = contact_of(scene.profile, scene.material)
-    half_width_of_cells = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
-    cell_centres, cell_width = cells(half_width_of_cells, _N_CELLS_OF_SHEAR)
-    matrix = influence(scene, cell_centres, cell_width)
+    half_width_of_cells = _REACH_OF_SHEAR_CELLS * float(contact.half_width(loads[:, 0].max()))
+    cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS_OF_SHEAR)
+    matrix = influence_matrix(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
     slope_per_pressure = 2 * beta / composite_modulus(scene.material)
     pressure_up_to_centre = np.cumsum(pressure, axis=1) - pressure / 2  # summed from the left
@@ -136,7 +136,7 @@ def shear_by_coupling(
         matrix, cell_width, coulomb_limit, tangential_load, 0 * displacement_by_pressure
     )
     shear_by_coupling_on_cells = np.array(shear_with_coupling) - np.array(shear_without_coupling)
-    return _at_points(x, cell_centres, shear_by_coupling_on_cells[rows])
+    return _interpolated_to_points(x, cell_centres, shear_by_coupling_on_cells[rows])
 
 
 def _shear_history(

@@ -18,14 +18,14 @@ from reports.scoring.discrepancy import PRESSURE, TRACTIONS, Discrepancy, discre
 from reports.scoring.fits import (
     LARGEST_PROBABILITY_BY_CHANCE,
     LARGEST_SHARE_LEFT,
-    ROUND_OFF,
+    ROUND_OFF_SQUARE,
     Fit,
     Search,
-    explains,
+    explains_difference,
     probability_by_chance,
-    share_left,
+    share_of_difference_left,
 )
-from reports.scoring.judgement import Judgement, Verdict
+from reports.scoring.judgement import Attribution, Judgement
 from reports.scoring.other_problems import other_problems
 from reports.scoring.traces import (
     FAULTS,
@@ -70,19 +70,21 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
             return findings or tuple(_finding_beyond_coulomb_limit(discrepancy))
 
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
-    verdict = judgement.verdict()
+    attribution = judgement.attribution()
     has_trace = bool(trace_findings)
-    findings_of_fit = list(_findings_of_fit(judgement, verdict, has_trace=has_trace))
+    findings_of_fit = list(_findings_of_fit(judgement, attribution, has_trace=has_trace))
     sign_findings = [finding for finding in findings_of_fit if finding.fault == SHEAR_SIGN.key]
     # shear of the wrong sign hides creep in stick: look again with the right one
     if sign_findings and not has_trace:
         hidden_trace_findings = list(find_elastic_slip(discrepancy, shear_sign=-1.0))
         if hidden_trace_findings:
-            findings_on_pressure = _findings_of_fit(judgement, verdict, has_trace=True)
+            findings_on_pressure = _findings_of_fit(judgement, attribution, has_trace=True)
             findings_of_fit = [*findings_on_pressure, *sign_findings, *hidden_trace_findings]
-    is_all_explained = verdict.fit is not None and judgement.explains_all(verdict.fit)
+    is_all_explained = attribution.fit is not None and judgement.are_tractions_explained(
+        attribution.fit
+    )
     if not has_trace and not is_all_explained:
-        findings_of_fit = list(other_problems(discrepancy, verdict.fit)) or findings_of_fit
+        findings_of_fit = list(other_problems(discrepancy, attribution.fit)) or findings_of_fit
     if not has_trace and not findings_of_fit:
         findings_of_fit = [
             *_finding_of_scene_bodies(judgement),
@@ -91,7 +93,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         ][:1]
     findings = (*outlier_findings, *trace_findings, *findings_of_fit)
     if not findings and not discrepancy.is_within_tolerances:
-        return (_finding_of_no_cause(judgement, verdict),)
+        return (_finding_of_no_cause(judgement, attribution),)
     return findings
 
 
@@ -105,11 +107,11 @@ def _finding_beyond_coulomb_limit(discrepancy: Discrepancy) -> Iterator[Diagnosi
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     fit = judgement.fit_of_shear_factor()
     if fit is not None:
-        yield from _findings_of_fit(judgement, Verdict(fit), has_trace=False)
+        yield from _findings_of_fit(judgement, Attribution(fit), has_trace=False)
 
 
 def _findings_of_fit(
-    judgement: Judgement, verdict: Verdict, *, has_trace: bool
+    judgement: Judgement, attribution: Attribution, *, has_trace: bool
 ) -> Iterator[Diagnosis]:
     """Findings (sentence, evidence, strength) on the causes, known faults of a result, that explain
     its difference from the reference best.
@@ -121,29 +123,29 @@ def _findings_of_fit(
     ----------
     judgement
         the difference and the fits of causes to it
-    verdict
-        the fit that explains the difference best, and its rivals
+    attribution
+        the fit that explains the difference best, and its rivals: fits that do as well
     has_trace
         whether a trace in the shear was found, such as creep in stick; causes that show in the
         shear alone are then left out
     """
-    fit = verdict.fit
+    fit = attribution.fit
     if fit is None:
         return
-    keys_shared_with_rivals = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
+    keys_shared_with_rivals = fit.keys.intersection(*(rival.keys for rival in attribution.rivals))
     for cause, size in zip(fit.causes, fit.sizes, strict=True):
         if cause.key not in keys_shared_with_rivals:
             continue
         fit_without_cause = _fit_without_cause(judgement, fit, cause)
         # What has a trace of its own in the shear needs no second explanation of it.
-        if has_trace and not explains(fit, fit_without_cause, (PRESSURE,)):
+        if has_trace and not explains_difference(fit, fit_without_cause, (PRESSURE,)):
             continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
-        share_left_by_cause = share_left(fit, fit_without_cause, channels)
-        share_left_by_fit = share_left(fit, judgement.no_cause, channels)
+        share_left_by_cause = share_of_difference_left(fit, fit_without_cause, channels)
+        share_left_by_fit = share_of_difference_left(fit, judgement.fit_without_causes, channels)
         evidence_sentences = list(_sentences_of_evidence(judgement, fit, share_left_by_fit))
-        if verdict.is_shear_unexplained:
+        if attribution.is_shear_unexplained:
             evidence_sentences.append(
                 "it explains the pressure; the shear differs for a reason not found"
             )
@@ -159,7 +161,9 @@ def _findings_of_fit(
 def _fit_without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
     """The fit of all causes of `fit` but this one."""
     other_causes = tuple(other_cause for other_cause in fit.causes if other_cause is not cause)
-    return judgement.search.fit(other_causes, judgement.channels) or judgement.no_cause
+    return (
+        judgement.search.best_fit(other_causes, judgement.channels) or judgement.fit_without_causes
+    )
 
 
 def _sentences_of_evidence(
@@ -175,10 +179,10 @@ def _sentences_of_evidence(
     ratio = discrepancy.resultant_ratio
     if np.isfinite(ratio):
         yield f"the sum of the pressures is {ratio:.4g} P"
-    noise = fit.noise(judgement.channels) ** 0.5
+    noise = fit.mean_square_of_noise(judgement.channels) ** 0.5
     yield (
-        f"{fit.count((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of the"
-        " scales"
+        f"{fit.n_values((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of"
+        " the scales"
     )
     channel_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
     subject_in_words = "a result with just this fault leaves"
@@ -188,9 +192,9 @@ def _sentences_of_evidence(
         causes_in_words = "both"
     percentage_in_words = f"{max(share_left_by_fit, 0.0):.1%}"
     yield f"{subject_in_words} {percentage_in_words} of the difference{channel_in_words}"
-    pressure_error, shear_error = discrepancy.errors()
+    pressure_error, shear_error = discrepancy.relative_errors()
     discrepancy_after = replace(discrepancy, reference_tractions=fit.predicted_tractions)
-    pressure_error_after, shear_error_after = discrepancy_after.errors()
+    pressure_error_after, shear_error_after = discrepancy_after.relative_errors()
     yield (
         f"error of the pressure {pressure_error:.2g} of its norm, of the shear {shear_error:.2g} of"
         f" f times that, at the worst instant; with {causes_in_words} taken out, "
@@ -215,14 +219,19 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
         return
     reference_cycle = discrepancy.comparison.reference_cycle
     theory_tractions = np.array(
-        [reference_cycle.pressure[discrepancy.rows], reference_cycle.shear[discrepancy.rows]]
+        [
+            reference_cycle.pressure[discrepancy.instants_of_cycle],
+            reference_cycle.shear[discrepancy.instants_of_cycle],
+        ]
     )
     theory_tractions = np.where(
         np.isfinite(theory_tractions), theory_tractions, discrepancy.reference_tractions
     )
     fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
-    fit_with_bodies = judgement.no_cause  # its reference has the bodies in it
-    share_left_by_bodies = share_left(fit_with_bodies, fit_of_theory, judgement.channels)
+    fit_with_bodies = judgement.fit_without_causes  # its reference has the bodies in it
+    share_left_by_bodies = share_of_difference_left(
+        fit_with_bodies, fit_of_theory, judgement.channels
+    )
     if share_left_by_bodies < LARGEST_SHARE_LEFT:
         yield Diagnosis(
             OWN_BODIES,
@@ -241,17 +250,21 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
 
     discrepancy = judgement.discrepancy
     prediction = tractions_of_coarse_mesh(discrepancy)
-    if prediction is None or judgement.is_right(judgement.no_cause, PRESSURE):
+    if prediction is None or judgement.is_traction_explained(
+        judgement.fit_without_causes, PRESSURE
+    ):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
     predicted_tractions, is_near_edge = prediction
     fit = Fit((), (), predicted_tractions, discrepancy.residuals(predicted_tractions))
-    share_left_by_mesh = share_left(fit, judgement.no_cause, judgement.channels)
-    residuals = judgement.no_cause.residuals
+    share_left_by_mesh = share_of_difference_left(
+        fit, judgement.fit_without_causes, judgement.channels
+    )
+    residuals = judgement.fit_without_causes.residuals
     differences = np.array([residuals[channel].values for channel in judgement.channels])
-    is_in_contact = residuals[PRESSURE].is_inside
+    is_in_contact = residuals[PRESSURE].is_in_contact
     near_differences = differences[:, is_in_contact & is_near_edge].ravel()
     far_differences = differences[:, is_in_contact & ~is_near_edge].ravel()
-    far_square = max(float(np.mean(far_differences**2)), ROUND_OFF)
+    far_square = max(float(np.mean(far_differences**2)), ROUND_OFF_SQUARE)
     ratio_of_squares = np.mean(near_differences**2) / far_square
     chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
     if (
@@ -268,22 +281,22 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     )
 
 
-def _finding_of_no_cause(judgement: Judgement, verdict: Verdict) -> Diagnosis:
+def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diagnosis:
     """The finding that no cause was found, with its evidence: errors; causes that explain the
     result equally well; causes that are excluded, with the reasons; and the place of the largest
     difference.
 
-    `judgement` holds the causes that were tried, `verdict` the best explanation and its rivals.
+    `judgement` holds the causes that were tried, `attribution` the best explanation and its rivals.
     """
     discrepancy = judgement.discrepancy
-    pressure_error, shear_error = discrepancy.errors()
+    pressure_error, shear_error = discrepancy.relative_errors()
     sentences = [
         f"error of the pressure {pressure_error:.2g} of its norm, of the shear {shear_error:.2g} of"
         " f times that, at the worst instant"
     ]
-    if verdict.fit is not None and verdict.rivals:
+    if attribution.fit is not None and attribution.rivals:
         rivals_in_words = " or ".join(
-            _names_of_causes(fit) for fit in (verdict.fit, *verdict.rivals)
+            _names_of_causes(fit) for fit in (attribution.fit, *attribution.rivals)
         )
         sentences.insert(0, f"the file does not tell these apart: {rivals_in_words}")
     if judgement.reason_by_cause:
@@ -304,7 +317,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     Differences are over p_ref (pressure) and f p_ref (shear). Their squares are weighted by length
     and time.
     """
-    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     difference = discrepancy.result_tractions - discrepancy.reference_tractions
     scaled_difference = np.where(is_in_contact, difference / discrepancy.traction_units, 0.0)
     if not scaled_difference.any():
@@ -345,8 +358,8 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
-        share = share_left(fit, judgement.no_cause, (cause.channel,))
-        chance = probability_by_chance(fit, judgement.no_cause, (cause.channel,))
+        share = share_of_difference_left(fit, judgement.fit_without_causes, (cause.channel,))
+        chance = probability_by_chance(fit, judgement.fit_without_causes, (cause.channel,))
         if share < 1 and chance < LARGEST_PROBABILITY_BY_CHANCE:
             least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
     keys_by_share = sorted(least_share_by_key, key=least_share_by_key.__getitem__)

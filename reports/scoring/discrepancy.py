@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import halfplane_fe
 import semi_analytic
 from reports.comparison import Comparison
-from reports.comparison.measures import norm, quotient, trapezoidal_weights
+from reports.comparison.measures import l2_norm, quotient, trapezoidal_weights
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import InputError, Scene
@@ -34,10 +34,10 @@ TRACTIONS = ("pressure", "shear")  # their names, by these numbers
 _MOST_INSTANTS = 10
 # Instants from which on neighbours in time tell noise from what is smooth; ratio of von Neumann
 # below which few pairs tell nothing.
-_FEWEST_INSTANTS = 3
-_LEAST_RATIO = 0.3
+_FEWEST_INSTANTS_FOR_TIME = 3
+_LEAST_RATIO_OF_NOISE = 0.3
 # Of p_ref, above which a point counts as loaded.
-_LOADED = 1e-3
+_LEAST_LOADED_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +49,8 @@ class Discrepancy:
     ----------
     comparison
         the result beside its reference
-    rows
-        (k,) numbers of the instants among those of the last cycle
+    instants_of_cycle
+        (k,) indices of the instants among those of the last cycle
     reference_tractions, result_tractions
         tractions of the reference, and of the result; where this has no number, the reference's
     weight
@@ -67,7 +67,7 @@ class Discrepancy:
     """
 
     comparison: Comparison
-    rows: NDArray[np.intp]
+    instants_of_cycle: NDArray[np.intp]
     reference_tractions: Tractions
     result_tractions: Tractions
     weight: Array
@@ -89,12 +89,12 @@ class Discrepancy:
     @property
     def time(self) -> Array:
         """(k,) times of the instants on the load path."""
-        return self.comparison.result_cycle.time[self.rows]
+        return self.comparison.result_cycle.time[self.instants_of_cycle]
 
     @property
     def cycle_fraction(self) -> Array:
         """(k,) share of a period at each instant, from the start of the load path's cycle."""
-        return fraction_of_cycle(self.comparison)[self.rows]
+        return fraction_of_cycle(self.comparison)[self.instants_of_cycle]
 
     @property
     def is_on_cycle(self) -> bool:
@@ -107,7 +107,7 @@ class Discrepancy:
     @property
     def normal_load(self) -> Array:
         """(k,) P of the reference at the instants [force / thickness]."""
-        return self.comparison.reference_cycle.normal_load[self.rows]
+        return self.comparison.reference_cycle.normal_load[self.instants_of_cycle]
 
     @property
     def is_loaded(self) -> Mask:
@@ -145,7 +145,9 @@ class Discrepancy:
     def _ends_in_contact(self, tractions: Tractions) -> bool:
         """Whether the first or the last point carries pressure."""
         pressure_at_ends = np.abs(tractions[PRESSURE][:, [0, -1]])
-        return bool(np.any(pressure_at_ends > _LOADED * self.comparison.scales.pressure))
+        return bool(
+            np.any(pressure_at_ends > _LEAST_LOADED_SHARE * self.comparison.scales.pressure)
+        )
 
     @property
     def elements_per_half_width(self) -> float:
@@ -162,13 +164,13 @@ class Discrepancy:
     @property
     def traction_units(self) -> Array:
         """(2, 1, 1): p_ref and f p_ref, what pressure and shear are divided by [stress]."""
-        return by_traction(self.comparison.scales.pressure, self.comparison.scales.shear)
+        return factors_of_tractions(self.comparison.scales.pressure, self.comparison.scales.shear)
 
-    def in_contact(self, predicted: Tractions) -> Mask:
-        """(k, n) whether a point has a pressure in the result or in the prediction, and numbers in
-        the result.
+    def mask_in_contact(self, predicted: Tractions) -> Mask:
+        """(k, n) whether a point has a pressure in the result or in the `predicted` tractions
+        (2, k, n), and numbers in the result.
         """
-        least_pressure = _LOADED * self.comparison.scales.pressure
+        least_pressure = _LEAST_LOADED_SHARE * self.comparison.scales.pressure
         has_result_pressure = np.abs(self.result_tractions[PRESSURE]) > least_pressure
         has_predicted_pressure = np.abs(predicted[PRESSURE]) > least_pressure
         return (has_result_pressure | has_predicted_pressure) & (self.weight > 0)
@@ -179,36 +181,36 @@ class Discrepancy:
         """
         difference = self.result_tractions[channel] - predicted[channel]
         scaled_difference = difference / self.traction_units[channel]
-        return Residual(scaled_difference, self.weight, self.in_contact(predicted))
+        return Residual(scaled_difference, self.weight, self.mask_in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
         """Differences of the result's pressure and of its shear from a prediction."""
         return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
 
-    def errors(self) -> tuple[float, float]:
+    def relative_errors(self) -> tuple[float, float]:
         """Relative errors of pressure and shear at the worst of the instants,
         ||p - p_0||/||p_0|| and ||q - q_0||/(f ||p_0||), p_0 and q_0 being the reference's.
         """
         friction = self.comparison.scales.friction
-        pressure_norm = norm(self.x, self.reference_tractions[PRESSURE])
-        norms_of_reference = pressure_norm * by_traction(1, friction)[:, :, 0]
-        norms_of_difference = norm(self.x, self.result_tractions - self.reference_tractions)
+        pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])
+        norms_of_reference = pressure_norm * factors_of_tractions(1, friction)[:, :, 0]
+        norms_of_difference = l2_norm(self.x, self.result_tractions - self.reference_tractions)
         relative_errors = quotient(norms_of_difference, norms_of_reference)
         pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return pressure_error, shear_error
 
-    def is_within(self, channel: int) -> bool:
+    def is_within_tolerance(self, channel: int) -> bool:
         """Whether the error of the pressure or of the shear is within its tolerance; without one,
         whether there is none.
         """
         key = TRACTIONS[channel]
         limit = self.comparison.scene.tolerances.limit(key) or 0.0
-        return verdict_on(self.errors()[channel], limit) is Verdict.WITHIN
+        return verdict_on(self.relative_errors()[channel], limit) is Verdict.WITHIN
 
     @property
     def is_within_tolerances(self) -> bool:
         """Whether the errors of pressure and of shear are both within their tolerances."""
-        return self.is_within(PRESSURE) and self.is_within(SHEAR)
+        return self.is_within_tolerance(PRESSURE) and self.is_within_tolerance(SHEAR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,34 +224,34 @@ class Residual:
         (k, n) the difference
     weight
         (k, n) of its square in sums
-    is_inside
+    is_in_contact
         (k, n) whether a point is in contact
     """
 
     values: Array
     weight: Array
-    is_inside: Mask
+    is_in_contact: Mask
 
     @property
-    def count(self) -> int:
+    def n_values(self) -> int:
         """Number of values in contact, over all instants."""
-        return int(self.is_inside.sum())
+        return int(self.is_in_contact.sum())
 
     @property
-    def square(self) -> float:
+    def mean_square(self) -> float:
         """Weighted mean square of the values in contact; infinite where the prediction holds a
         NaN, 0 without a contact.
         """
-        weight = np.where(self.is_inside, self.weight, 0.0)
+        weight = np.where(self.is_in_contact, self.weight, 0.0)
         sum_of_weights = float(weight.sum())
         if not sum_of_weights:
             return 0.0
-        squares = np.where(self.is_inside, self.values, 0.0) ** 2
+        squares = np.where(self.is_in_contact, self.values, 0.0) ** 2
         mean_square = float(np.sum(weight * squares)) / sum_of_weights
         return mean_square if np.isfinite(mean_square) else float("inf")
 
     @cached_property
-    def noise(self) -> float:
+    def mean_square_of_noise(self) -> float:
         """Mean square of the noise in the values: half the mean squared difference of neighbours.
 
         It is taken of neighbours in x and, of three instants and more, in time: the smaller one
@@ -261,7 +263,7 @@ class Residual:
     @property
     def _axes(self) -> tuple[int, ...]:
         """Axes of the values along which neighbours are compared: 1 in x, 0 in time."""
-        return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
+        return (1, 0) if len(self.values) >= _FEWEST_INSTANTS_FOR_TIME else (1,)
 
     def _noise_along(self, axis: int) -> tuple[float, int]:
         """Noise of the values: half the weighted mean square of the difference of neighbours that
@@ -270,11 +272,11 @@ class Residual:
 
         `axis` 0 takes neighbours in time, 1 neighbours in x.
         """
-        is_inside = np.moveaxis(self.is_inside, axis, -1)
+        is_inside = np.moveaxis(self.is_in_contact, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
         is_pair_inside = is_inside[..., 1:] & is_inside[..., :-1]
         if not is_pair_inside.any():
-            return self.square, 0
+            return self.mean_square, 0
         changes = np.diff(np.moveaxis(self.values, axis, -1))
         pair_weight = np.where(is_pair_inside, weight[..., 1:] + weight[..., :-1], 0.0)
         half_squares = np.where(is_pair_inside, changes, 0.0) ** 2 / 2
@@ -291,12 +293,12 @@ class Residual:
         mean square, 1 for white noise. The ratio scatters by sqrt(1/n) for n pairs; three of these
         deviations are allowed for, down to a ratio of 0.3.
         """
-        if not self.is_inside.any():
+        if not self.is_in_contact.any():
             return False
         for axis in self._axes:
             noise, n_pairs = self._noise_along(axis)
-            lowest_ratio = max(1 - 3 / np.sqrt(max(n_pairs, 1)), _LEAST_RATIO)
-            if noise < lowest_ratio * self.square:
+            lowest_ratio = max(1 - 3 / np.sqrt(max(n_pairs, 1)), _LEAST_RATIO_OF_NOISE)
+            if noise < lowest_ratio * self.mean_square:
                 return False
         return True
 
@@ -314,7 +316,7 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
 
-def by_traction(of_pressure: float, of_shear: float) -> Array:
+def factors_of_tractions(of_pressure: float, of_shear: float) -> Array:
     """(2, 1, 1): one number for the pressure and one for the shear, to multiply tractions (2, k, n)
     by.
     """
@@ -337,34 +339,38 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         return None
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
     even_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
-    rows = usable_instants[np.unique(even_places)]
+    instants = usable_instants[np.unique(even_places)]
     reference_cycle = comparison.reference_cycle
     result_cycle = comparison.result_cycle
-    reference_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
-    result_tractions = np.array([result_cycle.pressure[rows], result_cycle.shear[rows]])
+    reference_tractions = np.array(
+        [reference_cycle.pressure[instants], reference_cycle.shear[instants]]
+    )
+    result_tractions = np.array([result_cycle.pressure[instants], result_cycle.shear[instants]])
     has_shear = not np.isnan(result_tractions[SHEAR]).all()
     if not has_shear:  # a file without shear: it counts for nothing
         result_tractions[SHEAR] = np.nan_to_num(reference_tractions[SHEAR])
     is_known = np.isfinite(reference_tractions).all(axis=0)
     is_known &= np.isfinite(result_tractions).all(axis=0)
-    is_outlier = (comparison.isolated["pressure"] | comparison.isolated["shear"])[rows]
+    is_outlier = (comparison.masks_of_isolated["pressure"] | comparison.masks_of_isolated["shear"])[
+        instants
+    ]
     is_known &= ~is_outlier
     if not is_known.any():
         return None
-    tractions_with_bodies = _theory_with_bodies(comparison, rows)
+    tractions_with_bodies = _theory_with_bodies(comparison, instants)
     has_bodies = tractions_with_bodies is not None
     if tractions_with_bodies is not None:
         reference_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, reference_tractions)
     weight = (
         is_known
-        * trapezoidal_weights(result_cycle.time[rows])[:, None]
+        * trapezoidal_weights(result_cycle.time[instants])[:, None]
         * trapezoidal_weights(result_cycle.x)
     )
     reference_tractions = np.nan_to_num(reference_tractions)
     return Discrepancy(
         comparison,
-        rows,
+        instants,
         reference_tractions,
         np.where(is_known, result_tractions, reference_tractions),
         weight / weight.sum(),
@@ -375,9 +381,9 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     )
 
 
-def _theory_with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | None:
+def _theory_with_bodies(comparison: Comparison, instants: NDArray[np.intp]) -> Tractions | None:
     """Tractions (2, k, n) of half-plane theory corrected for the scene's finite bodies, at the
-    result's n points and its k instants of the numbers `rows`.
+    result's n points and its k instants of the numbers `instants`.
 
     None where the bodies are half-planes, where the reference is no half-plane theory, and where
     theory has no correction for bodies of this shape.
@@ -389,7 +395,7 @@ def _theory_with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tract
         solution = semi_analytic.solve(
             scene,
             x=comparison.result_cycle.x,
-            time=comparison.result_cycle.time[rows],
+            time=comparison.result_cycle.time[instants],
             fields=("pressure", "shear"),
             effects=halfplane_fe.body_effects(scene),
         )

@@ -18,15 +18,15 @@ from scenes import SLIP_FORWARD, SLIP_REVERSE
 from scenes.array_types import Array
 
 # Of P, or of f P: a sum nearer to its load excludes another load, thickness or unit.
-_BALANCED = 0.01
+_LARGEST_IMBALANCE = 0.01
 # Of its unit: less is round-off.
 _ROUND_OFF = 1e-10
 # Standard deviations of the scatter, of which it makes as much at one of many points.
-_BY_SCATTER = 5.0
+_DEVIATIONS_BY_SCATTER = 5.0
 
 
 @dataclass(frozen=True)
-class Step:
+class EvidenceStep:
     """One step of the evidence.
 
     Attributes
@@ -46,7 +46,7 @@ class Step:
         return f"{self.name}: {self.words}"
 
 
-def evidence(comparison: Comparison) -> tuple[Step, ...]:
+def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
     """What a result shows about itself and beside the reference, in five steps, each with its title
     and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty for a
     result without a contact.
@@ -55,15 +55,15 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
     if discrepancy is None:
         return ()
     return (
-        Step("What was read", _reading(comparison)),
-        Step("Equilibrium", "; ".join(_equilibrium(discrepancy))),
-        Step("Resolution", "; ".join(_resolution(discrepancy))),
-        Step("Laws", "; ".join(_laws(discrepancy))),
-        Step("Shape", "; ".join(_shape(discrepancy))),
+        EvidenceStep("What was read", _fields_in_words(comparison)),
+        EvidenceStep("Equilibrium", "; ".join(_phrases_on_equilibrium(discrepancy))),
+        EvidenceStep("Resolution", "; ".join(_phrases_on_resolution(discrepancy))),
+        EvidenceStep("Laws", "; ".join(_phrases_on_laws(discrepancy))),
+        EvidenceStep("Shape", "; ".join(_phrases_on_shape(discrepancy))),
     )
 
 
-def _reading(comparison: Comparison) -> str:
+def _fields_in_words(comparison: Comparison) -> str:
     """In words: which fields a result has, at how many points and instants, and from which x to
     which.
     """
@@ -81,7 +81,7 @@ def _reading(comparison: Comparison) -> str:
     )
 
 
-def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
+def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the integrals of the result's tractions over x: that of p beside P, that of q
     beside Q, and the centre of p. Of instants with a load; nothing without one.
     """
@@ -93,58 +93,59 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     sum_of_pressure = np.trapezoid(pressure, x, axis=1)
     normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
-    sum_in_words = (
-        f"the sum of p is {ratio:.4g} P ({_range(sum_of_pressure / normal_load)} by instants)"
-    )
-    if abs(ratio - 1) < _BALANCED:
+    range_of_ratios = _range_in_words(sum_of_pressure / normal_load)
+    sum_in_words = f"the sum of p is {ratio:.4g} P ({range_of_ratios} by instants)"
+    if abs(ratio - 1) < _LARGEST_IMBALANCE:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.has_shear and friction:
         sum_of_shear = np.trapezoid(shear, x, axis=1)
-        loaded_rows = discrepancy.rows[is_loaded]
-        tangential_load = discrepancy.comparison.reference_cycle.tangential_load[loaded_rows]
+        loaded_instants = discrepancy.instants_of_cycle[is_loaded]
+        tangential_load = discrepancy.comparison.reference_cycle.tangential_load[loaded_instants]
         differences_from_load = np.abs(sum_of_shear - tangential_load) / (friction * normal_load)
         largest_difference = float(np.max(differences_from_load))
         yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:
         moment = np.trapezoid(x * pressure, x, axis=1)
         eccentricities = np.abs(moment / sum_of_pressure)
-        largest_eccentricity = float(np.max(eccentricities)) / discrepancy.half_width
-        yield f"the centre of p is {_rounded(largest_eccentricity):.2g} a_ref from x = 0 at most"
+        largest_eccentricity = _without_round_off(
+            float(np.max(eccentricities)) / discrepancy.half_width
+        )
+        yield f"the centre of p is {largest_eccentricity:.2g} a_ref from x = 0 at most"
 
 
-def _range(values: Array) -> str:
+def _range_in_words(values: Array) -> str:
     """The least and the largest value; one where they are the same.
 
-    >>> _range(np.array([3, 3])), _range(np.array([1.0, 1.25]))
+    >>> _range_in_words(np.array([3, 3])), _range_in_words(np.array([1.0, 1.25]))
     ('3', '1 to 1.25')
     """
     least_value, largest_value = (f"{value:.4g}" for value in (values.min(), values.max()))
     return least_value if least_value == largest_value else f"{least_value} to {largest_value}"
 
 
-def _rounded(value: float) -> float:
-    """0 in place of round-off."""
+def _without_round_off(value: float) -> float:
+    """A value; 0 in place of round-off."""
     return 0.0 if abs(value) < _ROUND_OFF else value
 
 
-def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
+def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on how finely a result is resolved: number of points in contact and in slip, spacing
     of the points, scatter of the tractions. `discrepancy` holds those of result and reference.
     """
     comparison = discrepancy.comparison
-    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     n_points_in_contact = is_in_contact[discrepancy.is_loaded].sum(axis=1)
     if len(n_points_in_contact):
-        yield f"{_range(n_points_in_contact)} points in contact at an instant"
+        yield f"{_range_in_words(n_points_in_contact)} points in contact at an instant"
     yield f"{discrepancy.elements_per_half_width:.3g} spacings over a_ref"
     if discrepancy.has_shear and comparison.scene.friction.coefficient:
         is_in_slip = np.isin(comparison.result_cycle.state, (SLIP_FORWARD, SLIP_REVERSE))
         n_points_in_slip = is_in_slip.sum(axis=1)
-        yield f"{_range(n_points_in_slip)} points in slip"
+        yield f"{_range_in_words(n_points_in_slip)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
-    scatter = [_rounded(residual.noise**0.5) for residual in residuals]
+    scatter = [_without_round_off(residual.mean_square_of_noise**0.5) for residual in residuals]
     scatter_in_words = (
         f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
     )
@@ -153,25 +154,28 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
     yield scatter_in_words
 
 
-def _laws(discrepancy: Discrepancy) -> Iterator[str]:
+def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the laws of contact and friction: the largest violation of each in the result, its
     limit, and whether scatter of the tractions makes as much.
     """
     words_of_law = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
-    scatter = float(sum(residual.noise for residual in residuals if residual.is_noise)) ** 0.5
+    scatter = (
+        float(sum(residual.mean_square_of_noise for residual in residuals if residual.is_noise))
+        ** 0.5
+    )
     for check in discrepancy.comparison.result_certificates:
         law_in_words = words_of_law.get(check.name, check.name)
         law_in_words += f" {check.value:.2g} (limit {check.limit:.1g})"
         if check.holds:
             yield f"{law_in_words}: holds"
-        elif check.value <= _BY_SCATTER * scatter:
+        elif check.value <= _DEVIATIONS_BY_SCATTER * scatter:
             yield f"{law_in_words}: no more than scatter makes"
         else:
             yield f"{law_in_words}: violated"
 
 
-def _shape(discrepancy: Discrepancy) -> Iterator[str]:
+def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the tractions of the result over the reference's: ratios of peak and width of the
     pressure, and the factor between the shears.
     """
@@ -179,8 +183,8 @@ def _shape(discrepancy: Discrepancy) -> Iterator[str]:
     reference_tractions = discrepancy.reference_tractions
     ratio_of_peaks = result_tractions[PRESSURE].max() / reference_tractions[PRESSURE].max()
     yield f"peak of p {ratio_of_peaks:.4g} times the reference's"
-    result_width = _width(discrepancy, result_tractions[PRESSURE])
-    reference_width = _width(discrepancy, reference_tractions[PRESSURE])
+    result_width = _width_by_second_moment(discrepancy, result_tractions[PRESSURE])
+    reference_width = _width_by_second_moment(discrepancy, reference_tractions[PRESSURE])
     if result_width > 0 and reference_width > 0:
         yield f"width by second moments {result_width / reference_width:.4g} times"
     largest_shear = float(np.abs(reference_tractions[SHEAR]).max())
@@ -193,7 +197,7 @@ def _shape(discrepancy: Discrepancy) -> Iterator[str]:
         )
 
 
-def _width(discrepancy: Discrepancy, pressure: Array) -> float:
+def _width_by_second_moment(discrepancy: Discrepancy, pressure: Array) -> float:
     """Width of a pressure distribution (k, n): root of its second moment about its centre, over all
     instants [length]; 0 without pressure.
     """

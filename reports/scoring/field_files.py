@@ -30,9 +30,9 @@ from scenes.files import check_size, within_memory
 Integers = NDArray[np.int64]
 
 # bytes: of a file, of memory that one may take
-LARGEST = 2**29
-UNPACKED = 2**31
-SECONDS = 300  # of reading: half a GB takes some ten
+MOST_BYTES_OF_FILE = 2**29
+MOST_UNPACKED_BYTES = 2**31
+MOST_SECONDS_OF_READING = 300  # of reading: half a GB takes some ten
 _SUFFIXES = (".vtu", ".vtk")
 # What Python, VTK and C++ print where memory ends.
 _OUT_OF_MEMORY = ("MemoryError", "nable to allocate", "bad_alloc")
@@ -91,7 +91,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     path = Path(path)
     if path.suffix.lower() != ".pvd":
         return [FieldFrame(None, tuple(_parts_of_files([path])))]
-    entries = _entries(path)
+    entries = _times_and_files(path)
     if not entries:
         raise InputError(f"{path}: the collection is empty")
     for time, file in entries:
@@ -113,14 +113,16 @@ def collected_files(path: Path) -> tuple[Path, ...]:
     """The files that a .pvd names; none of any other file. InputError where the collection is
     broken.
     """
-    return tuple(file for _, file in _entries(path)) if path.suffix.lower() == ".pvd" else ()
+    return (
+        tuple(file for _, file in _times_and_files(path)) if path.suffix.lower() == ".pvd" else ()
+    )
 
 
-def _entries(path: Path) -> list[tuple[float, Path]]:
+def _times_and_files(path: Path) -> list[tuple[float, Path]]:
     """(time, file) of each entry of a .pvd collection; time is NaN where none is stated."""
     _check_size(path)
     try:
-        with within_memory(path, UNPACKED):
+        with within_memory(path, MOST_UNPACKED_BYTES):
             root = ElementTree.parse(path).getroot()
         if root.get("type") != "Collection":
             raise InputError(
@@ -132,18 +134,18 @@ def _entries(path: Path) -> list[tuple[float, Path]]:
             for entry in root.iter("DataSet")
         ]
     except (OSError, ElementTree.ParseError, ValueError) as reason:
-        raise _broken(path, f"{type(reason).__name__}: {reason}") from reason
+        raise _error_of_broken_file(path, f"{type(reason).__name__}: {reason}") from reason
 
 
 def _check_size(path: Path) -> None:
     """InputError for a field file that is too large or can't be read."""
     try:
-        check_size(path, "the result", LARGEST, "write the contact surface alone")
+        check_size(path, "the result", MOST_BYTES_OF_FILE, "write the contact surface alone")
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
 
-def _broken(path: Path, reason: str) -> InputError:
+def _error_of_broken_file(path: Path, reason: str) -> InputError:
     """The InputError for a field file that can't be read, with the reader's reason."""
     return InputError(
         f"{path}: this can't be read as a {path.suffix} file: it is broken off or of another form"
@@ -172,7 +174,13 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
     long without harm to this one. Returns the arrays of all files as bytes of an NPZ archive.
     InputError, naming the file, where that fails.
     """
-    command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
+    command = [
+        sys.executable,
+        "-P",
+        str(vtk_files.__file__),
+        str(MOST_UNPACKED_BYTES),
+        str(int(MOST_SECONDS_OF_READING) + 1),
+    ]
     request = json.dumps([str(path.absolute()) for path in paths]).encode()
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     try:
@@ -180,14 +188,14 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
             command,
             input=request,
             capture_output=True,
-            timeout=SECONDS,
+            timeout=MOST_SECONDS_OF_READING,
             env=environment,
             check=False,
         )
     except subprocess.TimeoutExpired as expiry:
         path, _ = _file_and_reason(paths, expiry.stderr or b"")
         raise InputError(
-            f"{path}: reading takes longer than {SECONDS:g} s,"
+            f"{path}: reading takes longer than {MOST_SECONDS_OF_READING:g} s,"
             " which is the limit; write the contact surface alone, and fewer instants"
         ) from expiry
     if process.returncode == 0:
@@ -195,10 +203,12 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
     path, reason = _file_and_reason(paths, process.stderr)
     if any(phrase in process.stderr.decode(errors="replace") for phrase in _OUT_OF_MEMORY):
         raise InputError(
-            f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the"
-            " limit; write the contact surface alone"
+            f"{path}: unpacked it takes more than {in_words(MOST_UNPACKED_BYTES)} of memory, which"
+            " is the limit; write the contact surface alone"
         )
-    raise _broken(path, reason or f"VTK's reader ended with code {process.returncode}")
+    raise _error_of_broken_file(
+        path, reason or f"VTK's reader ended with code {process.returncode}"
+    )
 
 
 def _file_and_reason(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:

@@ -17,12 +17,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reports.scoring.field_files import FieldFrame, FieldPart, joined_mesh, read_frames
-from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, stated_times
+from reports.scoring.mapping import (
+    ColumnQuantity,
+    Mapping,
+    converted_values,
+    name_of_column,
+    names_in_words,
+    stated_times,
+)
 from reports.scoring.surface import (
-    SAME,
+    SAME_PLACE_SHARE,
     SurfaceResult,
-    extent,
     height_of_material,
+    longest_side,
     one_plane,
     surface_result,
 )
@@ -31,14 +38,22 @@ from scenes.array_types import Array
 from scenes.column_names import normalised_name
 
 Integers = NDArray[np.int64]
-_FieldNames = dict[Quantity, str]
-"""Quantity -> name of the field at points that holds it, or "name:k" for a component of one."""
+_FieldNames = dict[ColumnQuantity, str]
+"""Quantity -> name of the field at points that holds it, or "name:k" for a component of one.
+"""
 
-_VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
-_STRESSES = ("stress", "cauchy_stress", "cauchy_stress_tensor", "stress_tensor", "sigma", "S")
+_NAMES_OF_VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
+_NAMES_OF_STRESSES = (
+    "stress",
+    "cauchy_stress",
+    "cauchy_stress_tensor",
+    "stress_tensor",
+    "sigma",
+    "S",
+)
 # Where sigma_yy and sigma_xy stand among the components: VTK's order of a symmetric tensor, rows of
 # 3 x 3, Voigt's of the plane.
-_YY_XY = {
+_PLACES_OF_YY_AND_XY = {
     6: (1, 3, "xx, yy, zz, xy, yz, xz"),
     9: (4, 1, "rows of 3 x 3"),
     3: (1, 2, "xx, yy, xy"),
@@ -63,7 +78,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     part_numbers, mesh, notes_on_parts = _parts_with_fields(
         path, frames[0], mapping, names_of_tractions
     )
-    if "slip" in field_names and not _holds(mesh, field_names["slip"]):
+    if "slip" in field_names and not _has_field(mesh, field_names["slip"]):
         notes_on_parts.append(
             f"{field_names['slip']} is not in all of the files that hold"
             f" {' and '.join(names_of_tractions)}, and was left out"
@@ -72,7 +87,8 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
     # what a value of the file is multiplied by, for its unit and its sign
     factors = {
-        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in field_names
+        quantity: float(converted_values(mapping, quantity, np.ones(1))[0])
+        for quantity in field_names
     }
     if kind != "fields":
         if mapping.columns.slip is not None:
@@ -90,7 +106,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
     for quantity, values_at_instants in values.items():
         fields[quantity] = np.array([factors[quantity] * row for row in values_at_instants])
-    x = converted(mapping, "x", mesh.points[surface_points, 0])
+    x = converted_values(mapping, "x", mesh.points[surface_points, 0])
     times = _times_of(path, frames, mapping)
     notes = [source_in_words, *notes_on_parts, *notes_on_surface]
     return surface_result(str(path), mapping.code, x, fields, {"time": times}, notes)
@@ -102,9 +118,9 @@ def _values_on_surface(
     part_numbers: Sequence[int],
     field_names: _FieldNames,
     surface_points: Integers,
-) -> dict[Quantity, list[Array]]:
-    """Quantity -> its values at the n points of the contact surface, (n,) at each instant, as they
-    stand in the file.
+) -> dict[ColumnQuantity, list[Array]]:
+    """Quantity -> its values at the n points of the contact surface, (n,) at each instant, as
+    they stand in the file.
 
     InputError where an instant has not all the fields of the first one.
 
@@ -121,12 +137,12 @@ def _values_on_surface(
     surface_points
         (n,) numbers of the points on the surface, in the mesh of those files
     """
-    values: dict[Quantity, list[Array]] = {quantity: [] for quantity in field_names}
+    values: dict[ColumnQuantity, list[Array]] = {quantity: [] for quantity in field_names}
     for instant_number, frame in enumerate(frames, start=1):
         try:
             mesh = joined_mesh([frame.parts[number] for number in part_numbers])
             for quantity, name in field_names.items():
-                values[quantity].append(_component(mesh, name)[surface_points])
+                values[quantity].append(_field_values(mesh, name)[surface_points])
         except (KeyError, IndexError) as reason:
             raise InputError(
                 f"{path}: instant {instant_number} has no field {reason}, which the first one has"
@@ -139,7 +155,7 @@ def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
     first instant.
     """
     first_points = joined_mesh(frames[0].parts).points
-    tolerance = SAME * extent(first_points)
+    tolerance = SAME_PLACE_SHARE * longest_side(first_points)
     for instant_number, frame in enumerate(frames[1:], start=2):
         points = joined_mesh(frame.parts).points
         has_same_shape = points.shape == first_points.shape
@@ -150,7 +166,7 @@ def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
             )
 
 
-def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[Quantity, float]:
+def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[ColumnQuantity, float]:
     """Factors from components of a traction or stress to pressure p and shear q: the traction on
     the lower body is (q, -p), that on the upper one is turned, (-q, p).
     """
@@ -167,7 +183,7 @@ def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Arr
     if mapping.times is not None:
         return stated_times(str(path), mapping, len(frames))
     times = [frame.time for frame in frames]
-    return None if None in times else converted(mapping, "time", np.array(times, float))
+    return None if None in times else converted_values(mapping, "time", np.array(times, float))
 
 
 def _find_tractions(
@@ -187,7 +203,7 @@ def _find_tractions(
     mapping_states_names = bool(mapping.columns.pressure or mapping.columns.shear)
     if (
         mapping_states_names
-        or find_column(mapping, "pressure", names_of_scalars, str(path)) is not None
+        or name_of_column(mapping, "pressure", names_of_scalars, str(path)) is not None
     ):
         names = list(names_of_scalars)
         if mapping_states_names:
@@ -195,12 +211,16 @@ def _find_tractions(
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)
     for name, values in tensor_fields.items():
-        if values.shape[1] >= 2 and normalised_name(name) in map(normalised_name, _VECTORS):
+        if values.shape[1] >= 2 and normalised_name(name) in map(
+            normalised_name, _NAMES_OF_VECTORS
+        ):
             field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
             source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
             return "vector", field_names, source_in_words
     for name, values in tensor_fields.items():
-        if values.shape[1] >= 3 and normalised_name(name) in map(normalised_name, _STRESSES):
+        if values.shape[1] >= 3 and normalised_name(name) in map(
+            normalised_name, _NAMES_OF_STRESSES
+        ):
             place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
             field_names = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (
@@ -212,11 +232,13 @@ def _find_tractions(
     cell_fields = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
     cell_hint = ""
     if cell_fields:
-        names_in_words = listed([*cell_fields])
-        cell_hint = f" (values of cells, {names_in_words}, are not read: average them to points)"
+        cell_hint = (
+            f" (values of cells, {names_in_words([*cell_fields])}, are not read: average them to"
+            " points)"
+        )
     raise InputError(
         f"{path}: neither contact pressure, nor contact traction, nor stress at points among"
-        f" {listed([*fields]) or 'no fields'}{cell_hint}; name them by columns.pressure and"
+        f" {names_in_words([*fields]) or 'no fields'}{cell_hint}; name them by columns.pressure and"
         " columns.shear of a mapping (components as 'name:0')"
     )
 
@@ -229,11 +251,11 @@ def _find_named_tractions(
 
     Returned are the kind, "fields", the names of the fields, and a sentence on them.
     """
-    quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
+    quantities: tuple[ColumnQuantity, ...] = ("pressure", "shear", "slip")
     field_names: _FieldNames = {}
     for quantity in quantities:
         is_needed = quantity == "pressure"
-        name = find_column(mapping, quantity, names, str(path), needed=is_needed)
+        name = name_of_column(mapping, quantity, names, str(path), needed=is_needed)
         if name is not None:
             field_names[quantity] = name
     source_in_words = f"tractions are the fields {field_names['pressure']}"
@@ -251,15 +273,15 @@ def _places_of_yy_and_xy(path: Path, name: str, values: Array) -> tuple[int, int
     components.
     """
     n_components = values.shape[1]
-    if n_components not in _YY_XY:
+    if n_components not in _PLACES_OF_YY_AND_XY:
         raise InputError(
             f"{path}: {name} has {n_components} components, and"
-            f" {', '.join(map(str, sorted(_YY_XY)))} are"
+            f" {', '.join(map(str, sorted(_PLACES_OF_YY_AND_XY)))} are"
             " understood"
         )
     if n_components == 4 and np.any(values[:, 1]) and np.array_equal(values[:, 1], values[:, 2]):
         return 3, 1, "rows of 2 x 2, since the second and third are equal"
-    return _YY_XY[n_components]
+    return _PLACES_OF_YY_AND_XY[n_components]
 
 
 def _parts_with_fields(
@@ -282,11 +304,11 @@ def _parts_with_fields(
     part_numbers = []
     faults_of_parts = []
     for number, part in enumerate(frame.parts):
-        missing_names = [name for name in needed_names if not _holds(part, name)]
+        missing_names = [name for name in needed_names if not _has_field(part, name)]
         if any(has_marking_field) and not has_marking_field[number]:
             missing_names.append(marking_field)
         if missing_names:
-            faults_of_parts.append(f"{part.name} has no {listed(missing_names)}")
+            faults_of_parts.append(f"{part.name} has no {names_in_words(missing_names)}")
         else:
             part_numbers.append(number)
     if not part_numbers:
@@ -297,12 +319,12 @@ def _parts_with_fields(
     return part_numbers, mesh, [f"{fault}: left out" for fault in faults_of_parts]
 
 
-def _holds(part: FieldPart, name: str) -> bool:
+def _has_field(part: FieldPart, name: str) -> bool:
     """Whether a part has the field `name` at points, or the field of a component "field:k"."""
     return name in part.point_fields or name.rpartition(":")[0] in part.point_fields
 
 
-def _component(part: FieldPart, name: str) -> Array:
+def _field_values(part: FieldPart, name: str) -> Array:
     """Values (n,) at all points of the field `name`, or of a component, "field:k"; KeyError where
     there is no such field.
     """
@@ -326,7 +348,7 @@ def _surface_points(
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)
-    tolerance = SAME * extent(mesh.points)
+    tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
     is_on_face = np.abs(height) <= tolerance
     # of the cells at a point: negative at the face of the lower body, NaN without cells
     material_height = height_of_material(mesh.points, bulk_cells)
@@ -380,7 +402,8 @@ def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
     if name not in blocks_by_field:
         raise InputError(
             f"{message_start} of the mapping names no field of it"
-            f" ({listed([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or NAME=VALUE"
+            f" ({names_in_words([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or"
+            " NAME=VALUE"
         )
     blocks = blocks_by_field[name]
     if any(block.ndim != 1 for block in blocks):
@@ -402,6 +425,6 @@ def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
 
 def _bulk_cells(mesh: FieldPart) -> list[Integers]:
     """Cells that fill a body: solids, and in a plane mesh what is no line."""
-    is_deep = np.ptp(mesh.points[:, 2]) > SAME * extent(mesh.points)
+    is_deep = np.ptp(mesh.points[:, 2]) > SAME_PLACE_SHARE * longest_side(mesh.points)
     face_dimension = 2 if is_deep else 1
     return [block for dimension, block in mesh.cells if dimension > face_dimension]

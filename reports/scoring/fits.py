@@ -28,7 +28,7 @@ LARGEST_PROBABILITY_BY_CHANCE = 1e-6
 # Of the probability for a cause without a size, see `probability_of_gain`.
 _FACTOR_WITHOUT_SIZE = 1e-2
 # Of the round-off of one traction over its scale, squared: less is no difference.
-ROUND_OFF = 1e-20
+ROUND_OFF_SQUARE = 1e-20
 # Difference of the sums of squares, over the variance of the noise, below which two causes are not
 # told apart: four standard deviations. Without noise: the ratio of both sums.
 _LEAST_DIFFERENCE_APART = 16.0
@@ -44,7 +44,7 @@ _ROUGH_TOLERANCE = 1e-2
 _SHARE_LEFT_WITHOUT_HOPE = 0.8
 # Of the sizes at which the search for a cause alone starts, every third one beside another cause;
 # all of them where they are few.
-_STRIDE = 3
+_STRIDE_OF_STARTS = 3
 _MOST_STARTS_TAKEN_WHOLE = 3
 # Of the difference, where a prediction has no solution.
 _RESIDUAL_WITHOUT_SOLUTION = 1e20
@@ -84,24 +84,28 @@ class Fit:
         each of these counts too.
         """
         n_sizes = sum(cause.has_size for cause in self.causes)
-        return n_sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
+        return n_sizes + (self.n_values((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
 
-    def square(self, channels: Sequence[int]) -> float:
+    def mean_square(self, channels: Sequence[int]) -> float:
         """Mean square of the residuals, over p_ref or f p_ref; the sum of the `channels` (pressure,
         shear).
         """
-        return sum(self.residuals[channel].square for channel in channels)
+        return sum(self.residuals[channel].mean_square for channel in channels)
 
-    def noise(self, channels: Sequence[int]) -> float:
+    def mean_square_of_noise(self, channels: Sequence[int]) -> float:
         """Mean square of the noise in the residuals, the sum of the `channels` (pressure, shear).
 
         More than the mean square of the residual is no noise. Noise of the shear is of the size of
         that of the pressure: it counts up to `largest_noise_ratio` times the pressure's residual.
         """
-        pressure_square = max(self.square((PRESSURE,)), ROUND_OFF)
+        pressure_square = max(self.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
         largest_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
         return sum(
-            min(self.residuals[channel].noise, self.square((channel,)), largest_noise[channel])
+            min(
+                self.residuals[channel].mean_square_of_noise,
+                self.mean_square((channel,)),
+                largest_noise[channel],
+            )
             for channel in channels
         )
 
@@ -110,11 +114,13 @@ class Fit:
         (pressure, shear).
         """
         residuals = [self.residuals[channel] for channel in channels]
-        return all(residual.is_noise or residual.square <= ROUND_OFF for residual in residuals)
+        return all(
+            residual.is_noise or residual.mean_square <= ROUND_OFF_SQUARE for residual in residuals
+        )
 
-    def count(self, channels: Sequence[int]) -> int:
+    def n_values(self, channels: Sequence[int]) -> int:
         """Number of values in contact, over all instants of these `channels` (pressure, shear)."""
-        return sum(self.residuals[channel].count for channel in channels)
+        return sum(self.residuals[channel].n_values for channel in channels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,14 +134,14 @@ class Search:
     predictions
         tractions of theory with faults in it
     fit_by_key
-        the fits done: numbers of the causes, channels and known sizes -> fit, see `fit`
+        the fits done: numbers of the causes, channels and known sizes -> fit, see `best_fit`
     """
 
     discrepancy: Discrepancy
     predictions: Predictions
     fit_by_key: dict[object, Fit | None] = field(default_factory=dict)
 
-    def fit(
+    def best_fit(
         self,
         causes: tuple[Cause, ...],
         channels: tuple[int, ...],
@@ -163,18 +169,20 @@ class Search:
     def _new_fit(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
-        """The fit of `fit`, made again: each combination of starting sizes is tried, and the best
-        ones are refined by least squares. None where theory has no solution for any.
+        """The fit of `best_fit`, made again: each combination of starting sizes is tried, and the
+        best ones are refined by least squares. None where theory has no solution for any.
         """
         searched_causes = causes[len(known_sizes) :]
         starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
         starts_of_causes += [
-            self._starts(cause, searched_causes, channels) for cause in searched_causes
+            self._start_sizes(cause, searched_causes, channels) for cause in searched_causes
         ]
         if not all(starts_of_causes):
             return None
         combinations = list(itertools.product(*starts_of_causes))
-        squares = [self._square(causes, combination, channels) for combination in combinations]
+        squares = [
+            self._sum_of_squares(causes, combination, channels) for combination in combinations
+        ]
         order_of_squares = np.argsort(squares, kind="stable")
         least_square = squares[order_of_squares[0]]
         if least_square >= _RESIDUAL_WITHOUT_SOLUTION**2:
@@ -195,18 +203,20 @@ class Search:
                 for number in order_of_squares[:n_searches]
                 if squares[number] < _RESIDUAL_WITHOUT_SOLUTION**2
             ]
-            sizes = min(rough_sizes, key=lambda trial: self._square(causes, trial, channels))
-            square_without_causes = self._square((), (), channels)
+            sizes = min(
+                rough_sizes, key=lambda trial: self._sum_of_squares(causes, trial, channels)
+            )
+            square_without_causes = self._sum_of_squares((), (), channels)
             if (
-                self._square(causes, sizes, channels)
+                self._sum_of_squares(causes, sizes, channels)
                 <= _SHARE_LEFT_WITHOUT_HOPE**2 * square_without_causes
             ):
                 sizes = self._least_squares(
                     causes, sizes, fitted_indices, channels, _FINE_TOLERANCE
                 )
-        return self._fit_of(causes, sizes, channels)
+        return self._fit_with_sizes(causes, sizes, channels)
 
-    def refined(
+    def refined_fit(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         """The fit with all sizes fitted at once, by a search that starts from `sizes`. None where
@@ -215,9 +225,9 @@ class Search:
         fitted_indices = [index for index, cause in enumerate(causes) if cause.has_size]
         if fitted_indices:
             sizes = self._least_squares(causes, sizes, fitted_indices, channels, _FINE_TOLERANCE)
-        return self._fit_of(causes, sizes, channels)
+        return self._fit_with_sizes(causes, sizes, channels)
 
-    def _starts(
+    def _start_sizes(
         self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
         """Sizes of a cause (a known fault) from which a search starts; empty where the result can't
@@ -227,14 +237,14 @@ class Search:
         the size that this one has when fitted alone is among the starts. `channels` are the
         tractions that are fitted: pressure, shear or both.
         """
-        starts = tuple(cause.starts(self.discrepancy))
+        starts = tuple(cause.start_sizes(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
             return starts
-        fit_alone = self.fit((cause,), channels)
+        fit_alone = self.best_fit((cause,), channels)
         if fit_alone is None:
             return starts[:1]
         if SHEAR in channels:
-            return (*starts[::_STRIDE], fit_alone.sizes[0])
+            return (*starts[::_STRIDE_OF_STARTS], fit_alone.sizes[0])
         return (
             (fit_alone.sizes[0],)
             if len(starts) > _MOST_STARTS_TAKEN_WHOLE
@@ -264,7 +274,9 @@ class Search:
             return tuple(sizes_with_fitted)
 
         solution = least_squares(
-            lambda fitted_sizes: self._residuals(causes, all_sizes(fitted_sizes), channels),
+            lambda fitted_sizes: self._weighted_residuals(
+                causes, all_sizes(fitted_sizes), channels
+            ),
             [sizes[index] for index in fitted_indices],
             method="lm",
             diff_step=1e-5,
@@ -275,15 +287,15 @@ class Search:
         )
         return all_sizes(solution.x)
 
-    def _square(
+    def _sum_of_squares(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> float:
         """Sum of the squared and weighted differences between the result and the tractions with
-        these faults, see `_residuals`.
+        these faults, see `_weighted_residuals`.
         """
-        return float(np.sum(self._residuals(causes, sizes, channels) ** 2))
+        return float(np.sum(self._weighted_residuals(causes, sizes, channels) ** 2))
 
-    def _residuals(
+    def _weighted_residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
         """Differences of the result from tractions with these faults (`causes`) of these sizes,
@@ -318,10 +330,10 @@ class Search:
         for cause, size in zip(causes, sizes, strict=True):
             if abs(size) > cause.largest_size:
                 raise InputError("beyond the range of the search")
-            variant = cause.change(variant, size)
-        return self.predictions.tractions_of(variant, sheared=SHEAR in channels)
+            variant = cause.changed_variant(variant, size)
+        return self.predictions.tractions_of(variant, with_shear=SHEAR in channels)
 
-    def _fit_of(
+    def _fit_with_sizes(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
         """The fit of causes (known faults) with given sizes: the tractions that they predict, and
@@ -342,12 +354,16 @@ class Search:
         )
 
 
-def share_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
+def share_of_difference_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
     """Share of the difference that a fit leaves: norm of its residuals over that of `fit_before`,
     the noise taken from both; 1 where there is no difference. `channels` are the tractions that
-    count: pressure, shear or both.
+    n_values: pressure, shear or both.
     """
-    return share_of_norm(fit.square(channels), fit_before.square(channels), fit.noise(channels))
+    return share_of_norm(
+        fit.mean_square(channels),
+        fit_before.mean_square(channels),
+        fit.mean_square_of_noise(channels),
+    )
 
 
 def share_of_norm(square_left: float, square_before: float, square_of_noise: float) -> float:
@@ -369,9 +385,9 @@ def probability_by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) ->
     `probability_of_gain`. `channels` are the tractions that count: pressure, shear or both.
     """
     return probability_of_gain(
-        fit.square(channels),
-        fit_before.square(channels),
-        fit.count(channels),
+        fit.mean_square(channels),
+        fit_before.mean_square(channels),
+        fit.n_values(channels),
         n_parameters=fit.n_parameters,
         n_parameters_before=fit_before.n_parameters,
     )
@@ -420,23 +436,25 @@ def probability_of_gain(
     return float(f_distribution.sf(ratio_of_variances, n_added, degrees_of_freedom))
 
 
-def are_apart(square_left: float, least_square: float, n_values: int, *, is_noise: bool) -> bool:
+def leaves_clearly_more(
+    square_left: float, least_square: float, n_values: int, *, is_noise: bool
+) -> bool:
     """Whether a fit with the mean square `square_left` leaves so much more of n values than the
     best one, with `least_square`, that it is out.
 
     `is_noise` is whether the best one leaves noise alone: then chance sets how far both may differ.
     """
-    least_square = max(least_square, ROUND_OFF)
+    least_square = max(least_square, ROUND_OFF_SQUARE)
     if is_noise:
         return (square_left - least_square) / least_square * n_values > _LEAST_DIFFERENCE_APART
     return square_left > _LEAST_RATIO_APART * least_square
 
 
-def explains(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+def explains_difference(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     """Whether a fit explains the difference that `fit_before` leaves in the tractions `channels`:
     less than a third of it is left, and not by chance.
     """
     return (
-        share_left(fit, fit_before, channels) < LARGEST_SHARE_LEFT
+        share_of_difference_left(fit, fit_before, channels) < LARGEST_SHARE_LEFT
         and probability_by_chance(fit, fit_before, channels) < LARGEST_PROBABILITY_BY_CHANCE
     )

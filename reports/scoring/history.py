@@ -52,7 +52,7 @@ class History:
         (n_steps,) P and Q of the path there [force / thickness]
     notes
         sentences on how the times were found
-    guess
+    guess_in_words
         a sentence where the times of the file were not used; else empty
     has_either_sign
         whether the times follow from the shear, and with its sign changed it would lie on the path
@@ -63,7 +63,7 @@ class History:
     normal_load: Array
     tangential_load: Array
     notes: tuple[str, ...]
-    guess: str = ""
+    guess_in_words: str = ""
     has_either_sign: bool = False
 
 
@@ -113,7 +113,7 @@ def history_of_result(
             guess = (
                 f"the file's times can't be those of the scene's path and were not used ({reason})"
             )
-            return replace(history, guess=guess)
+            return replace(history, guess_in_words=guess)
     if surface.normal_load is not None and surface.tangential_load is not None:
         loads = (surface.normal_load, surface.tangential_load)
         return _history_by_loads(
@@ -130,13 +130,13 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     InputError where the resultants do not follow the path with either sign of the shear.
     """
     source_in_words = "the integrals of its pressure and shear over x"
-    if not surface.sheared and not has_no_tangential_load(scene):
+    if not surface.has_shear and not has_no_tangential_load(scene):
         raise InputError(
             f"{surface.source}: without a shear the pressure alone does not say which instant is"
             " which: state the times of the scene's path, by a column or by times of a mapping, or"
             " P and Q"
         )
-    if not surface.sheared:
+    if not surface.has_shear:
         source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=read_only_copy(np.zeros_like(surface.pressure)))
     normal_force, tangential_force = resultants(surface)
@@ -226,10 +226,10 @@ def _history_by_time(
         last_time = path.cycle_start + scene.cycles * path.period
     time = _times_on_ends_of_segments(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
-        step = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
+        instant = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
         raise InputError(
-            f"{surface.source}: time does not ascend: instant {step + 1} is at {time[step]:.9g}"
-            f" after {time[step - 1]:.9g}"
+            f"{surface.source}: time does not ascend: instant {instant + 1} is at"
+            f" {time[instant]:.9g} after {time[instant - 1]:.9g}"
         )
     instants_beyond = np.flatnonzero((time < path.start) | (time > last_time))
     if len(instants_beyond):
@@ -257,13 +257,14 @@ def _history_by_time(
     ):
         if result_values is None:
             continue
-        misfits = np.flatnonzero(np.abs(result_values - scene_values) > limit * largest_load)
-        if len(misfits):
-            step = int(misfits[0])
+        is_off_path = np.abs(result_values - scene_values) > limit * largest_load
+        instants_off_path = np.flatnonzero(is_off_path)
+        if len(instants_off_path):
+            instant = int(instants_off_path[0])
             raise InputError(
-                f"{surface.source}: its history is not the scene's: at instant {step + 1}, time"
-                f" {time[step]:.6g}, {name} is {result_values[step]:.6g} and the scene's"
-                f" {scene_values[step]:.6g}"
+                f"{surface.source}: its history is not the scene's: at instant {instant + 1}, time"
+                f" {time[instant]:.6g}, {name} is {result_values[instant]:.6g} and the scene's"
+                f" {scene_values[instant]:.6g}"
                 f"{_hint_on_constant_ratio(result_values, scene_values, largest_load)}"
             )
     note = "its instants were matched by the times that it states"
@@ -318,7 +319,7 @@ def _history_by_loads(
 
     InputError where one is farther from the path than `limit` times the largest P, or where no
     instant has more than a two-hundredth of it; `source_in_words` says in words where the loads
-    come from.
+    come from. `loads` are P and Q of the instants, (n_steps,) each.
     """
     path = scene.load.path()
     largest_load = float(np.max(path.at(_sample_times(path, 1))[0]))
@@ -329,7 +330,7 @@ def _history_by_loads(
             " thickness and factors of the mapping, or state the times"
         )
     best_match: tuple[float, Array] | None = None
-    for times in _candidate_times(path, scene):
+    for times in _times_to_search(path, scene):
         candidate = _times_in_order(times, path, scene, loads, largest_load)
         misfit = float(np.max(_distances_from_path(path, candidate, loads))) / largest_load
         if best_match is None or misfit < best_match[0]:
@@ -341,15 +342,14 @@ def _history_by_loads(
     time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
     if misfit > limit:
-        step = int(
-            np.flatnonzero(_distances_from_path(path, time, loads) / largest_load > limit)[0]
-        )
+        relative_distances = _distances_from_path(path, time, loads) / largest_load
+        instant = int(np.flatnonzero(relative_distances > limit)[0])
         raise InputError(
-            f"{surface.source}: its history is not the scene's: at instant {step + 1} P ="
-            f" {loads[0][step]:.6g} and Q = {loads[1][step]:.6g} (from {source_in_words}), and the"
-            f" nearest that the scene's path has, in order, is P = {normal_load[step]:.6g} and Q ="
-            f" {tangential_load[step]:.6g} at time"
-            f" {time[step]:.6g}{_hint_on_constant_ratio(loads[0], normal_load, largest_load)}"
+            f"{surface.source}: its history is not the scene's: at instant {instant + 1} P ="
+            f" {loads[0][instant]:.6g} and Q = {loads[1][instant]:.6g} (from {source_in_words}),"
+            f" and the nearest that the scene's path has, in order, is P ="
+            f" {normal_load[instant]:.6g} and Q = {tangential_load[instant]:.6g} at time"
+            f" {time[instant]:.6g}{_hint_on_constant_ratio(loads[0], normal_load, largest_load)}"
         )
     notes = [
         f"its instants were matched to the load path by {source_in_words}; the farthest is"
@@ -401,7 +401,7 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
     return time
 
 
-def _candidate_times(path: LoadPath, scene: Scene) -> Iterator[Array]:
+def _times_to_search(path: LoadPath, scene: Scene) -> Iterator[Array]:
     """Times of the load path, (n,), among which instants are looked for: the last cycle, where
     there is one, then the whole path.
     """

@@ -36,48 +36,48 @@ from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy
 from reports.scoring.fits import (
     LARGEST_PROBABILITY_BY_CHANCE,
     LARGEST_SHARE_LEFT,
-    ROUND_OFF,
+    ROUND_OFF_SQUARE,
     Fit,
     Search,
-    are_apart,
-    explains,
+    explains_difference,
+    leaves_clearly_more,
     probability_by_chance,
-    share_left,
+    share_of_difference_left,
 )
 
 # Of the norm of the difference, what a cause leaves where nothing else needs to be looked for
 # beside it.
-_SHARE_LEFT_IF_COMPLETE = 0.03
+_LARGEST_SHARE_LEFT_IF_COMPLETE = 0.03
 # What a cause may leave of the pressure where nothing explains the shear.
-_SHARE_LEFT_OF_PRESSURE = 0.1
+_LARGEST_SHARE_LEFT_OF_PRESSURE = 0.1
 # Squares of the norm by which a pair must leave less than a single cause.
-_SQUARE_LEFT_BY_PAIR = 1 / 4
+_LARGEST_SQUARE_RATIO_OF_PAIR = 1 / 4
 # Share by which the sum of the pressures must follow a factor of the loads.
 _SHARE_OF_FACTOR_IN_SUM = 1 / 3
 # Over P, by which nodal forces may differ from it: they add up to P on any mesh, but for noise.
 _LARGEST_ERROR_OF_SUM = 0.05
 # A fitted factor this near to 1 is the error of a mesh, and no fault.
-_LEAST_SIZE = 0.005
+_LEAST_SIZE_OF_FAULT = 0.005
 # Share of the difference that a cause alone must not exceed for pairs with it to be tried.
-_SHARE_LEFT_WITHOUT_HELP = 0.98
+_LEAST_SHARE_LEFT_WITHOUT_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
 _FEWEST_VALUES_THAT_SHOW_NOISE = 40
 # Faults of the model: bodies of finite size, faces with a soft layer. Their theory takes longest.
 _MODEL_FAULTS = (SMALL_BODY, SOFT_NORMAL)
 # Of the square of the difference, what a cause leaves that is exact.
-_SQUARE_LEFT_IF_EXACT = 1e-6
+_LARGEST_SQUARE_RATIO_IF_EXACT = 1e-6
 # Explanations of the pressure that the shear decides between.
 _MOST_FITS_OF_PRESSURE = 5
 # Dundurs' beta of like bodies, but for round-off.
-NO_COUPLING = 1e-9
+NEGLIGIBLE_BETA = 1e-9
 # What the odd part of the difference may leave of it where bodies couple: 0.09 to 0.53 of the norm
 # was measured for nu = 0.45 and 0.2 beside 0.3.
-_MOST_LEFT_OF_ODD = 0.6
+_LARGEST_SHARE_LEFT_BY_ODD_PART = 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
-    """What explains a discrepancy.
+class Attribution:
+    """The causes to which a discrepancy is attributed.
 
     Attributes
     ----------
@@ -119,13 +119,13 @@ class Judgement:
         return (PRESSURE, SHEAR) if self.discrepancy.has_shear else (PRESSURE,)
 
     @property
-    def no_cause(self) -> Fit:
+    def fit_without_causes(self) -> Fit:
         """The fit without any cause, which leaves the whole difference."""
-        fit = self.search.fit((), self.channels)
+        fit = self.search.best_fit((), self.channels)
         assert fit is not None
         return fit
 
-    def verdict(self) -> Verdict:
+    def attribution(self) -> Attribution:
         """Which known faults (causes) explain the difference of a result from the reference, first
         in the pressure, then in the shear.
 
@@ -146,26 +146,26 @@ class Judgement:
         explanations_of_both += self._joint_fits(pressure_fits, explanations_of_both)
         candidates = explanations_of_both or fits_of_pressure_alone
         if not candidates:
-            return Verdict(None)
+            return Attribution(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
-        closest_fit = min(candidates, key=lambda fit: fit.square(self.channels))
-        best_fit = min(candidates, key=lambda fit: self._rank(fit, closest_fit))
+        closest_fit = min(candidates, key=lambda fit: fit.mean_square(self.channels))
+        best_fit = min(candidates, key=lambda fit: self._sort_key(fit, closest_fit))
         rivals = tuple(
             fit
             for fit in candidates
             if fit.keys != best_fit.keys
-            and not self._is_apart(fit, best_fit)
+            and not self._leaves_clearly_more(fit, best_fit)
             and fit.n_parameters <= best_fit.n_parameters
         )
-        return Verdict(best_fit, rivals, is_shear_unexplained=not explanations_of_both)
+        return Attribution(best_fit, rivals, is_shear_unexplained=not explanations_of_both)
 
-    def _rank(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
+    def _sort_key(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
         """Key to sort fits by, the best first: fits that leave no more than `least_fit` but for
         chance, of these the fewest causes, then the fewest sizes.
         """
-        is_apart = self._is_apart(fit, least_fit)
-        return is_apart, len(fit.causes), fit.n_parameters, fit.square(self.channels)
+        is_apart = self._leaves_clearly_more(fit, least_fit)
+        return is_apart, len(fit.causes), fit.n_parameters, fit.mean_square(self.channels)
 
     def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
         """The fit of the causes of the pressure, in a list, to be named though the shear differs
@@ -174,12 +174,17 @@ class Judgement:
         """
         if not pressure_fit.causes:
             return []
-        fit = self.search.fit(pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes)
+        fit = self.search.best_fit(
+            pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes
+        )
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
-        share_of_pressure_left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
-        is_explained = share_of_pressure_left <= _SHARE_LEFT_OF_PRESSURE or self.is_right(
-            pressure_fit, PRESSURE
+        share_of_pressure_left = share_of_difference_left(
+            pressure_fit, self.fit_without_causes, (PRESSURE,)
+        )
+        is_explained = (
+            share_of_pressure_left <= _LARGEST_SHARE_LEFT_OF_PRESSURE
+            or self.is_traction_explained(pressure_fit, PRESSURE)
         )
         return [fit] if is_explained else []
 
@@ -195,7 +200,7 @@ class Judgement:
             return []
         causes = (SMALL_BODY, *_without_width_causes(fits_with_modulus[0]))
         explanations = []
-        for fit_of_pressure in self._explanations([causes], self.no_cause, (PRESSURE,)):
+        for fit_of_pressure in self._explanations([causes], self.fit_without_causes, (PRESSURE,)):
             explanations += self._fits_with_shear(fit_of_pressure)
         return explanations
 
@@ -215,10 +220,10 @@ class Judgement:
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
-        best_explanation = min(explanations, key=lambda fit: fit.square(self.channels))
-        if best_explanation.square(self.channels) <= _SQUARE_LEFT_IF_EXACT * self.no_cause.square(
+        best_explanation = min(explanations, key=lambda fit: fit.mean_square(self.channels))
+        if best_explanation.mean_square(
             self.channels
-        ):
+        ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square(self.channels):
             return []
         pressure_fits_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
         if not pressure_fits_of_best:
@@ -229,12 +234,14 @@ class Judgement:
         for pressure_fit in pressure_fits:
             causes = (*pressure_fit.causes, *best_explanation.causes[n_causes_of_pressure:])
             sizes = (*pressure_fit.sizes, *best_explanation.sizes[n_causes_of_pressure:])
-            if not _may_meet(causes):
+            if not _may_occur_together(causes):
                 continue
-            fit = self.search.refined(causes, sizes, self.channels)
-            if fit is None or not self._is_possible(fit, self.no_cause, self.channels):
+            fit = self.search.refined_fit(causes, sizes, self.channels)
+            if fit is None or not self._is_not_excluded(
+                fit, self.fit_without_causes, self.channels
+            ):
                 continue
-            if explains(fit, self.no_cause, self.channels):
+            if explains_difference(fit, self.fit_without_causes, self.channels):
                 joint_fits.append(fit)
         return joint_fits
 
@@ -248,14 +255,16 @@ class Judgement:
         better than the best single cause, and need both of its own. Bodies of finite size and soft
         layers (`_MODEL_FAULTS`) take long to predict: they are tried beside the best of the others.
         """
-        fit_without_cause = self.no_cause
-        if self.is_right(fit_without_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
-            return [fit_without_cause]
+        fit_without_causes = self.fit_without_causes
+        if self.is_traction_explained(
+            fit_without_causes, PRESSURE
+        ) and self.discrepancy.is_within_tolerance(PRESSURE):
+            return [fit_without_causes]
         causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
         quick_causes = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
         single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
         if self._needs_no_pair(single_fits):
-            return self._fits_near_best(single_fits) or [fit_without_cause]
+            return self._fits_near_best(single_fits) or [fit_without_causes]
         fits_of_pairs = self._explanations_of_pressure(
             self._pairs_worth_trying(single_fits, quick_causes)
         )
@@ -264,10 +273,10 @@ class Judgement:
         best_single_fit = self._best_single_fit(quick_causes)
         if best_single_fit is not None:
             fits_of_pairs = [
-                fit for fit in fits_of_pairs if self._is_better(fit, best_single_fit, (PRESSURE,))
+                fit for fit in fits_of_pairs if self._leaves_less(fit, best_single_fit, (PRESSURE,))
             ]
-        fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both(fit)]
-        return self._fits_near_best(fits_of_pairs or single_fits) or [fit_without_cause]
+        fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both_causes(fit)]
+        return self._fits_near_best(fits_of_pairs or single_fits) or [fit_without_causes]
 
     def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
         """Whether one cause of the pressure difference, or none, explains it so well that pairs of
@@ -275,25 +284,29 @@ class Judgement:
         values, which may look like noise by chance, next to nothing must be left.
         """
         if not single_fits:
-            best_fit = self.no_cause
-            is_right = best_fit.is_noise((PRESSURE,))
+            best_fit = self.fit_without_causes
+            is_traction_explained = best_fit.is_noise((PRESSURE,))
         else:
             best_fit = single_fits[0]
-            is_right = self.is_right(best_fit, PRESSURE)
+            is_traction_explained = self.is_traction_explained(best_fit, PRESSURE)
         is_nearly_all_explained = (
-            share_left(best_fit, self.no_cause, (PRESSURE,)) <= _SHARE_LEFT_IF_COMPLETE
+            share_of_difference_left(best_fit, self.fit_without_causes, (PRESSURE,))
+            <= _LARGEST_SHARE_LEFT_IF_COMPLETE
         )
-        return is_right and (
-            is_nearly_all_explained or best_fit.count((PRESSURE,)) >= _FEWEST_VALUES_THAT_SHOW_NOISE
+        return is_traction_explained and (
+            is_nearly_all_explained
+            or best_fit.n_values((PRESSURE,)) >= _FEWEST_VALUES_THAT_SHOW_NOISE
         )
 
-    def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
-        """Fits of the combinations `choices` that explain the pressure, the best first; among them
-        fits of small bodies and soft layers beside the best factor of E*, loads or x.
+    def _explanations_of_pressure(self, combinations: Sequence[tuple[Cause, ...]]) -> list[Fit]:
+        """Fits of the combinations `combinations` that explain the pressure, the best first; among
+        them fits of small bodies and soft layers beside the best factor of E*, loads or x.
         """
-        fits = self._explanations(choices, self.no_cause, (PRESSURE,))
-        fits += self._explanations(self._choices_with_model_fault(fits), self.no_cause, (PRESSURE,))
-        return sorted(fits, key=lambda fit: fit.square((PRESSURE,)))
+        fits = self._explanations(combinations, self.fit_without_causes, (PRESSURE,))
+        fits += self._explanations(
+            self._combinations_with_model_fault(fits), self.fit_without_causes, (PRESSURE,)
+        )
+        return sorted(fits, key=lambda fit: fit.mean_square((PRESSURE,)))
 
     def _pairs_worth_trying(
         self, single_fits: Sequence[Fit], quick_causes: Sequence[Cause]
@@ -312,7 +325,9 @@ class Judgement:
         quick_causes
             causes that are quick to predict
         """
-        helpful_causes = [cause for cause in quick_causes if self._helps(cause)]
+        helpful_causes = [
+            cause for cause in quick_causes if self._reduces_pressure_difference(cause)
+        ]
         pairs = list(itertools.combinations(helpful_causes, 2))
         if helpful_causes:
             best_cause = min(helpful_causes, key=self._share_left_by_cause)
@@ -320,22 +335,26 @@ class Judgement:
         for fit in single_fits:
             if not fit.causes[0].has_size:
                 pairs += [(fit.causes[0], cause) for cause in quick_causes if cause.has_size]
-        return [pair for pair in dict.fromkeys(pairs) if _may_meet(pair)]
+        return [pair for pair in dict.fromkeys(pairs) if _may_occur_together(pair)]
 
-    def _helps(self, cause: Cause) -> bool:
+    def _reduces_pressure_difference(self, cause: Cause) -> bool:
         """Whether a cause alone leaves less of the pressure than none, so that pairs with it are
         worth their time; nodal forces do not where another fault is larger.
         """
         if cause.key == "coarse_edge":
-            return self.search.fit((cause,), (PRESSURE,)) is not None
-        return self._share_left_by_cause(cause) < _SHARE_LEFT_WITHOUT_HELP
+            return self.search.best_fit((cause,), (PRESSURE,)) is not None
+        return self._share_left_by_cause(cause) < _LEAST_SHARE_LEFT_WITHOUT_HELP
 
     def _share_left_by_cause(self, cause: Cause) -> float:
         """Share of the pressure's difference that one cause alone leaves; infinite where theory has
         no solution with it.
         """
-        fit = self.search.fit((cause,), (PRESSURE,))
-        return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
+        fit = self.search.best_fit((cause,), (PRESSURE,))
+        return (
+            np.inf
+            if fit is None
+            else share_of_difference_left(fit, self.fit_without_causes, (PRESSURE,))
+        )
 
     def _best_single_fit(self, causes: Sequence[Cause]) -> Fit | None:
         """The fit of one cause (known fault) that leaves least of the pressure difference, of the
@@ -344,19 +363,22 @@ class Judgement:
         """
         possible_fits = []
         for cause in causes:
-            fit = self.search.fit((cause,), (PRESSURE,))
+            fit = self.search.best_fit((cause,), (PRESSURE,))
             if fit is None or self._sum_of_pressures_contradicts(fit):
                 continue
-            if share_left(fit, self.no_cause, (PRESSURE,)) < LARGEST_SHARE_LEFT:
+            if (
+                share_of_difference_left(fit, self.fit_without_causes, (PRESSURE,))
+                < LARGEST_SHARE_LEFT
+            ):
                 possible_fits.append(fit)
-        return min(possible_fits, key=lambda fit: fit.square((PRESSURE,)), default=None)
+        return min(possible_fits, key=lambda fit: fit.mean_square((PRESSURE,)), default=None)
 
-    def _needs_both(self, pair: Fit) -> bool:
+    def _needs_both_causes(self, pair: Fit) -> bool:
         """Whether neither cause of a pair does as well alone."""
-        fits_alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
-        return all(fit is None or self._is_better(pair, fit, (PRESSURE,)) for fit in fits_alone)
+        fits_alone = [self.search.best_fit((cause,), (PRESSURE,)) for cause in pair.causes]
+        return all(fit is None or self._leaves_less(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
-    def _choices_with_model_fault(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
+    def _combinations_with_model_fault(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Combinations of causes to try next: a fault of the model in place of the cause of a wrong
         width of contact. Such causes are wrong factors of E*, loads or x; faults of the model are
         bodies of finite size, and faces with a soft layer. Both change the width alike.
@@ -364,28 +386,30 @@ class Judgement:
         `fits` are the fits tried before. Empty where the best one leaves nothing of the difference.
         """
         if not fits:
-            is_noise = self.no_cause.is_noise((PRESSURE,))
+            is_noise = self.fit_without_causes.is_noise((PRESSURE,))
             return [] if is_noise else [(cause,) for cause in _MODEL_FAULTS]
         fits_with_other_width = [
             fit for fit in fits if any(cause.group == "size" for cause in fit.causes)
         ]
         if not fits_with_other_width:
             return []
-        best_fit = min(fits_with_other_width, key=lambda fit: fit.square((PRESSURE,)))
-        if best_fit.square((PRESSURE,)) <= _SQUARE_LEFT_IF_EXACT * self.no_cause.square(
+        best_fit = min(fits_with_other_width, key=lambda fit: fit.mean_square((PRESSURE,)))
+        if best_fit.mean_square(
             (PRESSURE,)
-        ):
+        ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square((PRESSURE,)):
             return []
         return [(cause, *_without_width_causes(best_fit)) for cause in _MODEL_FAULTS]
 
     def _fits_near_best(self, fits: Sequence[Fit]) -> list[Fit]:
         """Of fits with the best first, the few that leave as little of the pressure as that one."""
-        near_fits = [fit for fit in fits if not self._is_apart(fit, fits[0], (PRESSURE,))]
+        near_fits = [
+            fit for fit in fits if not self._leaves_clearly_more(fit, fits[0], (PRESSURE,))
+        ]
         return near_fits[:_MOST_FITS_OF_PRESSURE]
 
     def _explanations(
         self,
-        choices: Iterable[tuple[Cause, ...]],
+        combinations: Iterable[tuple[Cause, ...]],
         fit_before: Fit,
         channels: tuple[int, ...],
     ) -> list[Fit]:
@@ -397,7 +421,7 @@ class Judgement:
 
         Parameters
         ----------
-        choices
+        combinations
             the combinations
         fit_before
             fit of fewer causes, or of none
@@ -405,16 +429,16 @@ class Judgement:
             the tractions that count: pressure, shear or both
         """
         explanations = []
-        for causes in choices:
-            fit = self.search.fit(causes, channels)
-            if fit is None or not self._is_possible(fit, fit_before, channels):
+        for causes in combinations:
+            fit = self.search.best_fit(causes, channels)
+            if fit is None or not self._is_not_excluded(fit, fit_before, channels):
                 continue
-            if explains(fit, fit_before, channels):
+            if explains_difference(fit, fit_before, channels):
                 explanations.append(fit)
         return explanations
 
     # ------------------------------------------------------------------------- what rows exclude
-    def _is_possible(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
+    def _is_not_excluded(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
         """Whether neither the sums of pressure and shear speak against a fit, nor sizes that are
         next to none. `fit_before` is a fit of fewer causes.
         """
@@ -439,7 +463,7 @@ class Judgement:
         fit_before
             fit with the causes known before, whose difference from the result is the measure
         """
-        if share_left(fit, fit_before, (SHEAR,)) > _SHARE_LEFT_OF_PRESSURE:
+        if share_of_difference_left(fit, fit_before, (SHEAR,)) > _LARGEST_SHARE_LEFT_OF_PRESSURE:
             return False
         weight_of_points = self.discrepancy.weight
         # integrals of the shear over x, one for each instant
@@ -460,14 +484,14 @@ class Judgement:
         """Whether the sum of the result's pressures over x excludes the causes of a fit.
 
         A wrong factor of loads, pressures or x multiplies this sum by a known factor,
-        `Cause.resultant`. Such a factor is excluded where the sum remains near P. Nodal forces
-        instead of pressures ("coarse_edge") add up to P: they are excluded where the sum is not P.
-        The reason is kept in `reason_by_cause`.
+        `Cause.resultant_factor`. Such a factor is excluded where the sum remains near P. Nodal
+        forces instead of pressures ("coarse_edge") add up to P: they are excluded where the sum is
+        not P. The reason is kept in `reason_by_cause`.
         """
         predicted_ratios = [
-            cause.resultant(size)
+            cause.resultant_factor(size)
             for cause, size in zip(fit.causes, fit.sizes, strict=True)
-            if cause.resultant is not None
+            if cause.resultant_factor is not None
         ]
         if "other_times" in fit.keys:  # P of another instant: the sum has no known value
             return False
@@ -489,8 +513,8 @@ class Judgement:
     # --------------------------------------------------------------------------------- the shear
     def fit_of_shear_factor(self) -> Fit | None:
         """The fit of a wrong factor of the shear alone; None where it leaves more than noise."""
-        fits = self._explanations_of_shear([(SHEAR_FACTOR,)], self.no_cause)
-        return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
+        fits = self._explanations_of_shear([(SHEAR_FACTOR,)], self.fit_without_causes)
+        return fits[0] if fits and self.is_traction_explained(fits[0], SHEAR) else None
 
     def _fits_with_shear(self, pressure_fit: Fit) -> list[Fit]:
         """Fits of causes (known faults) to pressure and shear, the best first, that begin with a
@@ -501,12 +525,12 @@ class Judgement:
         """
         if not self.discrepancy.has_shear:
             return [pressure_fit] if pressure_fit.causes else []
-        fit_before = self.search.fit(
+        fit_before = self.search.best_fit(
             pressure_fit.causes, (PRESSURE, SHEAR), known_sizes=pressure_fit.sizes
         )
         if fit_before is None:
             return []
-        if self.is_right(fit_before, SHEAR):
+        if self.is_traction_explained(fit_before, SHEAR):
             return [fit_before] if fit_before.causes else []
         explanations = self._explanations_by_shear_causes(fit_before, 1)
         if self._is_shear_explained(explanations):
@@ -517,22 +541,24 @@ class Judgement:
                 return [coupled_fit]
         # Two causes of the shear are looked for only where the pressure is right without any: where
         # it is wrong and unexplained, the shear, which friction ties to it, says little.
-        if not fit_before.causes and self.is_right(pressure_fit, PRESSURE):
+        if not fit_before.causes and self.is_traction_explained(pressure_fit, PRESSURE):
             fits_of_pairs = self._explanations_by_shear_causes(fit_before, 2)
             if explanations:
                 fits_of_pairs = [
-                    fit for fit in fits_of_pairs if self._is_better(fit, explanations[0], (SHEAR,))
+                    fit
+                    for fit in fits_of_pairs
+                    if self._leaves_less(fit, explanations[0], (SHEAR,))
                 ]
             explanations = fits_of_pairs or explanations
         return explanations
 
     def _is_shear_explained(self, explanations: Sequence[Fit]) -> bool:
         """Whether the best of them leaves noise alone."""
-        return bool(explanations) and self.is_right(explanations[0], SHEAR)
+        return bool(explanations) and self.is_traction_explained(explanations[0], SHEAR)
 
     def _explanations_by_shear_causes(self, fit_before: Fit, count: int) -> list[Fit]:
-        """Fits that explain the shear by `count` causes beside those of `fit_before`, which explain
-        the pressure; the best first. Empty where that makes more than two causes.
+        """Fits that explain the shear by `n_values` causes beside those of `fit_before`, which
+        explain the pressure; the best first. Empty where that makes more than two causes.
         """
         if len(fit_before.causes) + count > 2:
             return []
@@ -543,11 +569,11 @@ class Judgement:
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
-        choices = [
+        combinations = [
             (*fit_before.causes, *chosen_causes)
             for chosen_causes in itertools.combinations(possible_causes, count)
         ]
-        return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
+        return self._explanations_of_shear(filter(_may_occur_together, combinations), fit_before)
 
     def _coupled_fit(self, fit_before: Fit) -> Fit | None:
         """The fit in which unlike materials couple shear and pressure, beside the causes of
@@ -559,12 +585,16 @@ class Judgement:
         """
         if len(fit_before.causes) > 1:
             return None
-        odd_fit = self.search.fit(
+        odd_fit = self.search.best_fit(
             (*fit_before.causes, ODD_PART), self.channels, known_sizes=fit_before.sizes
         )
-        if odd_fit is None or share_left(odd_fit, fit_before, (SHEAR,)) > _MOST_LEFT_OF_ODD:
+        if (
+            odd_fit is None
+            or share_of_difference_left(odd_fit, fit_before, (SHEAR,))
+            > _LARGEST_SHARE_LEFT_BY_ODD_PART
+        ):
             return None
-        if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NO_COUPLING:
+        if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NEGLIGIBLE_BETA:
             return (
                 odd_fit
                 if probability_by_chance(odd_fit, fit_before, (SHEAR,))
@@ -575,28 +605,30 @@ class Judgement:
         return fits[0] if fits else None
 
     def _explanations_of_shear(
-        self, choices: Iterable[tuple[Cause, ...]], fit_before: Fit
+        self, combinations: Iterable[tuple[Cause, ...]], fit_before: Fit
     ) -> list[Fit]:
         """Try combinations of causes (known faults): the fits that explain what `fit_before` leaves
         of the shear; the best first.
 
         A fit counts where its mean square difference of the pressure is at most twice that of
-        `fit_before`: causes of the shear hardly touch the pressure. `choices` are the combinations.
+        `fit_before`: causes of the shear hardly touch the pressure. `combinations` are the
+        combinations.
         """
         explanations = []
-        for causes in choices:
-            fit = self.search.fit(causes, (PRESSURE, SHEAR), known_sizes=fit_before.sizes)
-            if fit is None or not self._is_possible(fit, fit_before, (SHEAR,)):
+        for causes in combinations:
+            fit = self.search.best_fit(causes, (PRESSURE, SHEAR), known_sizes=fit_before.sizes)
+            if fit is None or not self._is_not_excluded(fit, fit_before, (SHEAR,)):
                 continue
             keeps_pressure = (
-                fit.square((PRESSURE,)) <= 2 * fit_before.square((PRESSURE,)) + ROUND_OFF
+                fit.mean_square((PRESSURE,))
+                <= 2 * fit_before.mean_square((PRESSURE,)) + ROUND_OFF_SQUARE
             )
-            if keeps_pressure and explains(fit, fit_before, (SHEAR,)):
+            if keeps_pressure and explains_difference(fit, fit_before, (SHEAR,)):
                 explanations.append(fit)
-        return sorted(explanations, key=lambda fit: fit.square((SHEAR,)))
+        return sorted(explanations, key=lambda fit: fit.mean_square((SHEAR,)))
 
     # -------------------------------------------------------------------------------- comparison
-    def is_right(self, fit: Fit, channel: int) -> bool:
+    def is_traction_explained(self, fit: Fit, channel: int) -> bool:
         """Whether a fit of causes leaves nothing of a traction but noise, or next to nothing: 3 %
         of the difference, and of the traction. `channel` is PRESSURE or SHEAR. The fit without a
         cause is right too where the difference is within the tolerance.
@@ -605,50 +637,55 @@ class Judgement:
             if channel == PRESSURE:
                 return True
             # A shear that scatters too much beside the pressure holds more than noise.
-            pressure_square = max(fit.square((PRESSURE,)), ROUND_OFF)
-            if fit.square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
+            pressure_square = max(fit.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
+            if fit.mean_square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
         if not fit.causes:
-            return self.discrepancy.is_within(channel)
+            return self.discrepancy.is_within_tolerance(channel)
         # With a factor of units the difference is far larger than the tractions: what is left must
         # be small beside both.
-        mean_square_left = fit.square((channel,)) - fit.noise((channel,))
+        mean_square_left = fit.mean_square((channel,)) - fit.mean_square_of_noise((channel,))
         no_tractions = 0 * fit.predicted_tractions
-        mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).square
+        mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).mean_square
         return (
-            share_left(fit, self.no_cause, (channel,)) <= _SHARE_LEFT_IF_COMPLETE
-            and mean_square_left <= _SHARE_LEFT_IF_COMPLETE**2 * mean_square_of_traction
+            share_of_difference_left(fit, self.fit_without_causes, (channel,))
+            <= _LARGEST_SHARE_LEFT_IF_COMPLETE
+            and mean_square_left <= _LARGEST_SHARE_LEFT_IF_COMPLETE**2 * mean_square_of_traction
         )
 
-    def explains_all(self, fit: Fit) -> bool:
+    def are_tractions_explained(self, fit: Fit) -> bool:
         """Whether a fit leaves nothing of either traction but noise."""
-        return all(self.is_right(fit, channel) for channel in self.channels)
+        return all(self.is_traction_explained(fit, channel) for channel in self.channels)
 
-    def _is_better(self, fit: Fit, simple_fit: Fit, channels: Sequence[int] | None = None) -> bool:
+    def _leaves_less(
+        self, fit: Fit, simple_fit: Fit, channels: Sequence[int] | None = None
+    ) -> bool:
         """Whether `fit` leaves less of the difference than `simple_fit`; where it has more causes,
         so much less that these are called for. All channels count where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
-        square = fit.square(channels_compared)
-        square_of_simple = simple_fit.square(channels_compared)
+        square = fit.mean_square(channels_compared)
+        square_of_simple = simple_fit.mean_square(channels_compared)
         if len(fit.causes) <= len(simple_fit.causes):
             return square < square_of_simple
-        is_large_gain = square <= _SQUARE_LEFT_BY_PAIR * square_of_simple
+        is_large_gain = square <= _LARGEST_SQUARE_RATIO_OF_PAIR * square_of_simple
         is_significant = (
             probability_by_chance(fit, simple_fit, channels_compared)
             < LARGEST_PROBABILITY_BY_CHANCE
         )
         return is_significant and (is_large_gain or not simple_fit.is_noise(channels_compared))
 
-    def _is_apart(self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None) -> bool:
+    def _leaves_clearly_more(
+        self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None
+    ) -> bool:
         """Whether `fit` leaves so much more than `best_fit` that it is no rival of it. All channels
         count where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
-        return are_apart(
-            fit.square(channels_compared),
-            best_fit.square(channels_compared),
-            best_fit.count(channels_compared),
+        return leaves_clearly_more(
+            fit.mean_square(channels_compared),
+            best_fit.mean_square(channels_compared),
+            best_fit.n_values(channels_compared),
             is_noise=best_fit.is_noise(channels_compared),
         )
 
@@ -658,7 +695,7 @@ def _without_width_causes(fit: Fit) -> tuple[Cause, ...]:
     return tuple(cause for cause in fit.causes if cause.group != "size")
 
 
-def _may_meet(causes: tuple[Cause, ...]) -> bool:
+def _may_occur_together(causes: tuple[Cause, ...]) -> bool:
     """Whether causes may occur together: no two of them are of one group, or the same."""
     groups = [cause.group for cause in causes if cause.group]
     keys = [cause.key for cause in causes]
@@ -670,8 +707,11 @@ def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     then is the error of a mesh. False where the fit leaves next to nothing of the difference.
     """
     is_small = any(
-        cause.has_size and abs(size) < _LEAST_SIZE
+        cause.has_size and abs(size) < _LEAST_SIZE_OF_FAULT
         for cause, size in zip(fit.causes, fit.sizes, strict=True)
         if cause.key not in ("other_times", "offset")
     )
-    return is_small and share_left(fit, fit_before, channels) > _SHARE_LEFT_IF_COMPLETE
+    return (
+        is_small
+        and share_of_difference_left(fit, fit_before, channels) > _LARGEST_SHARE_LEFT_IF_COMPLETE
+    )

@@ -20,14 +20,14 @@ from reports.scoring.loop_masing_fit import MasingFit
 from scenes.array_types import Array
 
 # Phases closer than this are alike but for rounding.
-_ROUNDING = 1e-9
+_ROUND_OFF_OF_PHASE = 1e-9
 # Sigma of U beyond which rows do not come back to the first one: three of a difference of two.
-_GAP = 4.2
+_LARGEST_GAP_IN_SIGMAS = 4.2
 # Error of the area of a fitted loop by the samples of its curve, of itself: 2e-9 was measured.
-_OF_SAMPLES = 1e-8
+_RELATIVE_ERROR_BY_SAMPLES = 1e-8
 # Of the scatter of W: the rows choose branches, sigma and run-in too. Fitted on 1,156 loops (seeds
 # 613 to 615 and 701 to 704 of benchmarks/measured_loops.py): a twentieth of them need it.
-_CHOSEN_BY_ROWS = 1.12
+_FACTOR_ON_SCATTER = 1.12
 
 
 @dataclass(frozen=True)
@@ -37,25 +37,25 @@ class LoopArea:
 
     Attributes
     ----------
-    by_distance
+    error_by_distance
         of the rows from each other: a polygon of twice the step errs four times as much. That
         is three times the error; half of the difference is stated
-    by_noise
+    error_by_scatter
         1.96 standard deviations, from the scatter of U and Q
     """
 
     value: float
-    by_distance: float
-    by_noise: float
-    cycles: int
+    error_by_distance: float
+    error_by_scatter: float
+    n_cycles: int
 
     @property
     def uncertainty(self) -> float:
         """Both together."""
-        return math.hypot(self.by_distance, self.by_noise)
+        return math.hypot(self.error_by_distance, self.error_by_scatter)
 
 
-def _shoelace(displacement: Array, load: Array) -> float:
+def _area_of_polygon(displacement: Array, load: Array) -> float:
     """Closed integral of Q dU along the polygon (n,) and (n,), which ends where it begins."""
     return float(
         np.sum((load + np.roll(load, -1)) / 2 * (np.roll(displacement, -1) - displacement))
@@ -105,7 +105,7 @@ def polygon_area(
     --------
     >>> angle = 2 * np.pi * np.arange(100) / 100
     >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
-    >>> abs(found.value + np.pi) < found.by_distance < 0.01
+    >>> abs(found.value + np.pi) < found.error_by_distance < 0.01
     True
     """
     covered_cycles = float(phase[-1] - phase[0])
@@ -119,15 +119,16 @@ def polygon_area(
     error_by_gap = 0.0
     if len(rows_at_end):
         noise = (displacement_noise, load_noise)
-        displacement, load, error_by_gap = _closed_at_end(
+        displacement, load, error_by_gap = _closed_loop_and_gap_error(
             displacement, load, phase, rows_at_end, end_phase, noise
         )
     elif end_phase - phase[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
         error_by_gap = abs(float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))) / 2
-    area = _shoelace(displacement, load)
+    area = _area_of_polygon(displacement, load)
     area_by_half_the_rows = (
-        _shoelace(displacement[::2], load[::2]) + _shoelace(displacement[1::2], load[1::2])
+        _area_of_polygon(displacement[::2], load[::2])
+        + _area_of_polygon(displacement[1::2], load[1::2])
     ) / 2
     displacement_step = (np.roll(displacement, -1) - np.roll(displacement, 1)) / 2
     load_step = (np.roll(load, -1) - np.roll(load, 1)) / 2
@@ -138,7 +139,7 @@ def polygon_area(
     return LoopArea(area / cycles, error_by_distance / cycles, 1.96 * area_scatter / cycles, cycles)
 
 
-def _closed_at_end(
+def _closed_loop_and_gap_error(
     displacement: Array,
     load: Array,
     phase: Array,
@@ -166,9 +167,9 @@ def _closed_at_end(
     phase_before = phase[row_after - 1]
     phase_step = max(phase[row_after] - phase_before, 1e-300)
     fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
-    largest_scatter_of_displacement = _GAP * displacement_noise
+    largest_scatter_of_displacement = _LARGEST_GAP_IN_SIGMAS * displacement_noise
     # phase in which Q changes by 4 sigma: with less, Q can stand still at a turning point
-    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUND_OFF_OF_PHASE
     rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
     if len(rows_in_standstill) > 1:  # U moves on while Q stands: the loop closes where U returns
         row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
@@ -214,7 +215,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
         the fitted loop, by Masing's rule
     fit
         its parameters with their interval, and the distances of the rows from it
-    cycles
+    n_cycles
         number of cycles that the rows cover
     """
     place_on_loop = fit.distances.place_on_loop
@@ -226,24 +227,24 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
         float(
             _area_per_sigma(loop, fit, half_of_rows) @ fit.distances.signed_distance[half_of_rows]
         )
-        for half_of_rows in _halves(order_on_loop)
+        for half_of_rows in _halves_of_rows(order_on_loop)
     ]
 
     error_by_scatter = _error_by_scatter(loop, fit, area_per_sigma)
     error_by_digits = 0.0
     if fit.error_by_digits:
         error_by_digits = loop.area_by_friction_where_gross * fit.error_by_digits
-    # error as in `LoopArea.by_distance`: half of the difference to every second row
+    # error as in `LoopArea.error_by_distance`: half of the difference to every second row
     error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
     return LoopArea(
         value=loop.area + area_beside_fit,
-        by_distance=error_by_distance + _OF_SAMPLES * loop.area,
-        by_noise=math.hypot(error_by_scatter, error_by_digits),
-        cycles=max(math.floor(cycles), 1),
+        error_by_distance=error_by_distance + _RELATIVE_ERROR_BY_SAMPLES * loop.area,
+        error_by_scatter=math.hypot(error_by_scatter, error_by_digits),
+        n_cycles=max(math.floor(cycles), 1),
     )
 
 
-def _halves(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _halves_of_rows(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Two halves of the rows, each every second one along the loop; `order` are their indices along
     it.
     """
@@ -280,10 +281,9 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     sum_of_squares = float(area_by_residuals @ area_by_residuals)
     sigma_of_area = math.sqrt(variance * sum_of_squares) * widening
     student_factor = float(student.ppf(0.975, fit.degrees_of_freedom))
-    error_by_scatter = _CHOSEN_BY_ROWS * student_factor * sigma_of_area
+    error_by_scatter = _FACTOR_ON_SCATTER * student_factor * sigma_of_area
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
-    # `ends`: parameters at both ends of the interval. A loop without an upper limit of f may be a
-    # line.
+    # A loop without an upper limit of f may be a line, which has no area.
     for parameters_at_end in fit.interval_ends:
         area_at_end = 0.0
         if parameters_at_end is not None:

@@ -20,32 +20,32 @@ from scenes.array_types import Array
 
 # Levels of Q, as shares of its range, that rows must pass between two turning points: noise turns Q
 # more often.
-_LOWER = 0.25
-_UPPER = 0.75
+_LOWER_LEVEL = 0.25
+_UPPER_LEVEL = 0.75
 # Scatter of Q from row to row beyond this share of its amplitude hides the loop; rows of a cycle
 # below which turning points can't be told.
-_SCATTER = 0.15
-_FEWEST_OF_CYCLE = 8
+_LARGEST_SCATTER_SHARE = 0.15
+_FEWEST_ROWS_OF_CYCLE = 8
 # Rows on each side of a turning point that two parabolas are fitted to: the fewest that leave a
 # residual, and how they grow.
-_WINDOW = 3
-_GROWTH = 1.5
+_FEWEST_ROWS_OF_HALF_WINDOW = 3
+_GROWTH_OF_WINDOW = 1.5
 # Places of the joint of the two parabolas that are tried.
-_JOINTS = 25
+_N_JOINTS = 25
 # Residuals of the parabolas over the noise of Q, beyond which the window is too long for parabolas.
-_AS_NOISE = 1.15
+_LARGEST_RATIO_TO_NOISE = 1.15
 # Variance of two joined parabolas at their joint, times the rows on each side over the variance of
 # a row.
-_AT_JOINT = 4.5
+_VARIANCE_FACTOR_AT_JOINT = 4.5
 # Instants at which the size of a cycle is found: more than rows of a cycle are.
-_INSTANTS_OF_CYCLE = 600
+_N_INSTANTS_OF_CYCLE = 600
 
 
 class TurningPoint(NamedTuple):
     """Q at a turning point, and its standard error."""
 
     load: float
-    error: float
+    standard_error: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Branches:
     phase
         (n,) number of cycles since a lowest Q, with the share of the branch that Q has passed;
         grows with the rows but for noise
-    rising
+    is_rising
         (n,) whether Q grows along the row's branch
     highest, lowest
         turning points of Q
@@ -66,13 +66,13 @@ class Branches:
     """
 
     phase: Array
-    rising: NDArray[np.bool_]
+    is_rising: NDArray[np.bool_]
     highest: TurningPoint
     lowest: TurningPoint
     load_noise: float
 
     @property
-    def cycles(self) -> float:
+    def n_cycles(self) -> float:
         """Number of cycles that the rows cover, with a fraction."""
         return float(self.phase[-1] - self.phase[0])
 
@@ -112,7 +112,7 @@ def find_branches(
         Where Q does not go up and down, or where the rows cover less than a cycle.
     """
     noise = max(row_noise(load), resolution / math.sqrt(12))
-    range_of_load = _range(load, noise)
+    range_of_load = _least_and_largest_load(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
     record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
     crossing_times = _crossing_times(
@@ -143,7 +143,7 @@ def find_branches(
     branches_since_bottom = branch_number + share_of_branch + (1 if first_turn_is_top else 0)
     return Branches(
         phase=branches_since_bottom / 2,
-        rising=~begins_at_top,
+        is_rising=~begins_at_top,
         highest=highest_turn,
         lowest=lowest_turn,
         load_noise=noise,
@@ -182,11 +182,11 @@ def _refuse_scatter(
 ) -> None:
     """InputError where most of the range of Q (n,) is scatter of the rows, of sigma `noise`."""
     least_load, largest_load = range_of_load
-    if noise > _SCATTER * (largest_load - least_load) / 2:
+    if noise > _LARGEST_SCATTER_SHARE * (largest_load - least_load) / 2:
         raise InputError(
             f"{source}: its Q goes up and down to {200 * noise / np.ptp(load):.0f} % of its"
-            f" amplitude only (limit {100 * _SCATTER:.0f} %), the rest is scatter: give the rows in"
-            " the order of time, and whole cycles"
+            f" amplitude only (limit {100 * _LARGEST_SCATTER_SHARE:.0f} %), the rest is scatter:"
+            " give the rows in the order of time, and whole cycles"
         )
 
 
@@ -211,29 +211,32 @@ def _record_of_two_cycles(
     range_of_load
         least and largest Q, without what noise adds
     """
-    rows_before, rows_after, rises_at_crossing = _crossings(load, *range_of_load)
+    rows_before, rows_after, rises_at_crossing = _crossings_of_middle(load, *range_of_load)
     if len(rows_before) >= 3:
         return _Record(load, time, rows_before, rows_after, rises_at_crossing)
     closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, noise)
     if closing_row is None:
         least_load, largest_load = range_of_load
-        travel_of_load = np.sum(np.abs(np.diff(_turned(load, rows_before, rows_after))))
+        travel_of_load = np.sum(np.abs(np.diff(_loads_at_turns(load, rows_before, rows_after))))
         covered_cycles = float(travel_of_load / (2 * (largest_load - least_load)))
         raise InputError(
             f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole one"
         )
-    cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
-    return _Record(cyclic_load, cyclic_time, *_crossings(cyclic_load, *range_of_load), period)
+    cyclic_load, cyclic_time, period = _two_equal_cycles(load, time, closing_row)
+    return _Record(
+        cyclic_load, cyclic_time, *_crossings_of_middle(cyclic_load, *range_of_load), period
+    )
 
 
 def _refuse_few_rows(record: _Record, source: str) -> None:
-    """InputError where fewer than `_FEWEST_OF_CYCLE` rows make a cycle, in the mean."""
+    """InputError where fewer than `_FEWEST_ROWS_OF_CYCLE` rows make a cycle, in the mean."""
     n_half_cycles = len(record.rows_before) - 1
     rows_between = record.rows_after[-1] - record.rows_before[0]
     is_too_short = len(record.rows_before) < 3
-    if is_too_short or 2 * rows_between / n_half_cycles < _FEWEST_OF_CYCLE:
+    if is_too_short or 2 * rows_between / n_half_cycles < _FEWEST_ROWS_OF_CYCLE:
         raise InputError(
-            f"{source}: a loop needs at least {_FEWEST_OF_CYCLE} rows a cycle, in the order of time"
+            f"{source}: a loop needs at least {_FEWEST_ROWS_OF_CYCLE} rows a cycle, in the order"
+            " of time"
         )
 
 
@@ -266,7 +269,7 @@ def _mean_turning_point(
     )
 
 
-def _cycle_twice(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:
+def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:
     """The rows of one cycle, laid end to end twice: Q and time of these rows (n,) each, and the
     period.
 
@@ -334,14 +337,16 @@ def _times_of_turns(
     return np.concatenate([[first_turn_time], turn_times, [last_turn_time]])
 
 
-def _range(load: Array, noise: float) -> tuple[float, float]:
-    """Lowest and highest Q; what noise adds to them does not matter for levels within."""
+def _least_and_largest_load(load: Array, noise: float) -> tuple[float, float]:
+    """Least and largest Q, without what noise (its standard deviation) adds to them where that is
+    small beside their difference.
+    """
     if not np.ptp(load) > 8 * noise:
         return float(load.min()), float(load.max())
     return float(load.min()) + 2 * noise, float(load.max()) - 2 * noise
 
 
-def _crossings(
+def _crossings_of_middle(
     load: Array, least_load: float, largest_load: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
     """Crossings of the middle of the range of Q, (k,) each: index of the last row in one half of
@@ -356,8 +361,8 @@ def _crossings(
     least_load, largest_load
         ends of the range of Q
     """
-    is_load_low = load < least_load + _LOWER * (largest_load - least_load)
-    is_load_high = load > least_load + _UPPER * (largest_load - least_load)
+    is_load_low = load < least_load + _LOWER_LEVEL * (largest_load - least_load)
+    is_load_high = load > least_load + _UPPER_LEVEL * (largest_load - least_load)
     rows_beyond_levels = np.flatnonzero(is_load_low | is_load_high)
     is_high_beyond = is_load_high[rows_beyond_levels]
     # index among these rows: the next of them lies in the other half
@@ -383,12 +388,12 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     load, time, noise
         Q (n,), its time, and its sigma
     """
-    least_load, largest_load = _range(load, noise)
+    least_load, largest_load = _least_and_largest_load(load, noise)
     middle_load = (least_load + largest_load) / 2
-    rows_before, rows_after, _ = _crossings(load, least_load, largest_load)
+    rows_before, rows_after, _ = _crossings_of_middle(load, least_load, largest_load)
     crossing_times = _crossing_times(load, time, rows_before, rows_after, middle_load)
     instants_of_cycles = [
-        np.linspace(begin, end, _INSTANTS_OF_CYCLE)
+        np.linspace(begin, end, _N_INSTANTS_OF_CYCLE)
         for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)
     ]
     return np.array(
@@ -396,8 +401,8 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     )
 
 
-def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
-    """First Q, the extreme of each stretch between crossings, last Q."""
+def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
+    """First Q, the extreme Q of each stretch between crossings of its middle, last Q."""
     edges = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
     stretches = [load[first:last] for first, last in pairwise(edges) if last > first]
@@ -554,8 +559,8 @@ def _turning_point(
     guessed_time = float(np.median(scaled_time[is_near_top]))
 
     fits: list[_FitOfTop] = []
-    rows_in_half_window = float(_WINDOW)
-    while rows_in_half_window < max(rows_in_half_length, _WINDOW + 0.5):
+    rows_in_half_window = float(_FEWEST_ROWS_OF_HALF_WINDOW)
+    while rows_in_half_window < max(rows_in_half_length, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5):
         half_window = (rows_in_half_window + 0.5) / rows_in_half_length
         is_in_window = np.abs(scaled_time - guessed_time) <= half_window
         time_in_window = (scaled_time[is_in_window] - guessed_time) / half_window
@@ -563,11 +568,11 @@ def _turning_point(
         if parabolas is not None:
             top_height, top_time_in_window, residual_rms = parabolas
             # this window is too long for parabolas: the one before counts
-            if fits and residual_rms > _AS_NOISE * noise:
+            if fits and residual_rms > _LARGEST_RATIO_TO_NOISE * noise:
                 break
             top_time = guessed_time + top_time_in_window * half_window
             fits.append(_FitOfTop(top_height, top_time, rows_in_half_window))
-        rows_in_half_window *= _GROWTH
+        rows_in_half_window *= _GROWTH_OF_WINDOW
 
     if not fits:
         error_of_row = float(noise + np.ptp(height) / rows_in_half_length)
@@ -576,7 +581,7 @@ def _turning_point(
     height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
     n_measured_turns = max(len(centres) // n_copies, 1)
     n_rows = longest_fit.rows_in_half_window * n_measured_turns
-    error_by_noise = noise * math.sqrt(_AT_JOINT / n_rows)
+    error_by_noise = noise * math.sqrt(_VARIANCE_FACTOR_AT_JOINT / n_rows)
     error = math.hypot(error_by_noise, longest_fit.height - height_by_shorter_window)
     turning_point = TurningPoint(sign * longest_fit.height, error)
     return turning_point, longest_fit.scaled_time * half_length
@@ -626,7 +631,7 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     if degrees_of_freedom < 1:
         return None
     best_fit = (math.inf, 0.0, np.zeros(5))
-    for joint in np.linspace(-0.5, 0.5, _JOINTS):
+    for joint in np.linspace(-0.5, 0.5, _N_JOINTS):
         x_left_of_joint = np.minimum(x - joint, 0.0)
         x_right_of_joint = np.maximum(x - joint, 0.0)
         columns = np.column_stack(

@@ -33,25 +33,25 @@ Indices = NDArray[np.intp]
 
 # First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
 # line.
-_TRIALS = 24
-_ABOVE = 0.04
-_WIDEST = 40.0
+_N_TRIAL_FRICTIONS = 24
+_LEAST_LOG_OF_TRIALS = 0.04
+_LARGEST_FRICTION_RATIO = 40.0
 # Minima among the trials from which a fit begins.
-_MINIMA = 3
+_MOST_MINIMA = 3
 # ln f on the way of a fit: so far below sliding the curve goes on straight, lest a fit end at a
 # wall.
-_BELOW = 0.2
+_LOG_BELOW_SLIDING = 0.2
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
-_CHI = 3.841
+_CHI_SQUARED = 3.841
 # Fits with the noise of the fit before: it changes by less than a part in ten then.
-_REWEIGHTED = 8
+_MOST_REWEIGHTINGS = 8
 # Distance from a branch, in sigma and over that from the other one, from which a row beside a
 # turning point is the other's.
-_FAR = 4.0
+_LEAST_DISTANCE_OF_OTHER_BRANCH = 4.0
 # Steps outwards to the end of an interval, each 1.3 times the one before, and halvings: to 1 % of
 # the last step.
-_STEPS = 60
-_HALVED = 6
+_MOST_STEPS_OUTWARDS = 60
+_N_HALVINGS = 6
 # Noise of rows that show none, over their largest value: f is not known better than theory's
 # samples leave it.
 _LEAST_NOISE = 1e-9
@@ -60,12 +60,12 @@ _LEAST_NOISE = 1e-9
 _ROOT_STEP = 0.02
 # Both branches hold the part of the loop beside a turning point in which Q is so near to it, over
 # the range of Q: noise and a standstill of Q leave open on which side of it a row lies.
-_BESIDE_TURN = 0.05
+_SHARE_BESIDE_TURN = 0.05
 # Part of the range of Q in which the branch alone says where a row lies, for the start of a fit.
-_MIDDLE = (0.1, 0.9)
+_MIDDLE_OF_RANGE = (0.1, 0.9)
 # Instants of a branch between two that are compared first with each row; rows that are compared at
 # a time.
-_STRIDE = 16
+_STRIDE_OF_CORNERS = 16
 _ROWS_AT_ONCE = 8192
 
 
@@ -96,7 +96,7 @@ class LoopRows:
     compliance: float | None
 
     @property
-    def sizes(self) -> Array:
+    def term_sizes(self) -> Array:
         """Typical sizes of Q_max, Q_min, C and U0, (4,): steps of a fit are counted in them."""
         range_of_load = float(np.ptp(self.load))
         range_of_displacement = float(np.ptp(self.displacement))
@@ -141,7 +141,7 @@ class LoopFit:
     friction, lowest_friction, highest_friction
         f that fits best, and the ends of its 95 % interval; the upper one is None where the rows
         exclude no larger f
-    highest, lowest
+    highest_load, lowest_load
         turning points of Q [force per thickness]
     compliance, origin
         C [1/stress] and U0 [length]
@@ -155,8 +155,8 @@ class LoopFit:
     friction: float
     lowest_friction: float
     highest_friction: float | None
-    highest: float
-    lowest: float
+    highest_load: float
+    lowest_load: float
     compliance: float
     origin: float
     displacement_noise: float
@@ -166,7 +166,7 @@ class LoopFit:
     @property
     def terms(self) -> Array:
         """Q_max, Q_min, C and U0."""
-        return np.array([self.highest, self.lowest, self.compliance, self.origin])
+        return np.array([self.highest_load, self.lowest_load, self.compliance, self.origin])
 
 
 # -------------------------------------------------------------------- P varies: theory's whole loop
@@ -193,76 +193,84 @@ class LoopsOverFriction:
     ----------
     load
         (m,) Q of the scene at instants of a cycle; the last instant is the first of the next
-    sliding
+    sliding_friction
         f of gross sliding of the scene
-    solve
-        U (m,) of the scene with another f
-    solved
-        what `solve` gave, by number of the step of sqrt(ln(f/sliding))
+    displacement_with_friction
+        solves the scene with another f: U (m,)
+    displacement_by_step
+        what that gave, by number of the step of sqrt(ln(f/sliding))
     """
 
     load: Array
-    sliding: float
-    solve: Callable[[float], Array]
-    solved: dict[int, Array] = field(default_factory=dict)
+    sliding_friction: float
+    displacement_with_friction: Callable[[float], Array]
+    displacement_by_step: dict[int, Array] = field(default_factory=dict)
 
     @property
     def range_of_load(self) -> float:
         """Range of the scene's Q, largest minus least [force / thickness]."""
         return float(np.ptp(self.load))
 
-    def scale(self, highest: float, lowest: float) -> float:
+    def load_scale(self, highest: float, lowest: float) -> float:
         """Factor r of the file's Q over the scene's, from the turning points of the file's Q."""
         return (highest - lowest) / self.range_of_load
 
-    def least_friction(self, highest: float, lowest: float) -> float:
+    def friction_at_gross_sliding(self, highest: float, lowest: float) -> float:
         """f of gross sliding between these turning points of the file's Q."""
-        return self.sliding * self.scale(highest, lowest)
+        return self.sliding_friction * self.load_scale(highest, lowest)
 
     def first_frictions(self, highest: float, lowest: float) -> Array:
         """(k,) f to try first, ascending, for turning points of the file's Q: values for each of
         which one solution of theory is enough.
         """
-        roots = np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS)
+        roots = np.linspace(
+            math.sqrt(_LEAST_LOG_OF_TRIALS),
+            math.sqrt(math.log(_LARGEST_FRICTION_RATIO)),
+            _N_TRIAL_FRICTIONS,
+        )
         roots = _ROOT_STEP * np.round(roots / _ROOT_STEP)
-        return self.least_friction(highest, lowest) * np.exp(roots**2)
+        return self.friction_at_gross_sliding(highest, lowest) * np.exp(roots**2)
 
-    def _solved_at(self, step: int) -> Array:
+    def _displacement_at_step(self, step: int) -> Array:
         """U (m,) of the scene with f = sliding exp(root^2), the root being `step` times
         `_ROOT_STEP`; U is even in the root.
         """
         step = abs(step)
-        if step not in self.solved:
-            self.solved[step] = self.solve(self.sliding * math.exp((_ROOT_STEP * step) ** 2))
-        return self.solved[step]
+        if step not in self.displacement_by_step:
+            self.displacement_by_step[step] = self.displacement_with_friction(
+                self.sliding_friction * math.exp((_ROOT_STEP * step) ** 2)
+            )
+        return self.displacement_by_step[step]
 
     def displacement(self, friction: float) -> Array:
         """U (m,) of the scene with this f [length]."""
         root = self._root_in_steps(friction)
         step = round(root)
         if abs(root - step) < 1e-9:
-            return self._solved_at(step)
+            return self._displacement_at_step(step)
         weights, _ = _cubic_weights(root - math.floor(root))
-        return np.asarray(weights @ self._solved_around(root))
+        return np.asarray(weights @ self._displacements_around(root))
 
     def displacement_by_log_friction(self, friction: float) -> Array:
         """Derivative (m,) of U by ln f [length]."""
         # The root has no derivative at gross sliding itself: that just above is taken.
         root = max(self._root_in_steps(friction), 1e-3)
         _, weights_of_derivative = _cubic_weights(root - math.floor(root))
-        displacement_by_step = np.asarray(weights_of_derivative @ self._solved_around(root))
+        displacement_by_step = np.asarray(weights_of_derivative @ self._displacements_around(root))
         return displacement_by_step / (2 * _ROOT_STEP**2 * root)
 
     def _root_in_steps(self, friction: float) -> float:
         """sqrt(ln(f/sliding)) in steps of `_ROOT_STEP`; 0 below gross sliding, where U is that of
         sliding.
         """
-        return math.sqrt(max(math.log(friction / self.sliding), 0.0)) / _ROOT_STEP
+        return math.sqrt(max(math.log(friction / self.sliding_friction), 0.0)) / _ROOT_STEP
 
-    def _solved_around(self, root: float) -> Array:
+    def _displacements_around(self, root: float) -> Array:
         """U (4, m) at the two steps on each side of a root, which is counted in steps."""
         step = math.floor(root)
-        return np.array([self._solved_at(step + neighbour) for neighbour in (-1, 0, 1, 2)])
+        return np.array(
+            [self._displacement_at_step(step + neighbour) for neighbour in (-1, 0, 1, 2)]
+        )
 
     def ends_of_branch(self, *, rising: bool) -> tuple[int, int]:
         """Numbers of the first and the last instant of a branch of the cycle; beyond the end of the
@@ -276,12 +284,12 @@ class LoopsOverFriction:
         return begin, end if end > begin else end + n_instants
 
     @functools.cached_property
-    def branch_parts(self) -> dict[bool, list[Indices]]:
+    def instants_by_branch(self) -> dict[bool, list[Indices]]:
         """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
         of the falling one (False), may lie.
 
         They are those of the branch itself, and those of the other branch before and behind it in
-        which Q is near to the turning point (`_BESIDE_TURN`): noise can lay a row beyond it.
+        which Q is near to the turning point (`_SHARE_BESIDE_TURN`): noise can lay a row beyond it.
         """
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
@@ -290,8 +298,10 @@ class LoopsOverFriction:
             begin, end = self.ends_of_branch(rising=rising)
             instants_before = (begin - np.arange(1, n_instants // 2)) % n_instants
             instants_behind = (end + np.arange(1, n_instants // 2)) % n_instants
-            first_near_begin = begin - self._count_near_turn(load_of_cycle[instants_before])
-            last_near_end = end + self._count_near_turn(load_of_cycle[instants_behind])
+            first_near_begin = begin - self._count_of_instants_near_turn(
+                load_of_cycle[instants_before]
+            )
+            last_near_end = end + self._count_of_instants_near_turn(load_of_cycle[instants_behind])
             spans_of_instants = ((begin, end), (first_near_begin, begin), (end, last_near_end))
             parts[rising] = [
                 np.arange(first_instant, last_instant + 1)
@@ -300,11 +310,11 @@ class LoopsOverFriction:
             ]
         return parts
 
-    def _count_near_turn(self, loads_from_turn: Array) -> int:
+    def _count_of_instants_near_turn(self, loads_from_turn: Array) -> int:
         """How many instants pass, from a turning point on, before Q is no longer near to an end of
         its range. `loads_from_turn` is Q at the instants, from the turning point away.
         """
-        margin = _BESIDE_TURN * self.range_of_load
+        margin = _SHARE_BESIDE_TURN * self.range_of_load
         distance_to_end = np.minimum(
             loads_from_turn - self.load.min(), self.load.max() - loads_from_turn
         )
@@ -328,14 +338,14 @@ class LoopsOverFriction:
         highest_load, lowest_load
             Q at the upper and at the lower turning point of the rows
         """
-        scale = self.scale(highest_load, lowest_load)
+        scale = self.load_scale(highest_load, lowest_load)
         displacement_of_scene = self.displacement(friction / scale)
         fraction_of_range = (rows.load - lowest_load) / (highest_load - lowest_load)
         load_of_scene = self.load.min() + self.range_of_load * np.clip(fraction_of_range, 0.0, 1.0)
         n_instants = len(self.load) - 1
         displacement_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
-            is_on_branch = rows.branches.rising == rising
+            is_on_branch = rows.branches.is_rising == rising
             begin, end = self.ends_of_branch(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
             instants_by_load = instants if rising else instants[::-1]
@@ -345,7 +355,9 @@ class LoopsOverFriction:
                 ascending_loads,
                 displacement_of_scene[instants_by_load],
             )
-        is_in_middle = (fraction_of_range > _MIDDLE[0]) & (fraction_of_range < _MIDDLE[1])
+        is_in_middle = (fraction_of_range > _MIDDLE_OF_RANGE[0]) & (
+            fraction_of_range < _MIDDLE_OF_RANGE[1]
+        )
         rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
         return rows.fitted_rig(scale * displacement_at_rows, rows_that_count)
 
@@ -366,7 +378,7 @@ class LoopsOverFriction:
             sigma of U and of Q, by which both are divided
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
-        scale = self.scale(highest_load, lowest_load)
+        scale = self.load_scale(highest_load, lowest_load)
         load_of_loop = lowest_load + scale * (self.load - self.load.min())
         displacement_of_loop = (
             scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
@@ -380,8 +392,8 @@ class LoopsOverFriction:
             [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
         )
         for is_branch_rising in (True, False):
-            rows_of_branch = np.flatnonzero(rows.branches.rising == is_branch_rising)
-            for instants in self.branch_parts[is_branch_rising]:
+            rows_of_branch = np.flatnonzero(rows.branches.is_rising == is_branch_rising)
+            for instants in self.instants_by_branch[is_branch_rising]:
                 polyline = loop_points[:, instants % n_instants]
                 for begin in range(0, len(rows_of_branch), _ROWS_AT_ONCE):
                     rows_of_block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
@@ -412,7 +424,7 @@ class LoopsOverFriction:
         """
         highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
-        scale = self.scale(highest_load, lowest_load)
+        scale = self.load_scale(highest_load, lowest_load)
         nearest_points = self.nearest_points(rows, friction, terms, noise)
         # place of the nearest point in the scene's cycle, as a number of instants
         place = np.mod(nearest_points.place, len(self.load) - 1)
@@ -496,14 +508,18 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
     """
     last_corner = polyline.shape[1] - 1
-    coarse_corners = np.minimum(np.arange(0, last_corner + _STRIDE, _STRIDE), last_corner)
+    coarse_corners = np.minimum(
+        np.arange(0, last_corner + _STRIDE_OF_CORNERS, _STRIDE_OF_CORNERS), last_corner
+    )
     nearest_corner = coarse_corners[
-        _nearest_corner(points, polyline[:, coarse_corners][:, None, :])
+        _index_of_nearest_corner(points, polyline[:, coarse_corners][:, None, :])
     ]
     corners_around = np.clip(
-        nearest_corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last_corner
+        nearest_corner[:, None] + np.arange(-_STRIDE_OF_CORNERS, _STRIDE_OF_CORNERS + 1),
+        0,
+        last_corner,
     )
-    index_of_nearest = _nearest_corner(points, polyline[:, corners_around])
+    index_of_nearest = _index_of_nearest_corner(points, polyline[:, corners_around])
     nearest_corner = corners_around[np.arange(len(index_of_nearest)), index_of_nearest]
 
     # The segment in front of the nearest corner, or the one behind it.
@@ -538,7 +554,7 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     )
 
 
-def _nearest_corner(points: Array, corners: Array) -> Indices:
+def _index_of_nearest_corner(points: Array, corners: Array) -> Indices:
     """Index (n,) of the nearest to each of n points (2, n), among k corners of its own (2, n, k) or
     of all (2, 1, k).
     """
@@ -571,10 +587,13 @@ class _Search:
         top = self.rows.branches.highest
         bottom = self.rows.branches.lowest
         return np.array(
-            [(terms[0] - top.load) / top.error, (terms[1] - bottom.load) / bottom.error]
+            [
+                (terms[0] - top.load) / top.standard_error,
+                (terms[1] - bottom.load) / bottom.standard_error,
+            ]
         )
 
-    def _with_derivatives(
+    def _residuals_with_derivatives(
         self, friction: float, terms: Array, model: LoopsOverFriction
     ) -> tuple[Array, Array]:
         """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
@@ -582,12 +601,12 @@ class _Search:
             self.rows, friction, terms, self.noise
         )
         derivatives_of_turns = np.zeros((2, 5))
-        derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.error
-        derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest.error
+        derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.standard_error
+        derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest.standard_error
         residuals = np.concatenate([distances, self._residuals_of_turns(terms)])
         return residuals, np.concatenate([derivatives_of_distances, derivatives_of_turns])
 
-    def start(self, friction: float) -> Array:
+    def start_terms(self, friction: float) -> Array:
         """Terms from which a fit at this f begins: Q_max, Q_min, C and U0, (4,)."""
         highest_load = self.rows.branches.highest.load
         lowest_load = self.rows.branches.lowest.load
@@ -606,7 +625,7 @@ class _Search:
         trial_frictions
             (k,) values of f, ascending
         """
-        starts = [self.start(friction) for friction in trial_frictions.tolist()]
+        starts = [self.start_terms(friction) for friction in trial_frictions.tolist()]
         sums_of_squares = np.array(
             [
                 np.sum(self.residuals(friction, start) ** 2)
@@ -617,9 +636,9 @@ class _Search:
         local_minima = np.flatnonzero(
             (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
         )
-        lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MINIMA]
+        lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MOST_MINIMA]
         fits = [
-            self.best(float(trial_frictions[number]), starts[number])
+            self.best_fit(float(trial_frictions[number]), starts[number])
             for number in lowest_minima.tolist()
         ]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
@@ -632,7 +651,7 @@ class _Search:
         sum_of_squares, _, terms = self._least_squares(friction, start, fits_friction=False)
         return sum_of_squares, terms
 
-    def best(self, friction: float, start: Array) -> tuple[float, float, Array]:
+    def best_fit(self, friction: float, start: Array) -> tuple[float, float, Array]:
         """Least sum of squares, and f and the four terms that give it, from a start near them."""
         return self._least_squares(friction, start, fits_friction=True)
 
@@ -640,7 +659,8 @@ class _Search:
         self, friction: float, start: Array, *, fits_friction: bool
     ) -> tuple[float, float, Array]:
         """Least sum of squares between measured rows and theory's loop, and the friction
-        coefficient f and terms that give it, by Levenberg and Marquardt's method from `start`.
+        coefficient f and terms that give it, by Levenberg and Marquardt's method from
+        `start_terms`.
 
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
@@ -649,10 +669,10 @@ class _Search:
         from scipy.optimize import least_squares
 
         is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
-        typical_sizes = np.array([1.0, *self.rows.sizes])[is_free]
+        typical_sizes = np.array([1.0, *self.rows.term_sizes])[is_free]
         start_parameters = np.array([math.log(friction), *start])
-        lowest_log = math.log(self.sliding_friction) - _BELOW
-        highest_log = math.log(self.sliding_friction * _WIDEST)
+        lowest_log = math.log(self.sliding_friction) - _LOG_BELOW_SLIDING
+        highest_log = math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO)
 
         def friction_and_terms(steps: Array) -> tuple[float, Array]:
             log_friction_and_terms = start_parameters.copy()
@@ -664,7 +684,9 @@ class _Search:
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
             log_friction_and_terms = friction_and_terms(np.frombuffer(step_bytes))
-            residuals, derivatives = self._with_derivatives(*log_friction_and_terms, self.model)
+            residuals, derivatives = self._residuals_with_derivatives(
+                *log_friction_and_terms, self.model
+            )
             return residuals, derivatives[:, is_free] * typical_sizes
 
         minimum = least_squares(
@@ -678,30 +700,30 @@ class _Search:
         friction_of_answer, terms = friction_and_terms(minimum.x)
         return 2 * float(minimum.cost), friction_of_answer, terms
 
-    def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
+    def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
         """The same search with rows beside a turning point moved to the other branch, where
         theory's loop is far nearer to them there. A turning point is known to within one row only.
 
         `terms` (4,) are highest Q, lowest Q, C and U0.
         """
         branches = self.rows.branches
-        is_rising = branches.rising
+        is_rising = branches.is_rising
         last_before_change = np.flatnonzero(is_rising[1:] != is_rising[:-1])
         rows_at_turns = np.unique(np.concatenate([last_before_change, last_before_change + 1]))
         rising_if_moved = is_rising.copy()
         rising_if_moved[rows_at_turns] = ~is_rising[rows_at_turns]
         distance_as_is = np.abs(self.residuals(friction, terms)[:-2])
         distance_if_moved = np.abs(
-            self._with_rising(rising_if_moved).residuals(friction, terms)[:-2]
+            self._search_with_branches(rising_if_moved).residuals(friction, terms)[:-2]
         )
         is_moved = (is_rising != rising_if_moved) & (
-            distance_as_is > _FAR * np.maximum(distance_if_moved, 1.0)
+            distance_as_is > _LEAST_DISTANCE_OF_OTHER_BRANCH * np.maximum(distance_if_moved, 1.0)
         )
-        return self._with_rising(np.where(is_moved, rising_if_moved, is_rising))
+        return self._search_with_branches(np.where(is_moved, rising_if_moved, is_rising))
 
-    def _with_rising(self, rising: NDArray[np.bool_]) -> _Search:
-        """The same search with rows on other branches, `rising` (n,) where Q rises."""
-        branches = replace(self.rows.branches, rising=rising)
+    def _search_with_branches(self, is_rising: NDArray[np.bool_]) -> _Search:
+        """The same search with rows on other branches, `is_rising` (n,) where Q rises."""
+        branches = replace(self.rows.branches, is_rising=is_rising)
         return replace(self, rows=replace(self.rows, branches=branches))
 
     def interval_end(
@@ -736,10 +758,10 @@ class _Search:
         )
         step *= math.sqrt(max(-excess_at_best / rise_at_step, 1e-8))
         log_within = log_friction
-        for _ in range(_STEPS):
+        for _ in range(_MOST_STEPS_OUTWARDS):
             log_beyond = log_friction + direction * min(step, abs(end_of_search - log_friction))
             if excess_over_largest(log_beyond) > 0:
-                for _ in range(_HALVED):
+                for _ in range(_N_HALVINGS):
                     log_middle = (log_within + log_beyond) / 2
                     if excess_over_largest(log_middle) > 0:
                         log_beyond = log_middle
@@ -778,7 +800,7 @@ def fit_loop(
     """
     top_load = rows.branches.highest.load
     bottom_load = rows.branches.lowest.load
-    sliding_friction = model.least_friction(top_load, bottom_load)
+    sliding_friction = model.friction_at_gross_sliding(top_load, bottom_load)
     least_noise = RowNoise(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
@@ -794,9 +816,9 @@ def fit_loop(
     # terms: highest Q, lowest Q, C and U0
     friction, terms = search.first_fit(model.first_frictions(top_load, bottom_load))
     degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
-    for _ in range(_REWEIGHTED):
-        _, friction, terms = search.best(friction, terms)
-        search = search.with_rows_at_turns_moved(friction, terms)
+    for _ in range(_MOST_REWEIGHTINGS):
+        _, friction, terms = search.best_fit(friction, terms)
+        search = search.search_with_rows_at_turns_moved(friction, terms)
         sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
         noise_ratio = math.sqrt(sum_of_squares / degrees_of_freedom)
@@ -808,17 +830,19 @@ def fit_loop(
         search = replace(search, noise=noise)
         if np.max(np.abs(noise_changes)) < 0.05:
             break
-    least_sum, friction, terms = search.best(friction, terms)
+    least_sum, friction, terms = search.best_fit(friction, terms)
     friction = max(friction, sliding_friction * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
     misfit = misfit_of(distances, search.noise.displacement)
-    largest_sum = least_sum + _CHI * misfit.widening**2 * max(least_sum / degrees_of_freedom, 1.0)
+    largest_sum = least_sum + _CHI_SQUARED * misfit.widening**2 * max(
+        least_sum / degrees_of_freedom, 1.0
+    )
     log_friction = math.log(friction)
     log_lower_end = search.interval_end(
         log_friction, terms, math.log(sliding_friction * (1 + 1e-9)), largest_sum
     )
     log_upper_end = search.interval_end(
-        log_friction, terms, math.log(sliding_friction * _WIDEST), largest_sum
+        log_friction, terms, math.log(sliding_friction * _LARGEST_FRICTION_RATIO), largest_sum
     )
     sampling_error = friction * error_of_theory
     lower_end = sliding_friction if log_lower_end is None else math.exp(log_lower_end)
@@ -828,8 +852,8 @@ def fit_loop(
         highest_friction=None
         if log_upper_end is None
         else math.exp(log_upper_end) + sampling_error,
-        highest=float(terms[0]),
-        lowest=float(terms[1]),
+        highest_load=float(terms[0]),
+        lowest_load=float(terms[1]),
         compliance=float(terms[2]),
         origin=float(terms[3]),
         displacement_noise=search.noise.displacement,

@@ -14,7 +14,7 @@ from reports.scoring.loop_masing import MasingLoop
 from reports.scoring.loop_masing_fit import MasingFit
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_steadiness import Misfit
-from reports.scoring.loop_theory import SHARES
+from reports.scoring.loop_theory import SHARES_OF_CYCLE
 from scenes import Scene
 from scenes.array_types import Array
 
@@ -38,7 +38,7 @@ class FittedLoop:
         (n,) share of the scene's cycle that is over at each row, 0 to 1
     phase
         (n,) cycles that have passed at each row, from any instant on
-    cycles
+    n_cycles
         number of cycles that the rows cover
     scale, offset
         r and Q0 with which the file's Q is r Q + Q0 of the scene
@@ -62,7 +62,7 @@ class FittedLoop:
     compliance: float
     share_of_cycle: Array
     phase: Array
-    cycles: float
+    n_cycles: float
     scale: float
     offset: float
     displacement_noise: float
@@ -111,8 +111,8 @@ def fit_rig(
     rig_compliance
         C [1/stress], where it is stated; None fits it
     """
-    load_at_rows = np.interp(fraction_of_cycle, SHARES, load_of_cycle)
-    displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES, displacement)
+    load_at_rows = np.interp(fraction_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
+    displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES_OF_CYCLE, displacement)
     displacement_of_rig = loop.displacement - displacement_of_theory
     if rig_compliance is not None:
         displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows

@@ -34,8 +34,8 @@ from scenes.array_types import Array
 
 # Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
 # and how far from it they end, over f P.
-_SAMPLES = 1001
-_GAP_TO_SLIDING = 1e-6
+_N_SAMPLES_OF_CURVE = 1001
+_RELATIVE_GAP_TO_SLIDING = 1e-6
 # Corners of the polygon in which the nearest point is sought, in each part of a branch: partial
 # slip and slide. The distance itself is that from the curve.
 _CORNERS_PER_PART = 160
@@ -74,7 +74,7 @@ class MeasuredRows:
     @functools.cached_property
     def rows_beside_turns(self) -> NDArray[np.intp]:
         """Indices of the two rows at each turning point, which may lie on either branch."""
-        is_rising = self.branches.rising
+        is_rising = self.branches.is_rising
         last_rows_of_branches = np.flatnonzero(is_rising[1:] != is_rising[:-1])
         return np.unique(np.concatenate([last_rows_of_branches, last_rows_of_branches + 1]))
 
@@ -155,7 +155,7 @@ class MemoryCurve:
         value_beyond = argument_beyond * self.spline_slope(self.largest_argument)
         return np.asarray(self.spline(argument_on_spline) + value_below_zero + value_beyond)
 
-    def rate(self, argument: Array) -> Array:
+    def slope(self, argument: Array) -> Array:
         """dv/d(h/f) [1/stress] at `argument` = h/f."""
         return np.asarray(self.spline_slope(np.clip(argument, 0.0, self.largest_argument)))
 
@@ -176,7 +176,7 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     path_of_scene = scene.load.path()
     normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
     normal_load = float(np.asarray(normal_loads)[0])
-    largest_argument = normal_load * (1 - _GAP_TO_SLIDING)
+    largest_argument = normal_load * (1 - _RELATIVE_GAP_TO_SLIDING)
     largest_load = friction * largest_argument
     polygon_of_loads = {
         "kind": "polygon",
@@ -187,7 +187,7 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     path = nearly_sliding_scene.load.path()
     assert path.period is not None
     # samples closer and closer towards gross sliding, where the slope grows
-    share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
+    share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _N_SAMPLES_OF_CURVE)) ** 3
     times = path.cycle_start + path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
         nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
@@ -335,7 +335,7 @@ class MasingLoop:
         (dU/dQ, 1) in partial slip, (1, 0) on the slide.
         """
         is_in_partial_slip = (place < 1) | (not self._has_slide)
-        rate = self.curve.rate(
+        rate = self.curve.slope(
             self._fraction_of_load_range(place) * self.parameters[RANGE] / 2 / self.friction
         )
         tangent_displacement = np.where(is_in_partial_slip, rate + self.parameters[COMPLIANCE], 1.0)
@@ -359,8 +359,8 @@ class MasingLoop:
         # h/f, the argument of the memory curve v
         load_over_friction_at_turn = np.array(half_range / friction)
         load_over_friction = fraction_of_range * half_range / friction
-        slope_at_turn = self.curve.rate(load_over_friction_at_turn)
-        slope_at_place = self.curve.rate(load_over_friction)
+        slope_at_turn = self.curve.slope(load_over_friction_at_turn)
+        slope_at_place = self.curve.slope(load_over_friction)
         displacement_derivatives = np.zeros((len(place), 7))
         load_derivatives = np.zeros((len(place), 7))
         # d(f v(h/f))/df = v - (h/f) v'
@@ -416,7 +416,7 @@ def distances_from_loop(
     load = rows.load - parameters[MIDDLE]
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
-    branch_sign = np.where(rows.branches.rising, 1.0, -1.0)
+    branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
     # (4, n) each: distance, normal in U, normal in Q, place
     from_branch_of_rows = _distances_from_branch(
         loop, corners_of_branch, displacement, load, branch_sign, sigma

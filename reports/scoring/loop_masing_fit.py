@@ -35,14 +35,20 @@ from reports.scoring.loop_masing import (
     MemoryCurve,
     distances_from_loop,
 )
-from reports.scoring.loop_steadiness import BY_CHANCE, Change, Misfit, change_of, misfit_of
+from reports.scoring.loop_steadiness import (
+    MOST_DEVIATIONS_BY_CHANCE,
+    Change,
+    Misfit,
+    explained_change,
+    misfit_of,
+)
 from scenes.array_types import Array
 
 # First trials of f: their number, and ln of the first and f of the last over f of gross sliding;
 # beyond the last a loop is a line. Trials of the slide, in ranges of U.
 _N_TRIALS = 24
 _LEAST_LOG_RATIO = 0.002
-_LARGEST_RATIO = 40.0
+_LARGEST_TRIAL_RATIO = 40.0
 _SLIDE_FRACTIONS = (0.05, 0.2, 0.4, 0.6, 0.8)
 # Minima among the trials of each kind from which a fit begins.
 _N_MINIMA = 2
@@ -51,14 +57,14 @@ _N_MINIMA = 2
 _SIGMA_OF_DRIFT = 0.0115
 # Least error of a turning point of U and Q together, each over its range: parabolas describe a
 # branch beside it no better.
-_ERROR_OF_TURN = 0.002
+_LEAST_ERROR_OF_TURN = 0.002
 # Mean square of distances, in variances of the last digits, up to which digits alone explain them.
-_MEAN_SQUARE_BY_DIGITS = 1.3
+_LARGEST_MEAN_SQUARE_BY_DIGITS = 1.3
 # Fits with the noise of the fit before, at most; the relative change of the noise that ends them.
 _MOST_REWEIGHTINGS = 8
-_CHANGE_OF_SAME_NOISE = 0.05
+_LARGEST_CHANGE_OF_SAME_NOISE = 0.05
 # Largest scatter of ln(sigma of U/sigma of Q) about what neighbouring rows show.
-_SCATTER_OF_NOISE_RATIO = 1.0
+_LARGEST_SCATTER_OF_NOISE_RATIO = 1.0
 # Its scatter by chance, times the square root of rows: ln of either median scatters by 1.6.
 _SCATTER_OF_ROW_NOISE = 2.3
 # Noise of rows that show none, over their largest value: f is not known better than theory's
@@ -75,7 +81,7 @@ _EXCESS_OF_OTHER_KIND = 7.815 / 3.841
 # Share of a step of the digits of Q within which a plateau lies in 95 %, where no noise moves it
 # from one digit to the next; noise of that share of a step does.
 _SHARE_OF_STEP = 0.475
-_NOISE_OF_CHANGING_DIGITS = 0.4
+_LEAST_NOISE_THAT_CHANGES_DIGITS = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +212,7 @@ class _Search:
         of U, gross slide.
         """
         distances = distances_from_loop(self.rows, self.curve, parameters, self.sigma)
-        misfit_of_turns, derivatives_of_turns = self._turning_points(parameters)
+        misfit_of_turns, derivatives_of_turns = self._misfit_of_turning_points(parameters)
         inverse_sigma_of_drift = 1 / (_SIGMA_OF_DRIFT * float(np.ptp(self.rows.displacement)))
         derivatives_of_drift = np.zeros((1, 7))
         derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
@@ -221,7 +227,7 @@ class _Search:
             np.concatenate([distances.derivatives, derivatives_of_turns, derivatives_of_drift]),
         )
 
-    def _turning_points(self, parameters: Array) -> tuple[Array, Array]:
+    def _misfit_of_turning_points(self, parameters: Array) -> tuple[Array, Array]:
         """Misfit of the two turning points of a loop to those of the rows, over its standard error,
         (2,), the highest first; and its derivatives by the loop's seven `parameters`, (2, 7).
 
@@ -255,7 +261,7 @@ class _Search:
             height_of_loop = (
                 displacement_of_loop / range_of_displacement + load_of_loop / range_of_load
             )
-            error_of_height = max(turn_of_rows.error, _ERROR_OF_TURN)
+            error_of_height = max(turn_of_rows.standard_error, _LEAST_ERROR_OF_TURN)
             # the branches were found in heights: `load` of their turning points is a height
             height_of_rows = turn_of_rows.load
             misfit[k] = (height_of_loop - height_of_rows) / error_of_height
@@ -392,7 +398,7 @@ class _Search:
         )
         # trials closer and closer towards gross sliding
         roots = np.linspace(
-            math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_RATIO)), _N_TRIALS
+            math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_TRIAL_RATIO)), _N_TRIALS
         )
         log_frictions = log_least_friction + roots**2
         partial_starts = [
@@ -424,7 +430,7 @@ class _Search:
         kind, it is the best loop between both: gross with a slide of 0.
         """
         fit = self.least_squares_fit(start_parameters, is_gross=is_gross)
-        if not is_gross and self._would_slide(fit.parameters):
+        if not is_gross and self._is_sliding_as_whole(fit.parameters):
             parameters = fit.parameters.copy()
             parameters[LOG_F] = math.log(self.curve.sliding_friction_per_load * parameters[RANGE])
             return self._fit_without_slide(parameters)
@@ -444,7 +450,7 @@ class _Search:
             parameters, is_gross=True, held_parameters=held_parameters | {SLIDE}
         )
 
-    def _would_slide(self, parameters: Array) -> bool:
+    def _is_sliding_as_whole(self, parameters: Array) -> bool:
         """Whether the contact of a partial loop with parameters (7,) would slide as a whole."""
         return bool(
             math.exp(parameters[LOG_F]) < self.curve.sliding_friction_per_load * parameters[RANGE]
@@ -467,7 +473,7 @@ class _Search:
         )
         if is_gross and fit.parameters[SLIDE] < 0:
             return self._fit_without_slide(fit.parameters, held_parameters=index_of_friction)
-        if not is_gross and self._would_slide(fit.parameters):
+        if not is_gross and self._is_sliding_as_whole(fit.parameters):
             return _LeastSquaresFit(math.inf, fit.parameters)
         return fit
 
@@ -592,12 +598,13 @@ def where_function_reaches_one(
     return x_at_zero + direction * distance_beyond
 
 
-def _noise_of_rows(
+def _likeliest_noise(
     distances: Distances,
     sigma: RowNoise,
     least_noise: RowNoise,
     degrees_of_freedom: int,
-    log_noise_ratio: tuple[float, float],
+    log_noise_ratio: float,
+    scatter_of_log_ratio: float,
 ) -> RowNoise:
     """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
     loop most likely, and their own ratio too (it scatters about the one that neighbouring rows
@@ -613,13 +620,13 @@ def _noise_of_rows(
         least standard deviations of U and Q, by the digits of the rows
     degrees_of_freedom
         number of rows minus number of fitted parameters
-    log_noise_ratio
-        ln(sigma of U/sigma of Q) that neighbouring rows show, and its scatter
+    log_noise_ratio, scatter_of_log_ratio
+        ln(sigma of U/sigma of Q) that neighbouring rows show, and its standard deviation
     """
     from scipy.optimize import minimize
 
     # a factor is that by which sigma of U or of Q changes
-    expected_log_ratio = log_noise_ratio[0] - math.log(sigma.displacement / sigma.load)
+    expected_log_ratio = log_noise_ratio - math.log(sigma.displacement / sigma.load)
     # a fitted loop lies nearer to the rows than the true one
     squared_distances = (
         distances.signed_distance**2 * len(distances.signed_distance) / degrees_of_freedom
@@ -632,7 +639,7 @@ def _noise_of_rows(
         """
         variance = squared_normals @ np.exp(2 * log_factors)
         error_of_log_ratio = log_factors[0] - log_factors[1] - expected_log_ratio
-        term_of_ratio = float(error_of_log_ratio**2) / log_noise_ratio[1] ** 2
+        term_of_ratio = float(error_of_log_ratio**2) / scatter_of_log_ratio**2
         return float(np.sum(squared_distances / variance + np.log(variance))) + term_of_ratio
 
     log_of_common_factor = math.log(max(math.sqrt(float(np.mean(squared_distances))), 1e-12))
@@ -679,7 +686,7 @@ class BestLoop:
     degrees_of_freedom: int
 
     @property
-    def hangs_on_digits(self) -> bool:
+    def depends_on_last_digits(self) -> bool:
         """Whether no noise moves the last digit of a plateau: its rows lie beside it together."""
         error_by_digits = _error_by_digits(self.search.rows, self.search.curve, self.search.sigma)
         return self.is_gross and error_by_digits > 0
@@ -693,7 +700,7 @@ class BestLoop:
         variable_from_mean = row_variable - np.mean(row_variable)
         derivatives = self._derivatives_by_parameters
         added_derivatives = derivatives[:, is_varied] * variable_from_mean[:, None]
-        return change_of(self.distances.signed_distance, derivatives, added_derivatives)
+        return explained_change(self.distances.signed_distance, derivatives, added_derivatives)
 
     def change_of_size_with(self, row_variable: Array) -> Change:
         """How U and Q of the loop grow with a number of each row (n,), over themselves: the two
@@ -701,7 +708,7 @@ class BestLoop:
         """
         variable_from_mean = row_variable - np.mean(row_variable)
         added_derivatives = self._derivatives_by_size * variable_from_mean[:, None]
-        return change_of(
+        return explained_change(
             self.distances.signed_distance, self._derivatives_by_parameters, added_derivatives
         )
 
@@ -711,7 +718,7 @@ class BestLoop:
         """
         variable_to_end = row_variable - row_variable[-1]
         change_of_distances = self._derivatives_by_size @ growth * variable_to_end
-        influence = _influence(self.search, self.parameters, self.is_gross)
+        influence = _parameter_changes_by_residuals(self.search, self.parameters, self.is_gross)
         return float(influence[LOG_F, : len(row_variable)] @ change_of_distances)
 
     def rise_along_slide(self) -> tuple[float, Change]:
@@ -725,7 +732,7 @@ class BestLoop:
         rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
         load_normal = self.distances.unit_normal[:, 1]
         added_derivative = -load_normal * rise_of_load / self.search.sigma.load
-        change = change_of(
+        change = explained_change(
             self.distances.signed_distance,
             self._derivatives_by_parameters,
             added_derivative[:, None],
@@ -773,10 +780,10 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(sigma)) ** 2
     digits_explain_all = float(
         np.mean(distances.signed_distance**2)
-    ) < _MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
+    ) < _LARGEST_MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
     # Neighbours on the loop are rounded alike. That is no fault of the model, but they count as
     # fewer rows, and any correlation counts: it is no chance.
-    least_significance = 0.0 if digits_explain_all else BY_CHANCE
+    least_significance = 0.0 if digits_explain_all else MOST_DEVIATIONS_BY_CHANCE
     order_on_loop = np.argsort(distances.place_on_loop, kind="stable")
     # positive inside the loop on both branches: to the right of the rising one, left of the falling
     distance_to_inside = (
@@ -813,22 +820,28 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     search = _Search(rows, curve, sigma)
     degrees_of_freedom = len(rows.displacement) - 6 - (rows.compliance is None)
     fits = search.best_fits()
-    log_noise_ratio = (math.log(sigma.displacement / sigma.load), _SCATTER_OF_NOISE_RATIO)
+    log_noise_ratio = math.log(sigma.displacement / sigma.load)
+    scatter_of_log_ratio = _LARGEST_SCATTER_OF_NOISE_RATIO
     for times_reweighted in range(_MOST_REWEIGHTINGS):
         distances = distances_from_loop(rows, curve, fits.better_fit.parameters, search.sigma)
         if times_reweighted == 0:
-            # Where the first fit leaves what neighbouring rows show, they show noise alone.
+            # Where the first fit leaves as much as neighbouring rows differ, they differ by noise
+            # alone, and the ratio that they show is good.
             scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
             least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.displacement))
-            log_noise_ratio = (
-                log_noise_ratio[0],
-                min(max(scatter_by_fit, least_scatter), _SCATTER_OF_NOISE_RATIO),
+            scatter_of_log_ratio = min(
+                max(scatter_by_fit, least_scatter), _LARGEST_SCATTER_OF_NOISE_RATIO
             )
-        sigma = _noise_of_rows(
-            distances, search.sigma, least_noise, degrees_of_freedom, log_noise_ratio
+        sigma = _likeliest_noise(
+            distances,
+            search.sigma,
+            least_noise,
+            degrees_of_freedom,
+            log_noise_ratio,
+            scatter_of_log_ratio,
         )
         changes_of_sigma = np.array(sigma) / np.array(search.sigma) - 1
-        if np.max(np.abs(changes_of_sigma)) < _CHANGE_OF_SAME_NOISE:
+        if np.max(np.abs(changes_of_sigma)) < _LARGEST_CHANGE_OF_SAME_NOISE:
             break
         search = replace(search, sigma=sigma)
         # With another noise another minimum may be the lowest.
@@ -846,7 +859,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     )
 
 
-def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
+def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     """The best fit of a measured loop with its 95 % interval of the coefficient of friction f: up
     to where the least sum of squares rises by what the F distribution admits. The interval is
     widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`), and by
@@ -871,7 +884,7 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     # of the residuals, each over its sigma: about 1
     variance = max(fits.better_fit.sum_of_squares / best_loop.degrees_of_freedom, 1.0)
     # (7, m) change of each parameter per unit of each residual
-    influence = _influence(search, best_loop.parameters, best_loop.is_gross)
+    influence = _parameter_changes_by_residuals(search, best_loop.parameters, best_loop.is_gross)
     standard_errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best_loop.misfit.widening
     admitted_rise = (
@@ -919,13 +932,13 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
     digits where no noise moves them. 0 where noise does.
     """
     step = rows.resolution[1]
-    if sigma.load**2 - step**2 / 12 > (_NOISE_OF_CHANGING_DIGITS * step) ** 2:
+    if sigma.load**2 - step**2 / 12 > (_LEAST_NOISE_THAT_CHANGES_DIGITS * step) ** 2:
         return 0.0
     # f = R/2P, and R is the difference of two plateaus that are rounded alike.
     return 2 * _SHARE_OF_STEP * step * curve.sliding_friction_per_load
 
 
-def _influence(search: _Search, parameters: Array, is_gross: bool) -> Array:
+def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross: bool) -> Array:
     """Change of the parameters per unit of each of the m residuals in linear least squares, (7, m);
     0 for parameters that are not fitted.
     """

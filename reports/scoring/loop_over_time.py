@@ -20,26 +20,26 @@ import numpy as np
 from reports.scoring.loop_fitted import FittedLoop, fit_rig, sentences_on_scale
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_theory import (
-    INSTANTS,
-    SHARES,
+    N_INSTANTS,
+    SHARES_OF_CYCLE,
     cycle_loads,
-    least_friction,
+    friction_at_gross_sliding,
     theory_displacement,
 )
 from scenes import InputError, Scene
 from scenes.array_types import Array
 
-_LEAST_CYCLES = 0.9
+_FEWEST_CYCLES = 0.9
 _MOST_CYCLES = 2000
 # Number of coefficients of friction that are scanned, and the largest over f of gross sliding;
 # beyond it a loop is a line.
 _N_TRIALS = 60
-_LARGEST_RATIO = 40.0
+_LARGEST_FRICTION_RATIO = 40.0
 # Rows are of another experiment where their Q differs from the scene's by more than this share of
 # its amplitude (root mean square).
 _LARGEST_MISFIT = 0.15
 # Error of a fitted f by theory at so many instants, straight between, of itself.
-_ERROR_OF_THEORY = 1e-5
+_RELATIVE_ERROR_OF_THEORY = 1e-5
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
 _CHI_SQUARED = 3.841
 
@@ -60,10 +60,12 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     # The file's Q is r times the scene's, at the same P: so is f.
     scale = alignment.scale
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
-    least_scene_friction = least_friction(scene)
+    least_scene_friction = friction_at_gross_sliding(scene)
 
     # scan of ln f of the scene, then the best one between the neighbours of the best trial
-    trials = np.log(least_scene_friction) + np.linspace(1e-6, math.log(_LARGEST_RATIO), _N_TRIALS)
+    trials = np.log(least_scene_friction) + np.linspace(
+        1e-6, math.log(_LARGEST_FRICTION_RATIO), _N_TRIALS
+    )
     sums_of_squares = np.array(
         [search.sum_of_squares(trial, alignment.share_of_cycle, scale) for trial in trials.tolist()]
     )
@@ -96,7 +98,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
         search, alignment, neighbours_of_best, friction
     )
-    other_errors = (friction * _ERROR_OF_THEORY, *changes_of_friction)
+    other_errors = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
     lowest_friction = friction - math.hypot(distance_down, *other_errors)
     highest_friction = None
     if not math.isinf(distance_up):
@@ -117,7 +119,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         compliance=compliance,
         share_of_cycle=alignment.share_of_cycle,
         phase=loop.time / alignment.period,
-        cycles=cycles,
+        n_cycles=cycles,
         scale=scale,
         offset=alignment.offset,
         displacement_noise=noise,
@@ -133,7 +135,7 @@ class _Search:
     Attributes
     ----------
     load_of_cycle
-        Q of the scene at the instants `SHARES` of its cycle
+        Q of the scene at the instants `SHARES_OF_CYCLE` of its cycle
     rig_compliance
         C [1/stress]; None fits it for each f
     """
@@ -245,7 +247,7 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     load_of_cycle = cycle_loads(scene)[1]
     # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
     # cycle is tried first.
-    alignment = _best_alignment(loop, load_of_cycle, _LEAST_CYCLES)
+    alignment = _best_alignment(loop, load_of_cycle, _FEWEST_CYCLES)
     if alignment.misfit > _LARGEST_MISFIT:
         alignment = _best_alignment(loop, load_of_cycle)
     cycles = loop.time[-1] / alignment.period
@@ -255,7 +257,7 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
             f" of its amplitude only (limit {100 * _LARGEST_MISFIT:.0f} %): give a column time,"
             " whole cycles, and a scene with this form of Q"
         )
-    if cycles < _LEAST_CYCLES:
+    if cycles < _FEWEST_CYCLES:
         raise InputError(
             f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one"
         )
@@ -274,9 +276,14 @@ def _best_alignment(
     Parameters
     ----------
     load_of_cycle
-        (n_instants,) Q of the scene at the instants `SHARES` of its cycle
+        (n_instants,) Q of the scene at the instants `SHARES_OF_CYCLE` of its cycle
     least_cycles
         periods of which the rows cover fewer are left out, as long as others remain
+
+    Raises
+    ------
+    InputError
+        Where Q of the scene stands still.
     """
     from scipy.optimize import minimize
 
@@ -290,11 +297,11 @@ def _best_alignment(
         its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
         measured Q best.
 
-        The misfit is a force here, not yet over the amplitude: the root mean square of the rest.
-        Where the scale is not positive it gets too large to be the best.
+        The misfit is a force here, not yet over the amplitude: the root mean square of the measured
+        Q minus this fit. Where the scale is not positive it gets too large to be the best.
         """
         share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
-        scene_load = np.interp(share_of_cycle, SHARES, load_of_cycle)
+        scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
         columns = np.column_stack([scene_load, np.ones(n_rows)])
         scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
         residuals = loop.load - scale * scene_load - offset
@@ -410,14 +417,14 @@ def _noise_of_load(
     scale
         r, the file's Q over the scene's
     load_of_cycle
-        (n_instants,) Q of the scene at the instants `SHARES` of its cycle
+        (n_instants,) Q of the scene at the instants `SHARES_OF_CYCLE` of its cycle
     """
-    scene_load = scale * np.interp(share_of_cycle, SHARES, load_of_cycle)
+    scene_load = scale * np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     load_from_mean = scene_load - scene_load.mean()
     noise = float(np.std(loop.load - scene_load))
     # slope of r Q over the share of the cycle, at the middle between two instants
-    slopes = scale * np.diff(load_of_cycle) * (INSTANTS - 1)
-    middles = (SHARES[1:] + SHARES[:-1]) / 2
+    slopes = scale * np.diff(load_of_cycle) * (N_INSTANTS - 1)
+    middles = (SHARES_OF_CYCLE[1:] + SHARES_OF_CYCLE[:-1]) / 2
     slope_at_rows = np.interp(share_of_cycle, middles, slopes, period=1.0)
     place_error = noise / math.sqrt(float(slope_at_rows @ slope_at_rows))
     scale_error = noise / math.sqrt(float(load_from_mean @ load_from_mean))

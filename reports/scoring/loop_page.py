@@ -26,9 +26,9 @@ from reports.charts.plate import (
     write_tables,
 )
 from reports.charts.templating import script, template
-from reports.comparison.words import question
+from reports.comparison.words import question_in_words
 from reports.folder import results_folder
-from reports.scoring.loops import SHARES, LoopScore, means_of_parts
+from reports.scoring.loops import SHARES_OF_CYCLE, LoopScore, means_of_parts
 from reports.units import energy_unit, load_unit, minus, units
 from scenes.array_types import Array
 
@@ -41,7 +41,7 @@ def content(score: LoopScore) -> dict[str, Any]:
     """
     return {
         "kind": "loop",
-        "passed": score.agrees,
+        "passed": score.is_scene_friction_within,
         "sentence": score.sentence,
         "friction": {
             "value": score.friction,
@@ -49,9 +49,9 @@ def content(score: LoopScore) -> dict[str, Any]:
             "high": score.highest_friction,
             "scene": score.scene.friction.coefficient,
         },
-        "rig_compliance": {"value": score.compliance, "fitted": score.compliance_fitted},
+        "rig_compliance": {"value": score.compliance, "fitted": score.is_compliance_fitted},
         "scale": score.scale,
-        "cycles": score.cycles,
+        "cycles": score.n_cycles,
         "noise": score.noise,
         "metrics": {
             loop_row.name: {key: value for key, value in vars(loop_row).items() if key != "name"}
@@ -63,7 +63,7 @@ def content(score: LoopScore) -> dict[str, Any]:
     }
 
 
-def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def table_of_loops(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Column heads, and a row of text cells for each loop: name, f, area W, W over the measured one
     minus 1, slope, and distance from the measured rows (– where a loop has none).
     """
@@ -112,12 +112,14 @@ class _Means(NamedTuple):
     residual: Array
 
 
-def _plates(score: LoopScore) -> tuple[Plate, ...]:
+def _figures(score: LoopScore) -> tuple[Plate, ...]:
     """Two figures of a measured loop: the loop itself, and the residuals of its best fit. Dots are
     means of rows in equal parts of the cycle; the CSV files hold every row.
     """
     best_fit = score.curves[0]
-    residuals = score.displacement - np.interp(score.share_of_cycle, SHARES, best_fit.displacement)
+    residuals = score.displacement - np.interp(
+        score.share_of_cycle, SHARES_OF_CYCLE, best_fit.displacement
+    )
     means = _Means(
         *means_of_parts(
             score.share_of_cycle, score.share_of_cycle, score.displacement, score.load, residuals
@@ -236,21 +238,23 @@ def write(
     sentences
         what the page states below its first sentence
     """
-    from reports.comparison.json_values import strict
+    from reports.comparison.json_values import strict_json_values
 
     page_script, script_hash = script()
-    plates = _plates(score)
-    table_heads, table_rows = table(score)
+    plates = _figures(score)
+    table_heads, table_rows = table_of_loops(score)
     with results_folder(out) as new_folder:
         write_tables(plates, new_folder)
-        json_content = strict(content(score) | (further_entries or {})) | {"command": command}
+        json_content = strict_json_values(content(score) | (further_entries or {})) | {
+            "command": command
+        }
         (new_folder / "loop.json").write_text(
             json.dumps(json_content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
         )
         page_text = template("loop.html").render(
             title=f"Measured loop: {Path(score.source).name}",
             scene=score.scene,
-            question=question(score.scene),
+            question=question_in_words(score.scene),
             score=score,
             sentences=sentences,
             source_name=Path(score.source).name,

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from reports.scoring.mapping import Mapping, converted, find_column, listed
+from reports.scoring.mapping import Mapping, converted_values, name_of_column, names_in_words
 from reports.units import load_unit, units
 from scenes import InputError, Scene
 from scenes.array_types import Array
@@ -81,7 +81,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     names = table.names
     file_name = str(path)
     displacement_name, load_name = _names_of_columns(table, mapping, file_name)
-    time_name = find_column(mapping, "time", names, file_name)
+    time_name = name_of_column(mapping, "time", names, file_name)
     n_rows = len(table.values)
     if n_rows < _FEWEST_ROWS:
         raise InputError(
@@ -145,11 +145,13 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     """
     names = table.names
     has_two_nameless_columns = not table.heading_line and len(names) == 2
-    load_name = find_column(
+    load_name = name_of_column(
         mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
     )
     stated_displacement_name = (
-        find_column(mapping, "slip", names, file_name) if mapping.columns.slip is not None else None
+        name_of_column(mapping, "slip", names, file_name)
+        if mapping.columns.slip is not None
+        else None
     )
     if has_two_nameless_columns and load_name is None and stated_displacement_name is not None:
         load_name = names[1 - names.index(stated_displacement_name)]
@@ -165,7 +167,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     if displacement_name is None or load_name is None:
         raise InputError(
             f"{file_name}: no column for the relative displacement (looked for"
-            f" {', '.join(_DISPLACEMENT_NAMES[:4])} ...) among {listed(names)}; name it by"
+            f" {', '.join(_DISPLACEMENT_NAMES[:4])} ...) among {names_in_words(names)}; name it by"
             " columns.slip of a mapping"
         )
     if displacement_name == load_name:
@@ -242,12 +244,12 @@ def _column_of_loop(
         reading_words.append("sign turned")
     file_values = table.values[:, column_number]
     # the mapping's factor, thickness and sign hold for the values and for the step of their digits
-    values = converted(mapping, quantity, unit_factor * file_values)
+    values = converted_values(mapping, quantity, unit_factor * file_values)
     digit_step = unit_factor * np.array([_step_of_digits(file_values)])
     return _ColumnOfLoop(
         name=name,
         values=values,
-        digit_step=abs(float(converted(mapping, quantity, digit_step)[0])),
+        digit_step=abs(float(converted_values(mapping, quantity, digit_step)[0])),
         reading_words=", ".join(reading_words),
     )
 

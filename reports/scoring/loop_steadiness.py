@@ -19,11 +19,11 @@ from scenes.array_types import Array
 
 # Correlation of neighbours in its standard deviations, 1/sqrt(n): chance exceeds three once in
 # 700.
-BY_CHANCE = 3.0
+MOST_DEVIATIONS_BY_CHANCE = 3.0
 # A correlation of neighbours this large leaves one row's worth in 40: no interval is widened more.
 _LARGEST_CORRELATION = 0.95
 # Singular values over the largest one, below which columns of a fit count as linearly dependent.
-_RCOND = 1e-8
+_LEAST_RATIO_OF_SINGULAR_VALUES = 1e-8
 # Blocks of neighbours whose means show a smooth part of the distances, and their least rows.
 _N_BLOCKS = 40
 _FEWEST_ROWS_OF_BLOCK = 25
@@ -33,7 +33,7 @@ _SHARE_AT_TURN = 0.1
 _FEWEST_PAIRS = 8
 # Sizes of cycles that are alike differ by less: at 20 rows a cycle a size is known to 1 %. A size
 # is the standard deviation of a quantity through a cycle.
-_LEAST_DIFFERENCE = 0.03
+_LEAST_DIFFERENCE_OF_SIZES = 0.03
 # Largest difference between sizes of a few cycles by noise, in standard deviations of one.
 _RANGE_OF_NOISE = 4.0
 # Steps from one size to the next, half a cycle later, that part a period of two cycles from a
@@ -75,7 +75,7 @@ class Misfit:
 
 
 def misfit_of(
-    distances: Array, displacement_noise: float, least_deviations: float = BY_CHANCE
+    distances: Array, displacement_noise: float, least_deviations: float = MOST_DEVIATIONS_BY_CHANCE
 ) -> Misfit:
     """How much of the distances of rows from a fit is no scatter: the correlation of neighbouring
     rows, and the systematic part in units of U. This part follows from that correlation; with many
@@ -144,7 +144,7 @@ NO_CHANGE = Change(1.0, 0.0, np.zeros(7))
 """The change that is taken for rows of too few cycles to show one."""
 
 
-def change_of(distances: Array, derivatives: Array, added_derivatives: Array) -> Change:
+def explained_change(distances: Array, derivatives: Array, added_derivatives: Array) -> Change:
     """Whether a fit with more parameters brings the rows nearer than chance does, by the F test:
     the chance, how much nearer (root mean square), and the values of the added parameters. Where
     the fit leaves nothing to explain the chance is 1.
@@ -165,9 +165,9 @@ def change_of(distances: Array, derivatives: Array, added_derivatives: Array) ->
     >>> time = np.arange(200) / 200 - 0.5
     >>> by_growth = derivatives * time[:, None]
     >>> scatter = random.standard_normal(200)
-    >>> change_of(scatter, derivatives, by_growth).chance > 0.05
+    >>> explained_change(scatter, derivatives, by_growth).chance > 0.05
     True
-    >>> change_of(scatter - 3 * by_growth[:, 0], derivatives, by_growth).chance < 1e-6
+    >>> explained_change(scatter - 3 * by_growth[:, 0], derivatives, by_growth).chance < 1e-6
     True
     """
     from scipy.stats import f as f_distribution
@@ -175,7 +175,9 @@ def change_of(distances: Array, derivatives: Array, added_derivatives: Array) ->
     sums_of_squares = []
     ranks = []
     for columns in (derivatives, np.column_stack([derivatives, added_derivatives])):
-        coefficients, _, rank, _ = np.linalg.lstsq(columns, distances, rcond=_RCOND)
+        coefficients, _, rank, _ = np.linalg.lstsq(
+            columns, distances, rcond=_LEAST_RATIO_OF_SINGULAR_VALUES
+        )
         residuals = distances - columns @ coefficients
         sums_of_squares.append(float(residuals @ residuals))
         ranks.append(int(rank))
@@ -315,7 +317,9 @@ def lasting_growth(
     return ""
 
 
-def differences_of_cycles(displacement: Array, load: Array, time: Array, noise: float) -> str:
+def differences_of_cycles_in_words(
+    displacement: Array, load: Array, time: Array, noise: float
+) -> str:
     """How the cycles of a measured loop differ from each other in size, in words: "its cycles grow:
     U of one cycle goes up and down by ... % more than of another". "" where they are alike. The
     size of a cycle is the standard deviation of Q or U through it.
@@ -337,7 +341,7 @@ def differences_of_cycles(displacement: Array, load: Array, time: Array, noise: 
             _RANGE_OF_NOISE * row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
         )
         relative_sizes = sizes / median_size - 1
-        if float(np.ptp(relative_sizes)) < _LEAST_DIFFERENCE + range_by_noise:
+        if float(np.ptp(relative_sizes)) < _LEAST_DIFFERENCE_OF_SIZES + range_by_noise:
             continue
         # from each size to the next one, half a cycle later
         growths = np.diff(relative_sizes)
@@ -371,7 +375,7 @@ def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: 
     n_cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
     if sum_of_squared_ratios < _SQUARES_OF_CERTAIN_TRENDS:
         return ""
-    if abs(largest_trend.rate) * n_cycles < _LEAST_DIFFERENCE:
+    if abs(largest_trend.rate) * n_cycles < _LEAST_DIFFERENCE_OF_SIZES:
         return ""
     verb = "grow" if largest_trend.rate > 0 else "shrink"
     return (

@@ -24,22 +24,22 @@ from reports.scoring.loop_branches import Branches, find_branches, row_noise
 from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, RowNoise, fit_loop
 from reports.scoring.loop_fitted import FittedLoop, sentences_on_scale
 from reports.scoring.loop_masing import MasingLoop, MeasuredRows, MemoryCurve, memory_curve
-from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, with_interval
+from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, fit_with_interval
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_steadiness import (
     NO_CHANGE,
     Change,
     Misfit,
-    differences_of_cycles,
+    differences_of_cycles_in_words,
     drift_of_displacement,
     lasting_growth,
 )
 from reports.scoring.loop_theory import (
-    FINE_SHARES,
-    INSTANTS,
+    FINE_SHARES_OF_CYCLE,
+    N_INSTANTS,
     cycle_loads,
+    friction_at_gross_sliding,
     has_constant_normal_load,
-    least_friction,
     theory_displacement,
 )
 from reports.units import units
@@ -48,17 +48,17 @@ from scenes.array_types import Array
 
 # Relative error of a fitted f by theory at so many instants, straight between; and by samples of
 # the memory curve. A loop that slides has f from its plateaus, but for round-off in f of sliding.
-_ERROR_OF_THEORY = 1e-5
-_ERROR_OF_MEMORY_CURVE = 1e-6
-_ERROR_OF_SLIDING = 2e-9
+_RELATIVE_ERROR_OF_THEORY = 1e-5
+_RELATIVE_ERROR_OF_MEMORY_CURVE = 1e-6
+_RELATIVE_ERROR_OF_SLIDING = 2e-9
 # Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
 # under a varying P are said not to be examined.
-_LARGEST_SHARE_WHERE_LOAD_VARIES = 0.02
+_LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES = 0.02
 # The same at constant P, beyond which rows are of no loop of theory; where nearly all of the
 # distances is no scatter (a correlation of neighbours above that), a smaller part shows as much.
-_LARGEST_SHARE = 0.015
+_LARGEST_SHARE_OF_OPENING = 0.015
 _CORRELATION_WITHOUT_SCATTER = 0.8
-_LARGEST_SHARE_WITHOUT_SCATTER = 0.005
+_LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER = 0.005
 # Part of the distances that is no scatter, in sigma of U, below which it is that of nearest points:
 # 4 % of sigma were measured where sigma is half of the opening.
 _SIGMAS_OF_NEAREST_POINTS = 0.1
@@ -70,23 +70,23 @@ _LARGEST_DRIFT = 0.03
 # A drift below this share of the range of U over the record is not stated.
 _LEAST_DRIFT_STATED = 1e-3
 # Cycles from which on rows before the first turning point are left out.
-_CYCLES_WITH_RUN_IN = 3.0
+_FEWEST_CYCLES_WITH_RUN_IN = 3.0
 # Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
 _FEWEST_CYCLES = 2.4
 # Numbers of half-cycles behind the first turning point that are left out, in the order of trial.
 _HALF_CYCLES_OF_RUN_IN = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
 # Chance of scatter alone below which a half cycle more is left out: it costs little; and below
 # which the loop is said to change.
-_CHANCE_TO_LEAVE_OUT = 0.02
-_CHANCE_OF_CHANGE = 1e-3
+_LARGEST_CHANCE_TO_LEAVE_OUT = 0.02
+_LARGEST_CHANCE_OF_CHANGE = 1e-3
 # Chance below which the interval of f holds a change; behind a run-in it always does.
-_CHANCE_TO_WIDEN = 0.05
+_LARGEST_CHANCE_TO_WIDEN = 0.05
 # Rise of Q along the slide of a gross loop, over its range, from which it is no plateau.
-_RISE_WITHOUT_PLATEAU = 0.02
+_LEAST_RISE_WITHOUT_PLATEAU = 0.02
 # A first row so near to a turning point [half-cycles] lies on it; a first half-cycle that is so
 # short [cycles] is taken together with the next one.
-_HALF_CYCLES_ON_TURN = 0.02
-_SHORT_HALF_CYCLE = 0.1
+_LARGEST_DISTANCE_ON_TURN = 0.02
+_SHORTEST_FIRST_HALF_CYCLE = 0.1
 
 
 def fit_steady_rows(
@@ -118,11 +118,14 @@ def fit_steady_rows(
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
-        if share_of_opening > _LARGEST_SHARE_WHERE_LOAD_VARIES or _differences_of_cycles(loop):
-            fit = _with_sentence(
+        if (
+            share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
+            or _differences_of_cycles_in_words(loop)
+        ):
+            fit = _fit_with_sentence(
                 fit, "P varies: the rows were not examined for drift, run-in and cycles that differ"
             )
-        return loop, _with_sentence_on_widening(fit, share_of_opening)
+        return loop, _fit_with_sentence_on_widening(fit, share_of_opening)
 
     drift = _drift_of_cycle(loop)
     if drift:
@@ -132,24 +135,24 @@ def fit_steady_rows(
             " cycles that are alike"
         )
     range_of_load = float(np.ptp(cycle_loads(scene)[1]))
-    curve = memory_curve(scene, least_friction(scene) / range_of_load)
+    curve = memory_curve(scene, friction_at_gross_sliding(scene) / range_of_load)
     candidate = _steadiest_rows(loop, curve, rig_compliance)
     if rig_compliance is None:
         _require_loop_of_theory(candidate, loop, scene)
     chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
-    fit = replace(fit, cycles=_branches_by_height(loop).cycles)
-    if candidate.share_of_opening > _LARGEST_SHARE:
-        fit = _with_sentence(
+    fit = replace(fit, n_cycles=_branches_by_height(loop).n_cycles)
+    if candidate.share_of_opening > _LARGEST_SHARE_OF_OPENING:
+        fit = _fit_with_sentence(
             fit,
             "With the stated rig compliance the best fit is"
             f" {100 * candidate.share_of_opening:.2g} % of the loop's opening away from rows that"
             " lie beside each other: leave it out, and it is fitted",
         )
-    fit = _with_interval_for_change(fit, candidate)
-    return chosen_rows, _with_sentence_on_widening(fit, candidate.share_of_opening)
+    fit = _fit_with_interval_for_change(fit, candidate)
+    return chosen_rows, _fit_with_sentence_on_widening(fit, candidate.share_of_opening)
 
 
-def _with_sentence(fit: FittedLoop, sentence: str) -> FittedLoop:
+def _fit_with_sentence(fit: FittedLoop, sentence: str) -> FittedLoop:
     """The fit with a further sentence on what was assumed or left out."""
     return replace(fit, sentences=(*fit.sentences, sentence))
 
@@ -176,17 +179,17 @@ def _steadiest_rows(
     """
     candidates = []
     growth_words = ""
-    difference_words = _differences_of_cycles(loop)
+    difference_words = _differences_of_cycles_in_words(loop)
     for remaining_rows in _rows_without_run_in(loop):
         growth_of_remaining = remaining_rows.lasting_growth
         if growth_of_remaining:
             growth_words = growth_of_remaining
             continue
-        difference_of_remaining = _differences_of_cycles(remaining_rows.rows)
+        difference_of_remaining = _differences_of_cycles_in_words(remaining_rows.rows)
         if difference_of_remaining:
             difference_words = difference_words or difference_of_remaining
             continue
-        candidate = _candidate(remaining_rows, curve, rig_compliance)
+        candidate = _tested_candidate(remaining_rows, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
@@ -257,7 +260,7 @@ class _Candidate:
             self.change_of_first_half_cycle.chance,
             self.change_of_size.chance,
         )
-        return min(chances) > _CHANCE_TO_LEAVE_OUT
+        return min(chances) > _LARGEST_CHANCE_TO_LEAVE_OUT
 
     @property
     def unsteady_share_of_opening(self) -> float:
@@ -275,16 +278,19 @@ class _Candidate:
         if not self.best_loop.is_gross:
             return 0.0
         rise, change = self.best_loop.rise_along_slide()
-        is_certain = change.chance < _CHANCE_OF_CHANGE
-        return rise if is_certain and rise > _RISE_WITHOUT_PLATEAU else 0.0
+        is_certain = change.chance < _LARGEST_CHANCE_OF_CHANGE
+        return rise if is_certain and rise > _LEAST_RISE_WITHOUT_PLATEAU else 0.0
 
     def is_certain(self, change: Change) -> bool:
         """Whether a change of the loop is not by chance, and more than theory may miss."""
         share_of_opening = change.explained_rms * self.sigma_over_opening
-        return change.chance < _CHANCE_OF_CHANGE and share_of_opening > _LARGEST_SHARE
+        return (
+            change.chance < _LARGEST_CHANCE_OF_CHANGE
+            and share_of_opening > _LARGEST_SHARE_OF_OPENING
+        )
 
 
-def _candidate(
+def _tested_candidate(
     remaining_rows: _RowsWithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
     """Fit the loop of theory to the rows that are left without a run-in, and test whether these are
@@ -317,10 +323,10 @@ def _candidate(
     change_of_size = NO_CHANGE
     log_friction_change = 0.0
     # too few cycles show no change with time
-    if branches.cycles >= _FEWEST_CYCLES:
+    if branches.n_cycles >= _FEWEST_CYCLES:
         phase = np.maximum.accumulate(branches.phase)
         phase_of_turn = _phase_of_first_turn(phase)
-        if phase_of_turn - phase[0] < _SHORT_HALF_CYCLE:
+        if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
             phase_of_turn += 0.5
         is_in_first_half_cycle = phase < phase_of_turn
         change_with_time = fitted_loop.change_with(phase)
@@ -366,22 +372,22 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         all measured rows
     """
     misfit = candidate.best_loop.misfit
-    limit = _LARGEST_SHARE
+    limit = _LARGEST_SHARE_OF_OPENING
     if (
         misfit.correlation > _CORRELATION_WITHOUT_SCATTER
-        and not candidate.best_loop.hangs_on_digits
+        and not candidate.best_loop.depends_on_last_digits
     ):
-        limit = _LARGEST_SHARE_WITHOUT_SCATTER
+        limit = _LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER
     reason = ""
     if candidate.is_certain(candidate.change_every_second_cycle):
         reason = "its period is another: every second cycle is alike"
     elif candidate.is_certain(candidate.change_with_time) or candidate.is_certain(
         candidate.change_of_size
     ):
-        growth = 100 * candidate.change_of_size.added_values * candidate.branches.cycles
+        growth = 100 * candidate.change_of_size.added_values * candidate.branches.n_cycles
         reason = (
             f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
-            f" {growth[1]:+.2g} % over {candidate.branches.cycles:.2g} cycles"
+            f" {growth[1]:+.2g} % over {candidate.branches.n_cycles:.2g} cycles"
         )
     elif candidate.rise_along_slide:
         reason = (
@@ -398,19 +404,19 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         return
     raise InputError(
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
-        f" {_differences_of_cycles(loop) or reason}; the best fit is"
+        f" {_differences_of_cycles_in_words(loop) or reason}; the best fit is"
         f" {100 * candidate.unsteady_share_of_opening:.2g} % of the loop's opening away from rows"
         f" that lie beside each other (limit {100 * limit:.2g} %)"
     )
 
 
-def _with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
+def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
     """The fit of a measured loop with its interval of f widened by how much f still changes up to
     the last row; as it is where no such change was found.
 
     `candidate` is the fit with the tests of its rows' steadiness.
     """
-    if candidate.change_of_size.chance > _CHANCE_TO_WIDEN and not candidate.had_run_in:
+    if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
     # of the logarithm: a change by more than a factor e counts as one by e
     log_change = candidate.log_friction_change
@@ -426,7 +432,7 @@ def _with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> FittedL
         " of f holds it"
     )
     return replace(
-        _with_sentence(fit, sentence),
+        _fit_with_sentence(fit, sentence),
         lowest_friction=max(fit.friction - distance_down, 0.0),
         highest_friction=highest_friction,
     )
@@ -474,7 +480,7 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
     first.
     """
     phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
-    if phase[-1] - phase[0] < _CYCLES_WITH_RUN_IN:
+    if phase[-1] - phase[0] < _FEWEST_CYCLES_WITH_RUN_IN:
         yield _RowsWithoutRunIn(loop, first_row=0, half_cycles=0, sentence="")
     phase_of_turn = _phase_of_first_turn(phase)
     for half_cycles in _HALF_CYCLES_OF_RUN_IN:
@@ -494,7 +500,7 @@ def _phase_of_first_turn(phase: Array) -> float:
     """Phase [cycles] of the first turning point behind the first row; `phase` (n,) is that of the
     rows, and turning points lie at its multiples of 1/2.
     """
-    return math.ceil(2 * phase[0] + _HALF_CYCLES_ON_TURN) / 2
+    return math.ceil(2 * phase[0] + _LARGEST_DISTANCE_ON_TURN) / 2
 
 
 def _branches_by_height(loop: MeasuredLoop) -> Branches:
@@ -521,9 +527,11 @@ def _mean_opening(loop: MeasuredLoop, phase: Array) -> float:
     return max(abs(area), 1e-300) / float(np.ptp(loop.load))
 
 
-def _differences_of_cycles(loop: MeasuredLoop) -> str:
+def _differences_of_cycles_in_words(loop: MeasuredLoop) -> str:
     """How the cycles of a measured loop differ, in words; "" where they do not."""
-    return differences_of_cycles(loop.displacement, loop.load, loop.time, _noise_of_load(loop))
+    return differences_of_cycles_in_words(
+        loop.displacement, loop.load, loop.time, _noise_of_load(loop)
+    )
 
 
 def _noise_of_load(loop: MeasuredLoop) -> float:
@@ -533,14 +541,14 @@ def _noise_of_load(loop: MeasuredLoop) -> float:
     return max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
 
 
-def _with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
+def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
     """The fit with a sentence on how much wider its interval of f is since neighbouring rows lie on
     the same side of it. `share_of_opening` is how far, over the loop's mean opening in U; below a
     limit nothing is stated.
     """
     if fit.misfit.widening == 1.0 or share_of_opening < _LEAST_SHARE_STATED:
         return fit
-    return _with_sentence(
+    return _fit_with_sentence(
         fit,
         "Neighbouring rows lie on the same side of the best fit (correlation"
         f" {fit.misfit.correlation:.2g}), by {100 * share_of_opening:.2g} % of the loop's opening:"
@@ -559,7 +567,7 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
     if drift_rate is None:
         return 0.0
     range_of_displacement = float(np.ptp(loop.displacement))
-    drift = drift_rate * float(np.ptp(loop.time)) / branches.cycles / range_of_displacement
+    drift = drift_rate * float(np.ptp(loop.time)) / branches.n_cycles / range_of_displacement
     drift_by_noise = 2 * row_noise(loop.displacement) / range_of_displacement
     return drift if abs(drift) > _LARGEST_DRIFT + drift_by_noise else 0.0
 
@@ -583,10 +591,10 @@ def _fit_at_constant_load(
     """
     loop = candidate.rows
     branches = candidate.branches
-    error_of_theory = _ERROR_OF_MEMORY_CURVE
+    error_of_theory = _RELATIVE_ERROR_OF_MEMORY_CURVE
     if candidate.best_loop.is_gross:
-        error_of_theory = _ERROR_OF_SLIDING
-    fit = with_interval(candidate.best_loop, error_of_theory)
+        error_of_theory = _RELATIVE_ERROR_OF_SLIDING
+    fit = fit_with_interval(candidate.best_loop, error_of_theory)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
     rows_without_drift = replace(
         loop, displacement=loop.displacement - fit.drift * (share_of_time - 0.5)
@@ -596,7 +604,7 @@ def _fit_at_constant_load(
     which_rows = " that are left" if candidate.run_in_sentence else ""
     sentences = [
         (
-            f"The rows{which_rows} cover {branches.cycles:.4g} cycles between"
+            f"The rows{which_rows} cover {branches.n_cycles:.4g} cycles between"
             f" Q = {fit.lowest_load:.6g} and {fit.highest_load:.6g}; P is constant, so that the"
             " form of Q and U over time counts for nothing"
         ),
@@ -607,7 +615,7 @@ def _fit_at_constant_load(
     range_of_displacement = float(np.ptp(loop.displacement))
     drift_uncertainty = 1.96 * fit.drift_error
     if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_displacement):
-        drift_of_cycle = fit.drift / range_of_displacement / branches.cycles
+        drift_of_cycle = fit.drift / range_of_displacement / branches.n_cycles
         sentences.append(
             f"U drifts by {100 * drift_of_cycle:+.2g} % of its range in a cycle: taken out"
         )
@@ -631,7 +639,7 @@ def _fit_at_constant_load(
         compliance=fit.compliance,
         share_of_cycle=share_of_cycle,
         phase=branches.phase,
-        cycles=branches.cycles,
+        n_cycles=branches.n_cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),
         displacement_noise=fit.sigma.displacement,
@@ -656,21 +664,21 @@ def _fit_where_load_varies(
     )
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
     load_of_cycle = cycle_loads(scene)[1]
-    load_at_fine_instants = cycle_loads(scene, FINE_SHARES)[1]
+    load_at_fine_instants = cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1]
     loops_of_theory = LoopsOverFriction(
         load_at_fine_instants,
-        least_friction(scene),
-        lambda friction: theory_displacement(scene, friction, FINE_SHARES),
+        friction_at_gross_sliding(scene),
+        lambda friction: theory_displacement(scene, friction, FINE_SHARES_OF_CYCLE),
     )
-    fit = fit_loop(rows, loops_of_theory, loop.resolution, _ERROR_OF_THEORY)
+    fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     sigma = RowNoise(fit.displacement_noise, fit.load_noise)
     nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
-    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
+    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (
-            f"The rows cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g} and"
-            f" {fit.highest:.6g}; P was taken over Q as in the scene, so that the form of Q and U"
-            " over time counts for nothing"
+            f"The rows cover {branches.n_cycles:.4g} cycles between Q = {fit.lowest_load:.6g} and"
+            f" {fit.highest_load:.6g}; P was taken over Q as in the scene, so that the form of Q"
+            " and U over time counts for nothing"
         ),
         *sentences_on_scale(scale),
     ]
@@ -682,9 +690,9 @@ def _fit_where_load_varies(
         compliance=fit.compliance,
         share_of_cycle=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
         phase=branches.phase,
-        cycles=branches.cycles,
+        n_cycles=branches.n_cycles,
         scale=scale,
-        offset=fit.lowest - scale * float(load_of_cycle.min()),
+        offset=fit.lowest_load - scale * float(load_of_cycle.min()),
         displacement_noise=fit.displacement_noise,
         load_noise=fit.load_noise,
         sentences=tuple(sentences),
@@ -716,17 +724,17 @@ def _share_by_load(
         first_instant = lowest_instant if is_branch_rising else highest_instant
         last_instant = highest_instant if is_branch_rising else lowest_instant
         if last_instant < first_instant:
-            last_instant += INSTANTS - 1
+            last_instant += N_INSTANTS - 1
         instants = np.arange(first_instant, last_instant + 1)
         # in the order of ascending Q
         if not is_branch_rising:
             instants = instants[::-1]
-        branch_loads = load_of_cycle[instants % (INSTANTS - 1)]
+        branch_loads = load_of_cycle[instants % (N_INSTANTS - 1)]
         load_from_lowest = (row_loads[is_on_branch] - fit.lowest_load) / scale
         shares_of_rows = np.interp(
             load_of_cycle[lowest_instant] + load_from_lowest,
             branch_loads,
-            instants / (INSTANTS - 1),
+            instants / (N_INSTANTS - 1),
         )
         share_of_cycle[is_on_branch] = shares_of_rows % 1.0
     return share_of_cycle

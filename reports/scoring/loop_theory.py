@@ -14,13 +14,13 @@ from scenes.array_types import Array
 
 # Instants of a cycle at which theory is evaluated, straight between: an error of 1e-5 of the range
 # of U.
-INSTANTS = 721
-SHARES = np.linspace(0.0, 1.0, INSTANTS)
+N_INSTANTS = 721
+SHARES_OF_CYCLE = np.linspace(0.0, 1.0, N_INSTANTS)
 # Rows without noise show the chords between instants: to 1e-5 of f they need three times as many.
-FINE_SHARES = np.linspace(0.0, 1.0, 3 * (INSTANTS - 1) + 1)
+FINE_SHARES_OF_CYCLE = np.linspace(0.0, 1.0, 3 * (N_INSTANTS - 1) + 1)
 
 
-def least_friction(scene: Scene) -> float:
+def friction_at_gross_sliding(scene: Scene) -> float:
     """f of gross sliding at the scene's loads."""
     return nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
 
@@ -46,13 +46,13 @@ def times_of_cycle(scene: Scene, shares: Array) -> Array:
     return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + shares)
 
 
-def cycle_loads(scene: Scene, shares: Array = SHARES) -> tuple[Array, Array]:
+def cycle_loads(scene: Scene, shares: Array = SHARES_OF_CYCLE) -> tuple[Array, Array]:
     """P and Q of a cycle."""
     normal, tangential = scene.load.path().at(times_of_cycle(scene, shares))
     return np.asarray(normal), np.asarray(tangential)
 
 
-def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES) -> Array:
+def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES_OF_CYCLE) -> Array:
     """U of the steady cycle by half-plane theory."""
     asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
     solution = semi_analytic.solve(
@@ -75,4 +75,4 @@ def finite_element_displacement(scene: Scene, friction: float) -> Array:
     assert path.period is not None
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
-    return np.interp(SHARES, share, solution.tangential_displacement[cycle])
+    return np.interp(SHARES_OF_CYCLE, share, solution.tangential_displacement[cycle])

@@ -37,11 +37,11 @@ from reports.scoring.loop_over_time import fit_over_time
 from reports.scoring.loop_rows import MeasuredLoop, read_loop
 from reports.scoring.loop_steady_rows import fit_steady_rows
 from reports.scoring.loop_theory import (
-    SHARES,
+    SHARES_OF_CYCLE,
     cycle_loads,
     finite_element_displacement,
+    friction_at_gross_sliding,
     has_two_branches,
-    least_friction,
     theory_displacement,
 )
 from scenes import InputError, Scene
@@ -49,8 +49,8 @@ from scenes.array_types import Array
 from scenes.measured import ReadAs
 
 __all__ = [
-    "OF_SCENE",
-    "SHARES",
+    "WITH_SCENE_FRICTION",
+    "SHARES_OF_CYCLE",
     "Against",
     "LoopRow",
     "LoopScore",
@@ -62,11 +62,11 @@ __all__ = [
 ]
 
 Against = Literal["exact", "fe"]
-OF_SCENE = "the scene's f"
+WITH_SCENE_FRICTION = "the scene's f"
 """Which f a computed loop has, in the name of its row."""
 
 # Number of parts of the cycle in which rows are averaged for the figures, at most.
-_MOST_PARTS = 200
+_MOST_PARTS_OF_CYCLE = 200
 
 
 @dataclass(frozen=True)
@@ -111,11 +111,11 @@ class LoopScore:
     friction, lowest_friction, highest_friction
         f that fits best, and the ends of its 95 % interval; the upper one is None where the rows
         exclude no larger f
-    compliance, compliance_fitted
+    compliance, is_compliance_fitted
         C of the rig [1/stress], and whether it was fitted
     scale
         r, the file's Q over the scene's
-    cycles
+    n_cycles
         number of cycles that the rows cover
     noise
         standard deviation of the noise of U [length]
@@ -137,9 +137,9 @@ class LoopScore:
     lowest_friction: float
     highest_friction: float | None
     compliance: float
-    compliance_fitted: bool
+    is_compliance_fitted: bool
     scale: float
-    cycles: float
+    n_cycles: float
     noise: float
     loops: tuple[LoopRow, ...]
     read_as: ReadAs
@@ -150,7 +150,7 @@ class LoopScore:
     curves: tuple[LoopCurve, ...]
 
     @property
-    def agrees(self) -> bool:
+    def is_scene_friction_within(self) -> bool:
         """Whether the scene's own f lies in the interval."""
         return (
             self.lowest_friction
@@ -177,7 +177,7 @@ class LoopScore:
             if self.highest_friction is None
             else f"{self.highest_friction:.{digits}g}"
         )
-        verdict = "lies within" if self.agrees else "lies outside"
+        verdict = "lies within" if self.is_scene_friction_within else "lies outside"
         return (
             f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %:"
             f" {self.lowest_friction:.{digits}g} to {upper_end}); the scene's f ="
@@ -248,7 +248,7 @@ def score_loop(
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
         fit = fit_over_time(loop, scene, rig_compliance)
-    measured_row, sentence = _measured_row(loop, fit)
+    measured_row, sentence = _row_of_measured_loop(loop, fit)
     # at the ends of the loop the contact slides as a whole
     if fit.is_gross and fit.masing_loop is not None:
         computed_loops = _sliding_loops(loop, fit, fit.masing_loop, scene, against)
@@ -261,9 +261,9 @@ def score_loop(
         lowest_friction=fit.lowest_friction,
         highest_friction=fit.highest_friction,
         compliance=fit.compliance,
-        compliance_fitted=rig_compliance is None,
+        is_compliance_fitted=rig_compliance is None,
         scale=fit.scale,
-        cycles=fit.cycles,
+        n_cycles=fit.n_cycles,
         noise=fit.displacement_noise,
         loops=(measured_row, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
@@ -279,9 +279,9 @@ def score_loop(
 
 
 # ------------------------------------------------------------------------------- the measured loop
-def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
-    """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ),
-    and a sentence on how W was found.
+def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
+    """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ;
+    no coefficient of friction and no distance from itself), and a sentence on how W was found.
     """
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
@@ -298,16 +298,18 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
         friction=None,
         area=area.value,
         area_uncertainty=area.uncertainty,
-        slope=_slope(loop.displacement, np.interp(fit.share_of_cycle, SHARES, load_of_cycle)),
+        slope=_slope_of_line(
+            loop.displacement, np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
+        ),
         distance=math.nan,
-        by_distance=area.by_distance,
-        by_noise=area.by_noise,
+        by_distance=area.error_by_distance,
+        by_noise=area.error_by_scatter,
     )
     sentence = (
-        f"W as measured is {method_words} over {area.cycles}"
-        f" {'cycle' if area.cycles == 1 else 'cycles'}:"
-        f" ± {area.by_distance:.2g} by what lies between rows,"
-        f" ± {area.by_noise:.2g} by their scatter (95 %)"
+        f"W as measured is {method_words} over {area.n_cycles}"
+        f" {'cycle' if area.n_cycles == 1 else 'cycles'}:"
+        f" ± {area.error_by_distance:.2g} by what lies between rows,"
+        f" ± {area.error_by_scatter:.2g} by their scatter (95 %)"
     )
     return row, sentence
 
@@ -346,11 +348,14 @@ def _partial_loops(
     """
     loops = []
     sentences = []
-    for name, friction in (("best f", fit.friction), (OF_SCENE, scene.friction.coefficient)):
+    for name, friction in (
+        ("best f", fit.friction),
+        (WITH_SCENE_FRICTION, scene.friction.coefficient),
+    ):
         # The scene's Q is that of the rows over `fit.scale`, at the same P. With f over it too,
         # shear and U are smaller by that factor everywhere.
         friction_at_scene_q = friction / fit.scale
-        if friction_at_scene_q < least_friction(scene):
+        if friction_at_scene_q < friction_at_gross_sliding(scene):
             sentences.append(
                 f"With {name}, {friction:.4g}, the measured loads slide grossly: there is no such"
                 " loop"
@@ -420,13 +425,13 @@ def _sliding_loops(
     sliding_loops = {"theory, best f": fitted_loop}
     loop_of_scene = fitted_loop.gross_loop_with_friction(scene.friction.coefficient)
     if loop_of_scene is not None:
-        sliding_loops[f"theory, {OF_SCENE}"] = loop_of_scene
+        sliding_loops[f"theory, {WITH_SCENE_FRICTION}"] = loop_of_scene
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
-        displacement, load = sliding_loop.closed_curve(SHARES)
+        displacement, load = sliding_loop.closed_curve(SHARES_OF_CYCLE)
         # U has any origin: it is moved to the mean of the measured one
-        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES, displacement)
+        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
         displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
         slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
         row = LoopRow(
@@ -459,15 +464,15 @@ def _slope_and_distance(
     share_of_cycle
         (n_rows,) share of the cycle that is over at each row
     displacement, load
-        (n_instants,) U and Q of the computed loop at `SHARES` of the cycle
+        (n_instants,) U and Q of the computed loop at `SHARES_OF_CYCLE` of the cycle
     """
-    displacement_at_rows = np.interp(share_of_cycle, SHARES, displacement)
-    slope = _slope(displacement_at_rows, np.interp(share_of_cycle, SHARES, load))
+    displacement_at_rows = np.interp(share_of_cycle, SHARES_OF_CYCLE, displacement)
+    slope = _slope_of_line(displacement_at_rows, np.interp(share_of_cycle, SHARES_OF_CYCLE, load))
     _, distances = means_of_parts(share_of_cycle, loop.displacement - displacement_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
 
 
-def _slope(displacement: Array, load: Array) -> float:
+def _slope_of_line(displacement: Array, load: Array) -> float:
     """Slope dU/dQ of the straight line through the rows of a loop, (n,) each [1/stress]."""
     load_from_mean = load - load.mean()
     return float(load_from_mean @ displacement / (load_from_mean @ load_from_mean))
@@ -480,7 +485,7 @@ def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ..
 
     A part has eight rows on average, but there are 20 parts at least and 200 at most.
     """
-    n_parts = max(20, min(_MOST_PARTS, len(share_of_cycle) // 8))
+    n_parts = max(20, min(_MOST_PARTS_OF_CYCLE, len(share_of_cycle) // 8))
     part_of_row = np.floor(share_of_cycle * n_parts).astype(int)
     row_counts = np.bincount(part_of_row)
     has_rows = row_counts > 0

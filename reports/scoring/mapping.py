@@ -20,7 +20,7 @@ from scenes.files import keys_of
 from scenes.frozen import Frozen, checked
 from scenes.uncertainty import Share, share_of
 
-Quantity = Literal[
+ColumnQuantity = Literal[
     "time", "frame", "normal_load", "tangential_load", "x", "y", "pressure", "shear", "slip"
 ]
 
@@ -140,7 +140,7 @@ class Mapping(Frozen):
     signs: Signs = Signs()
     measured: Measured = Measured()
 
-    def sign(self, quantity: Quantity) -> float:
+    def sign(self, quantity: ColumnQuantity) -> float:
         """-1 where the file has the opposite sign of the project's for `quantity`, else 1."""
         opposite_signs = {
             "pressure": "compression negative",
@@ -163,8 +163,13 @@ def load_mapping(source: str | Path | None) -> Mapping:
     return checked(Mapping, keys_of(path, "the mapping file"), str(path))
 
 
-def find_column(
-    mapping: Mapping, quantity: Quantity, names: Sequence[str], where: str, *, needed: bool = False
+def name_of_column(
+    mapping: Mapping,
+    quantity: ColumnQuantity,
+    names: Sequence[str],
+    where: str,
+    *,
+    needed: bool = False,
 ) -> str | None:
     """Which of a file's column `names` holds `quantity`: the one that the mapping states, else the
     first known alias that is there; None where none is.
@@ -188,7 +193,7 @@ def find_column(
     if stated_name is not None:
         if stated_name not in names:
             similar_names = difflib.get_close_matches(stated_name, names, n=1)
-            hint = f"it has {listed(names)}"
+            hint = f"it has {names_in_words(names)}"
             if similar_names:
                 hint = f"did you mean {similar_names[0]!r}?"
             raise InputError(
@@ -200,7 +205,7 @@ def find_column(
         matching_names = [name for name in names if normalised_name(name) == normalised_name(alias)]
         if len(matching_names) > 1:
             raise InputError(
-                f"{where}: {listed(matching_names)} could each be {quantity}; say which by"
+                f"{where}: {names_in_words(matching_names)} could each be {quantity}; say which by"
                 f" columns.{quantity} of a mapping"
             )
         if matching_names:
@@ -208,7 +213,7 @@ def find_column(
     if needed:
         raise InputError(
             f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
-            f" among {listed(names)}; {_naming_advice(quantity, names)}"
+            f" among {names_in_words(names)}; {_naming_advice(quantity, names)}"
         )
     return None
 
@@ -234,13 +239,13 @@ def _naming_advice(quantity: str, names: Sequence[str]) -> str:
     )
 
 
-def listed(names: Sequence[str]) -> str:
+def names_in_words(names: Sequence[str]) -> str:
     """Names in a sentence, at most eight of them."""
     words_of_more = f" and {len(names) - 8} more" if len(names) > 8 else ""
     return ", ".join(map(repr, names[:8])) + words_of_more
 
 
-def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
+def converted_values(mapping: Mapping, quantity: ColumnQuantity, values: Array) -> Array:
     """Values of a file in the scene's unit and the project's signs, as far as the mapping states
     them: times factor and sign; loads divided by the thickness; x and y minus the offset.
 
@@ -251,7 +256,7 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
 
     Examples
     --------
-    >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
+    >>> converted_values(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
     [0.0, 1.0]
     """
     if quantity == "frame":
@@ -277,7 +282,7 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
         return np.asarray(scaled_values)
 
 
-def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
+def conversion_in_words(mapping: Mapping, quantity: ColumnQuantity) -> str:
     """Name of the quantity that a column holds, and in words what is done to its values on reading:
     times a factor, sign turned, divided by the thickness, minus an offset. `mapping` states
     columns, units and signs of the file.
@@ -287,8 +292,8 @@ def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
     >>> conversion_in_words(Mapping(), "slip")
     'slip'
     """
-    converted_zero = converted(mapping, quantity, np.zeros(1))
-    converted_one = converted(mapping, quantity, np.ones(1))
+    converted_zero = converted_values(mapping, quantity, np.zeros(1))
+    converted_one = converted_values(mapping, quantity, np.ones(1))
     # sign times factor, over the thickness
     slope = (converted_one - converted_zero)[0]
     is_load = quantity in ("normal_load", "tangential_load")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from reports.console import Stages
 from reports.report import Report
-from reports.scoring.against import Against, diagnosed, score_file
+from reports.scoring.against import Against, report_with_diagnoses, score_file
 from reports.scoring.mapping import Mapping
-from reports.scoring.study import Level, UnscoredFile, element_size, result_files, study
+from reports.scoring.study import Level, UnscoredFile, element_size, result_files, study_of_levels
 from scenes import InputError, Scene
 
 
@@ -66,13 +66,15 @@ def score_folder(
         (report,) = reports
         comparison_with_notes = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):
-            return diagnosed(
+            return report_with_diagnoses(
                 replace(report, comparison=comparison_with_notes, unscored=unscored_files)
             )
-    mesh_study = study(levels, notes)
+    mesh_study = study_of_levels(levels, notes)
     with stages.stage("diagnosis"):
         comparison_of_finest = mesh_study.levels[0].comparison
         finest_report = next(
             report for report in reports if report.comparison is comparison_of_finest
         )
-        return diagnosed(replace(finest_report, study=mesh_study, unscored=unscored_files))
+        return report_with_diagnoses(
+            replace(finest_report, study=mesh_study, unscored=unscored_files)
+        )

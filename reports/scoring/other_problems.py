@@ -23,7 +23,7 @@ from reports.scoring.fits import (
     LARGEST_PROBABILITY_BY_CHANCE,
     LARGEST_SHARE_LEFT,
     Fit,
-    are_apart,
+    leaves_clearly_more,
     probability_of_gain,
     share_of_norm,
 )
@@ -37,12 +37,12 @@ from semi_analytic.profiles import contact_of
 _N_HALF_WIDTHS = 60
 # Least tension, over the largest pressure, that extrapolation beyond an edge does not make; and
 # fewest points in tension on each side: a mesh makes one.
-_LEAST_TENSION = 0.05
+_LEAST_TENSION_SHARE = 0.05
 _FEWEST_IN_TENSION = 2
 # Pressure, over the largest of an instant, below which a point is open; above which it is well
 # inside the contact of the reference.
-_OPEN_PRESSURE = 1e-3
-_INNER_PRESSURE = 0.2
+_LARGEST_OPEN_PRESSURE_SHARE = 1e-3
+_LEAST_INNER_PRESSURE_SHARE = 0.2
 # Fewest points of a gap between two zones of contact, fewest gaps at an instant, and least share of
 # P that the reference carries over them: one point may be a corner node, one gap a hole in the
 # table.
@@ -54,24 +54,24 @@ _LARGEST_IMBALANCE = 0.1
 # Fewest points of an instant on which a pressure is at its limit; elastic theory there exceeds the
 # limit by this factor.
 _FEWEST_ON_LIMIT = 5
-_EXCESS_OVER_LIMIT = 1.1
+_LEAST_RATIO_TO_LIMIT = 1.1
 # Loads over P of the elastic pressure that a limit is put on: a contact with a limit is wider.
 _LOAD_RATIOS = np.linspace(1.0, 2.5, 31)
 # Least constant, over f p_ref, of a law of friction that is no coefficient; fewest points in slip
 # that show it; what the law may leave (rms) of the shear that is not proportional to p.
-_LEAST_CONSTANT = 0.05
+_LEAST_CONSTANT_SHARE = 0.05
 _FEWEST_IN_SLIP = 8
-_SHARE_LEFT_BY_LAW = 0.1
+_LARGEST_SHARE_LEFT_BY_LAW = 0.1
 # p0/a of a sphere, 2 E*/(pi R), over that of a cylinder, E*/(2 R).
 _SPHERE_OVER_CYLINDER = 4 / np.pi
 # Relative difference of P, and of the sum of the pressures, at two instants with the same load; and
 # least difference of their pressures, over the pressure, where the bodies are not elastic.
-_DIFFERENCE_OF_SAME_LOAD = 0.01
+_LARGEST_DIFFERENCE_OF_SAME_LOAD = 0.01
 _LEAST_PRESSURE_CHANGE = 0.05
 # Share of the squares of that difference that may be noise, and fewest values that show it: of pure
 # noise all is, but for 0.22 of it where 20 values and their mirror images are known.
-_LARGEST_NOISE = 0.2
-_FEWEST_VALUES = 40
+_LARGEST_SHARE_OF_NOISE = 0.2
+_FEWEST_VALUES_OF_DIFFERENCE = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ class OtherProblem:
         """Result minus `tractions`, on the points on which the problem is judged."""
         residual_everywhere = discrepancy.residual(tractions, self.channel)
         return replace(
-            residual_everywhere, is_inside=problem_fit.judged_points & (discrepancy.weight > 0)
+            residual_everywhere, is_in_contact=problem_fit.judged_points & (discrepancy.weight > 0)
         )
 
 
@@ -138,13 +138,13 @@ def _points_in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
     """Whether each of the (k, n) points is in contact in the result, in the reference, or with the
     `pressure` (k, n) of a problem.
     """
-    predicted_tractions = _reference_with(discrepancy, PRESSURE, pressure)
-    return discrepancy.in_contact(predicted_tractions) | discrepancy.in_contact(
+    predicted_tractions = _tractions_with(discrepancy, PRESSURE, pressure)
+    return discrepancy.mask_in_contact(predicted_tractions) | discrepancy.mask_in_contact(
         discrepancy.reference_tractions
     )
 
 
-def _reference_with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
+def _tractions_with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
     """The tractions of the reference, (2, k, n), with another pressure (`channel` 0) or shear (1):
     `traction`, (k, n).
     """
@@ -157,7 +157,7 @@ def _pressed_points(discrepancy: Discrepancy) -> Mask:
     """Whether each of the (k, n) points has a pressure or a tension in the result."""
     pressure_size = np.abs(discrepancy.result_tractions[PRESSURE])
     largest_size = pressure_size.max(axis=1, keepdims=True)
-    return np.asarray(pressure_size > _OPEN_PRESSURE * largest_size)
+    return np.asarray(pressure_size > _LARGEST_OPEN_PRESSURE_SHARE * largest_size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +203,9 @@ def _fitted_closed_form(
     ):
         if is_pressed.sum() < 3:
             return None
-        fit_of_instant = _fit_at_instant(discrepancy.x, pressure, is_pressed, weights, functions)
+        fit_of_instant = _closed_form_at_instant(
+            discrepancy.x, pressure, is_pressed, weights, functions
+        )
         factors_of_instant = fit_of_instant[1]
         if np.any(factors_of_instant <= 0):
             return None
@@ -212,7 +214,7 @@ def _fitted_closed_form(
     return ClosedForm(np.array(pressures), np.array(factors), np.array(half_widths))
 
 
-def _fit_at_instant(
+def _closed_form_at_instant(
     x: Array,
     pressure: Array,
     is_pressed: Mask,
@@ -272,9 +274,9 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
-    is_in_tension = pressure < -_OPEN_PRESSURE * largest_pressure
+    is_in_tension = pressure < -_LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
     largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
-    if largest_tension < _LEAST_TENSION:
+    if largest_tension < _LEAST_TENSION_SHARE:
         return None
     for pressure_of_instant, tension_of_instant in zip(pressure, is_in_tension, strict=True):
         peak_index = int(np.argmax(pressure_of_instant))
@@ -293,7 +295,7 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, PRESSURE, closed_form.pressure),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=3 * len(pressure),
         judged_points=_points_in_contact(discrepancy, closed_form.pressure),
@@ -316,7 +318,7 @@ def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     if least_half_width < largest_half_width - 2 * largest_spacing:
         return None
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, PRESSURE, closed_form.pressure),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=2 * len(closed_form.half_widths),
         judged_points=_points_in_contact(discrepancy, closed_form.pressure),
@@ -348,7 +350,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     force = float(np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width))
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, PRESSURE, pressure),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=len(pressure),
         judged_points=_points_in_contact(discrepancy, pressure),
@@ -376,14 +378,14 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
         sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
         best_trial = int(np.argmin(sums_of_squares))
         limited_pressures.append(trial_pressures[best_trial])
-        is_on_limit = elastic_pressures[best_trial] > _EXCESS_OVER_LIMIT * limit
+        is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
         most_on_limit = max(most_on_limit, int(np.sum(is_on_limit)))
     if most_on_limit < _FEWEST_ON_LIMIT:
         return None
     is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
     # a load at each instant, and the limit
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, PRESSURE, np.array(limited_pressures)),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, np.array(limited_pressures)),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=len(limited_pressures) + 1,
         judged_points=_points_in_contact(discrepancy, np.array(limited_pressures)),
@@ -409,8 +411,10 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
     largest_pressure = result_pressure.max(axis=1, keepdims=True)
     largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
-    is_well_inside = reference_pressure > _INNER_PRESSURE * largest_of_reference
-    is_in_gap = (result_pressure <= _OPEN_PRESSURE * largest_pressure) & is_well_inside
+    is_well_inside = reference_pressure > _LEAST_INNER_PRESSURE_SHARE * largest_of_reference
+    is_in_gap = (
+        result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
+    ) & is_well_inside
     gap_lengths = [
         length
         for is_in_gap_at_instant in is_in_gap
@@ -429,7 +433,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     # judged on the gaps alone: the problem says that they are open, and nothing of the zones
     return ProblemFit(
-        predicted_tractions=_reference_with(
+        predicted_tractions=_tractions_with(
             discrepancy, PRESSURE, np.where(is_in_gap, 0.0, reference_pressure)
         ),
         tractions_to_beat=discrepancy.reference_tractions,
@@ -463,13 +467,13 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     that is odd in x is left out: unlike bodies and bodies that tilt make it. `discrepancy` holds
     the tractions of result and reference.
     """
-    if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
+    if discrepancy.unsymmetric or len(discrepancy.instants_of_cycle) < 2:
         return None
     result_pressure = discrepancy.result_tractions[PRESSURE]
-    even_pressure = (result_pressure + _mirrored(result_pressure, discrepancy.x)) / 2
-    pressure_sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
+    even_pressure = (result_pressure + _mirror_image(result_pressure, discrepancy.x)) / 2
+    pressure_integrals = np.trapezoid(result_pressure, discrepancy.x, axis=1)
     relative_change, first_instant, second_instant = _most_changed_instants(
-        discrepancy, even_pressure, pressure_sums
+        discrepancy, even_pressure, pressure_integrals
     )
     first_pressure = even_pressure[[first_instant]]
     second_pressure = even_pressure[[second_instant]]
@@ -479,7 +483,8 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
         (first_pressure != 0) | (second_pressure != 0),
     )
     is_smooth = (
-        difference.noise < _LARGEST_NOISE * difference.square and difference.count >= _FEWEST_VALUES
+        difference.mean_square_of_noise < _LARGEST_SHARE_OF_NOISE * difference.mean_square
+        and difference.n_values >= _FEWEST_VALUES_OF_DIFFERENCE
     )
     if relative_change < _LEAST_PRESSURE_CHANGE or not is_smooth:
         return None
@@ -487,11 +492,11 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     swapped_tractions = discrepancy.reference_tractions.copy()
     swapped_tractions[PRESSURE, first_instant] = even_pressure[second_instant]
     swapped_tractions[PRESSURE, second_instant] = even_pressure[first_instant]
-    ratio_of_sums = pressure_sums[first_instant] / pressure_sums[second_instant]
+    ratio_of_integrals = pressure_integrals[first_instant] / pressure_integrals[second_instant]
     judged_points = np.zeros(result_pressure.shape, dtype=bool)
     judged_points[[first_instant, second_instant]] = True
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, PRESSURE, even_pressure),
+        predicted_tractions=_tractions_with(discrepancy, PRESSURE, even_pressure),
         tractions_to_beat=swapped_tractions,
         n_sizes=1,
         judged_points=judged_points,
@@ -500,11 +505,11 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
             "first": float(discrepancy.time[first_instant]),
             "second": float(discrepancy.time[second_instant]),
         },
-        evidence=(f"the sums of both pressures agree to {abs(ratio_of_sums - 1):.1%}",),
+        evidence=(f"the sums of both pressures agree to {abs(ratio_of_integrals - 1):.1%}",),
     )
 
 
-def _mirrored(pressure: Array, x: Array) -> Array:
+def _mirror_image(pressure: Array, x: Array) -> Array:
     """Pressure at -x instead of x, (k, n) -> (k, n); 0 where -x lies beyond the points."""
     return np.array(
         [
@@ -515,7 +520,7 @@ def _mirrored(pressure: Array, x: Array) -> Array:
 
 
 def _most_changed_instants(
-    discrepancy: Discrepancy, pressure: Array, pressure_sums: Array
+    discrepancy: Discrepancy, pressure: Array, pressure_integrals: Array
 ) -> tuple[float, int, int]:
     """The two instants with the same P whose pressures differ most: root mean square difference
     over that of the reference's pressure, and their indices. (0, 0, 0) without such a pair.
@@ -526,7 +531,7 @@ def _most_changed_instants(
         tractions of result and reference at some instants and all points
     pressure
         (k, n) of the result
-    pressure_sums
+    pressure_integrals
         (k,) integrals of the pressure over x, which must agree as P does
     """
     load = discrepancy.normal_load
@@ -537,10 +542,10 @@ def _most_changed_instants(
         if not (discrepancy.is_loaded[first] and discrepancy.is_loaded[second]):
             continue
         load_difference = abs(load[first] / load[second] - 1)
-        sum_difference = abs(pressure_sums[first] / pressure_sums[second] - 1)
-        has_same_load = load_difference < _DIFFERENCE_OF_SAME_LOAD
-        has_same_sum = sum_difference < _DIFFERENCE_OF_SAME_LOAD
-        if not (has_same_load and has_same_sum):
+        integral_difference = abs(pressure_integrals[first] / pressure_integrals[second] - 1)
+        has_same_load = load_difference < _LARGEST_DIFFERENCE_OF_SAME_LOAD
+        has_same_integral = integral_difference < _LARGEST_DIFFERENCE_OF_SAME_LOAD
+        if not (has_same_load and has_same_integral):
             continue
         rms_difference = float(np.sqrt(np.mean((pressure[first] - pressure[second]) ** 2)))
         change = rms_difference / float(reference_rms[first])
@@ -586,10 +591,10 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
             best_shear = shear
             leading_side = "right" if direction > 0 else "left"
     return ProblemFit(
-        predicted_tractions=_reference_with(discrepancy, SHEAR, best_shear),
+        predicted_tractions=_tractions_with(discrepancy, SHEAR, best_shear),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=1,
-        judged_points=discrepancy.in_contact(discrepancy.reference_tractions),
+        judged_points=discrepancy.mask_in_contact(discrepancy.reference_tractions),
         sentence_values={"side": leading_side},
     )
 
@@ -605,12 +610,12 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
         return None
-    state = discrepancy.comparison.reference_cycle.state[discrepancy.rows]
+    state = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
     is_slip_state = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
     slip_direction = np.where(is_slip_state, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
     pressure = discrepancy.result_tractions[PRESSURE]
     shear_along_slip = slip_direction * discrepancy.result_tractions[SHEAR]
-    is_pressed = pressure > _OPEN_PRESSURE * pressure.max()
+    is_pressed = pressure > _LARGEST_OPEN_PRESSURE_SHARE * pressure.max()
     is_in_slip = (slip_direction != 0) & is_pressed & (discrepancy.weight > 0)
     if is_in_slip.sum() < _FEWEST_IN_SLIP:
         return None
@@ -622,7 +627,7 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     mean_square_of_law = float(np.mean((q - constant - slope * p) ** 2))
     shear_scale = discrepancy.comparison.scales.shear
     # a law through the origin is a coefficient of friction; one that falls is no law
-    if constant < _LEAST_CONSTANT * shear_scale or slope < -0.1 * friction:
+    if constant < _LEAST_CONSTANT_SHARE * shear_scale or slope < -0.1 * friction:
         return None
     shear_of_reference = discrepancy.reference_tractions[SHEAR]
     shear_by_law = np.where(
@@ -631,17 +636,17 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     shear_by_coefficient = np.where(
         is_in_slip, slip_direction * coefficient_alone * pressure, shear_of_reference
     )
-    tractions_by_law = _reference_with(discrepancy, SHEAR, shear_by_law)
-    residual = replace(discrepancy.residual(tractions_by_law, SHEAR), is_inside=is_in_slip)
-    noise = min(residual.noise * shear_scale**2, mean_square_of_law)
-    # both but for the noise: the law must leave much less than the best coefficient does
-    law_leaves = mean_square_of_law - noise
-    coefficient_leaves = mean_square_of_coefficient - noise
-    if law_leaves > _SHARE_LEFT_BY_LAW**2 * coefficient_leaves:
+    tractions_by_law = _tractions_with(discrepancy, SHEAR, shear_by_law)
+    residual = replace(discrepancy.residual(tractions_by_law, SHEAR), is_in_contact=is_in_slip)
+    noise_square = min(residual.mean_square_of_noise * shear_scale**2, mean_square_of_law)
+    # The law must leave much less than the best coefficient does, both but for the noise.
+    square_left_by_law = mean_square_of_law - noise_square
+    square_left_by_coefficient = mean_square_of_coefficient - noise_square
+    if square_left_by_law > _LARGEST_SHARE_LEFT_BY_LAW**2 * square_left_by_coefficient:
         return None
     return ProblemFit(
         predicted_tractions=tractions_by_law,
-        tractions_to_beat=_reference_with(discrepancy, SHEAR, shear_by_coefficient),
+        tractions_to_beat=_tractions_with(discrepancy, SHEAR, shear_by_coefficient),
         n_sizes=1,
         judged_points=is_in_slip,
         sentence_values={"constant": float(constant), "slope": float(slope)},
@@ -678,7 +683,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     """
     # Friction follows the pressure: where that is wrong, the shear shows no problem of its own.
     pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
-    is_pressure_right = discrepancy.is_within(PRESSURE) or pressure_residual.is_noise
+    is_pressure_right = discrepancy.is_within_tolerance(PRESSURE) or pressure_residual.is_noise
     candidates = []
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
@@ -689,12 +694,14 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         residual_after = problem.residual(discrepancy, problem_fit.predicted_tractions, problem_fit)
         # what the scene itself, or the simpler law, leaves on the points of this problem
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
-        mean_square_noise = min(residual_after.noise, residual_after.square)
-        share_left = share_of_norm(residual_after.square, residual_before.square, mean_square_noise)
+        mean_square_noise = min(residual_after.mean_square_of_noise, residual_after.mean_square)
+        share_left = share_of_norm(
+            residual_after.mean_square, residual_before.mean_square, mean_square_noise
+        )
         chance = probability_of_gain(
-            residual_after.square,
-            residual_before.square,
-            residual_after.count,
+            residual_after.mean_square,
+            residual_before.mean_square,
+            residual_after.n_values,
             n_parameters=problem_fit.n_sizes,
         )
         if share_left >= LARGEST_SHARE_LEFT or chance >= LARGEST_PROBABILITY_BY_CHANCE:
@@ -703,10 +710,10 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
             residual_of_causes = problem.residual(
                 discrepancy, fit_of_causes.predicted_tractions, problem_fit
             )
-            is_better_than_causes = are_apart(
-                residual_of_causes.square,
-                residual_after.square,
-                residual_after.count,
+            is_better_than_causes = leaves_clearly_more(
+                residual_of_causes.mean_square,
+                residual_after.mean_square,
+                residual_after.n_values,
                 is_noise=residual_after.is_noise,
             )
             if not is_better_than_causes:

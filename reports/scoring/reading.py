@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from reports.scoring.abaqus import is_field_report, read_field_report
 from reports.scoring.mapping import (
+    ColumnQuantity,
     Mapping,
-    Quantity,
     conversion_in_words,
-    converted,
-    find_column,
+    converted_values,
+    name_of_column,
     stated_times,
 )
 from reports.scoring.surface import SurfaceResult, surface_result
@@ -30,18 +30,18 @@ from scenes.column_names import ALIASES, normalised_name
 from scenes.measured import layout_in_words
 from scenes.text_tables import TableKind, TextTable, text_table
 
-_TABLES = (".csv", ".txt", ".rpt")
+_TABLE_SUFFIXES = (".csv", ".txt", ".rpt")
 # A solution of this program.
-OWN_SUFFIX = ".nc"
+SOLUTION_SUFFIX = ".nc"
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks
 # for it.
-READERS: dict[str, str] = {
-    **dict.fromkeys(_TABLES, "reading:read_table"),
+READER_BY_SUFFIX: dict[str, str] = {
+    **dict.fromkeys(_TABLE_SUFFIXES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
     **dict.fromkeys((".vtu", ".vtk", ".pvd"), "fields:read_fields"),
 }
-_QUANTITIES: tuple[Quantity, ...] = (
+_QUANTITIES_OF_TABLES: tuple[ColumnQuantity, ...] = (
     "time",
     "frame",
     "normal_load",
@@ -51,8 +51,10 @@ _QUANTITIES: tuple[Quantity, ...] = (
     "shear",
     "slip",
 )
-_FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
-_KNOWN_HEADINGS = {normalised_name(alias) for name in _QUANTITIES for alias in ALIASES[name]}
+_QUANTITIES_OF_POINTS: tuple[ColumnQuantity, ...] = ("x", "pressure", "shear", "slip")
+_KNOWN_HEADINGS = {
+    normalised_name(alias) for name in _QUANTITIES_OF_TABLES for alias in ALIASES[name]
+}
 # "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure
 # counts, then the figure. A run of signs belongs to no name and is never tried in parts: 3,000
 # brackets as a name took 8 s, with the cube of their number.
@@ -64,7 +66,7 @@ _HEADING_WITH_NUMBER = re.compile(
 )
 
 
-def read(path: Path, mapping: Mapping) -> SurfaceResult:
+def read_result(path: Path, mapping: Mapping) -> SurfaceResult:
     """The external result in a file, in the scene's units and our signs as far as the mapping
     states them. The suffix says which reader takes it.
 
@@ -75,11 +77,11 @@ def read(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such file")
-    reader_name = READERS.get(path.suffix.lower())
+    reader_name = READER_BY_SUFFIX.get(path.suffix.lower())
     if reader_name is None:
         raise InputError(
             f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads"
-            f" {', '.join(sorted(READERS))}, .nc"
+            f" {', '.join(sorted(READER_BY_SUFFIX))}, .nc"
         )
     module, function = reader_name.split(":")
     reader = getattr(import_module(f"reports.scoring.{module}"), function)
@@ -119,12 +121,12 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     else:
         columns = {}
         notes = []
-        quantity_by_name: dict[str, Quantity] = {}
-        for quantity in _QUANTITIES:
+        quantity_by_name: dict[str, ColumnQuantity] = {}
+        for quantity in _QUANTITIES_OF_TABLES:
             is_needed = quantity in ("x", "pressure")
-            name = find_column(mapping, quantity, table.names, source, needed=is_needed)
+            name = name_of_column(mapping, quantity, table.names, source, needed=is_needed)
             if name is not None:
-                columns[quantity] = converted(mapping, quantity, table.column(name))
+                columns[quantity] = converted_values(mapping, quantity, table.column(name))
                 quantity_by_name[name] = quantity
         quantities = [quantity_by_name.get(name) for name in table.names]
     surface = _surface_of_rows(source, mapping, columns, notes)
@@ -136,7 +138,7 @@ def _with_words_on_columns(
     surface: SurfaceResult,
     table: TextTable,
     mapping: Mapping,
-    quantities: Sequence[Quantity | None],
+    quantities: Sequence[ColumnQuantity | None],
 ) -> SurfaceResult:
     """An external result with a note on every column of its table: the quantity it was read as,
     with factor and sign, or "not read".
@@ -194,7 +196,7 @@ def _with_places_of_outliers(
 
 
 def _surface_of_rows(
-    source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
+    source: str, mapping: Mapping, columns: dict[ColumnQuantity, Array], notes: list[str]
 ) -> SurfaceResult:
     """An external result from columns with one row for each instant and point, (n_rows,) each:
     grouped by instant, sorted by x, shapes and loads checked. `notes` come first in its notes.
@@ -247,7 +249,7 @@ def _surface_of_rows(
     return surface_result(source, mapping.code, value_grids["x"], dict(fields), dict(series), notes)
 
 
-def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:
+def _instants_of_rows(columns: dict[ColumnQuantity, Array]) -> tuple[NDArray[np.intp], str]:
     """Number of the instant to which each row of a table belongs, from 0 on, (n_rows,), and the
     name of the column by which instants were told apart: "time", "frame", "the loads", or
     "nothing". `columns` holds the values of each quantity, (n_rows,) each.
@@ -277,7 +279,7 @@ class _Heading(NamedTuple):
         whether this number is a time
     """
 
-    quantity: Quantity | None
+    quantity: ColumnQuantity | None
     frame: float | None
     is_time: bool
 
@@ -288,9 +290,9 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
     `mapping` states columns, units and signs of the file.
     """
 
-    def quantity_of(base: str) -> Quantity | None:
+    def quantity_of(base: str) -> ColumnQuantity | None:
         """The quantity with this name, by the mapping, else by the known aliases."""
-        for quantity in _FIELDS:
+        for quantity in _QUANTITIES_OF_POINTS:
             stated_column = getattr(mapping.columns, quantity)
             aliases = ALIASES[quantity] if stated_column is None else (stated_column,)
             if normalised_name(base) in map(normalised_name, aliases):
@@ -311,7 +313,7 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
 
 def _columns_of_frames(
     source: str, table: TextTable, mapping: Mapping
-) -> tuple[dict[Quantity, Array], list[str]] | None:
+) -> tuple[dict[ColumnQuantity, Array], list[str]] | None:
     """Read a table in which the frames (the values at one instant) stand beside each other as
     groups of columns. Returns the values of each quantity with the frames one below the other,
     (n_frames n_points,), and a note. None where the headings of the columns don't look like that.
@@ -321,7 +323,9 @@ def _columns_of_frames(
     """
     headings = [_read_heading(name, mapping) for name in table.names]
     # of each quantity: number or time of the frame -> (n_points,)
-    frames_of_quantity: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
+    frames_of_quantity: dict[ColumnQuantity, dict[float, Array]] = {
+        quantity: {} for quantity in _QUANTITIES_OF_POINTS
+    }
     for column_number, heading in enumerate(headings):
         if heading.quantity is None:
             continue
@@ -332,7 +336,7 @@ def _columns_of_frames(
                 f"{source}: two columns hold {heading.quantity} of the same frame; leave one out or"
                 " rename it"
             )
-        values_by_frame[frame] = converted(
+        values_by_frame[frame] = converted_values(
             mapping, heading.quantity, table.values[:, column_number]
         )
     frames = sorted(frames_of_quantity["pressure"])
@@ -355,10 +359,10 @@ def _columns_of_frames(
                 " frame needs both pressure and shear"
             )
         columns[quantity] = np.concatenate([values_by_frame[frame] for frame in frames])
-    number_quantity: Quantity = "frame"
+    number_quantity: ColumnQuantity = "frame"
     if any(heading.is_time for heading in headings):
         number_quantity = "time"
-    columns[number_quantity] = converted(
+    columns[number_quantity] = converted_values(
         mapping, number_quantity, np.repeat(frames, len(table.values))
     )
     has_number_in_name = any(

@@ -21,7 +21,7 @@ from reports.comparison.laws import DERIVED, names_of_derived_fields
 from reports.comparison.metrics import WHOLE_CYCLE, reason_by_missing_field
 from reports.scoring.history import History, history_of_result, resultants
 from reports.scoring.mapping import Mapping
-from reports.scoring.surface import TOUCHES, SurfaceResult
+from reports.scoring.surface import LEAST_TOUCHING_SHARE, SurfaceResult
 from scenes import (
     OPEN,
     SLIP_FORWARD,
@@ -42,11 +42,11 @@ Mask = NDArray[np.bool_]
 # A value of the result over that of theory may lie between these and be right: a frame near
 # unloading, a coarse mesh, a wrong body. They are less than a factor of 1000 apart, so that at most
 # one unit factor brings a value between them.
-_LEAST_RATIO = 0.03
-_LARGEST_RATIO = 10.0
+_LEAST_RATIO_TO_THEORY = 0.03
+_LARGEST_RATIO_TO_THEORY = 10.0
 _UNIT_FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
 # Of the half-width: a contact whose middle is farther from x = 0 was measured from elsewhere.
-_LARGEST_OFFSET = 0.5
+_LARGEST_OFFSET_SHARE = 0.5
 _NOT_IN_RESULT = "not in the result"
 # Instants of a cycle below which the work of friction by the trapezoidal rule means nothing.
 _FEWEST_INSTANTS = 8
@@ -54,26 +54,26 @@ _FEWEST_INSTANTS = 8
 # by more than the second share of the largest movement of the instant. f p - |q| at the end of a
 # stick zone goes like the root of the distance: one per cent of f p is a ten-thousandth of a.
 _SHARE_BELOW_LIMIT = 0.01
-_LEAST_MOVEMENT = 1e-3
+_LEAST_SHARE_OF_MOVEMENT = 1e-3
 # Outermost points in contact that a parabola of p^2 leaves out, points behind them that it takes at
 # most and at least, relative residual above which p^2 is no parabola there, spacings by which its
 # zero may differ from that of the straight line. Farther in than the last share of the contact two
 # terms of a power series are too few: flat-rounded-paper erred by 0.005 a at 0.11.
-_POINTS_LEFT_OUT = 3
-_FITTED_POINTS = 12
+_N_POINTS_LEFT_OUT = 3
+_MOST_FITTED_POINTS = 12
 _FEWEST_FITTED_POINTS = 6
-_LARGEST_RESIDUAL = 0.005
-_LARGEST_DIFFERENCE = 0.4
-_LARGEST_DEPTH = 0.05
+_LARGEST_RELATIVE_RESIDUAL = 0.005
+_LARGEST_DIFFERENCE_IN_SPACINGS = 0.4
+_LARGEST_DEPTH_SHARE = 0.05
 # An instant at which no point of the contact moves faster than this share of the largest rate of
 # all is at rest: where slip turns, it is the digits of the slip that tell who moves.
-_LEAST_SPEED = 0.02
+_LEAST_SHARE_OF_SPEED = 0.02
 # Error of a stick edge of the reference by the rule, over a_ref, at most: it is larger only where
 # slip has just turned and the tractions don't show it yet.
-_LARGEST_STICK_ERROR = 0.05
+_LARGEST_STICK_ERROR_SHARE = 0.05
 
 
-def contact_solution(
+def solution_of_surface(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
     """Turn an external result (`surface`) into a solution that can be compared with theory. With it
@@ -101,8 +101,8 @@ def contact_solution(
     surface, history, guesses = _surface_on_path(
         surface, mapping, theory, sure_of_times=sure_of_times
     )
-    if history.guess:
-        guesses = (*guesses, history.guess)
+    if history.guess_in_words:
+        guesses = (*guesses, history.guess_in_words)
     if history.has_either_sign and mapping.signs.shear is None:  # nothing in the file can tell
         guesses = (
             *guesses,
@@ -260,7 +260,7 @@ def _solution_with_zones(
         whether its dissipation is computed too, as the sum of q ds over its last cycle
     """
     has_shear = not np.isnan(solution.shear).all()
-    state, contact_edges, stick_edges, method_in_words = zones(
+    state, contact_edges, stick_edges, method_in_words = zones_of_tractions(
         solution.x,
         solution.pressure,
         solution.shear,
@@ -335,7 +335,7 @@ def reference_by_same_rule(
     rule_has_stick_zone = ~np.isnan(reference_by_rule.stick_edges[:, 0])
     largest_errors = np.max(np.abs(np.nan_to_num(stick_error)), axis=1)
     is_judged = has_stick_zone == rule_has_stick_zone
-    is_judged &= largest_errors <= _LARGEST_STICK_ERROR * length
+    is_judged &= largest_errors <= _LARGEST_STICK_ERROR_SHARE * length
     if 2 * is_judged.sum() <= len(is_judged):
         is_judged = np.ones_like(is_judged)
     contact_error = reference.contact_edges - reference_by_rule.contact_edges
@@ -419,7 +419,7 @@ def _missing_fields(
     reason_by_name = dict.fromkeys(missing_names, _NOT_IN_RESULT)
     if surface.slip is None:
         reason_by_name["slip"] = _NOT_IN_RESULT
-    if not surface.sheared:
+    if not surface.has_shear:
         reason_by_name["shear"] = _NOT_IN_RESULT
         for name in ("state", "stick_edges"):
             reason_by_name[name] = f"{_NOT_IN_RESULT}; it takes the shear"
@@ -429,7 +429,7 @@ def _missing_fields(
         )
     # the work of friction needs all of these
     why_without_work = ""
-    if not surface.sheared:
+    if not surface.has_shear:
         why_without_work = "; it takes the shear"
     elif surface.slip is None:
         why_without_work = "; it takes slip"
@@ -475,10 +475,13 @@ class Zones(NamedTuple):
     rule_in_words: str
 
 
-_IN_CONTACT = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
+_IN_CONTACT = (
+    f"in contact is a point with more than {LEAST_TOUCHING_SHARE:g} of the instant's largest"
+    " pressure"
+)
 
 
-def zones(
+def zones_of_tractions(
     x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array
 ) -> Zones:
     """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
@@ -491,7 +494,7 @@ def zones(
     (f p - |q|)^2 is, each no farther than the next point. The outermost points show the mesh: a
     parabola of p^2 through those behind them gives the contact edge where it fits.
     """
-    is_touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
+    is_touching = pressure > LEAST_TOUCHING_SHARE * pressure.max(axis=1, keepdims=True)
     is_slipping, slip_direction, rule_in_words = _slipping_points(
         pressure, shear, slip, is_touching, friction, time
     )
@@ -553,16 +556,19 @@ def _slipping_points(
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
         # at an instant at which no point moves fast, none slips
-        is_fast_instant = speed >= _LEAST_SPEED * np.max(speed)
-        is_moving = (np.abs(movement) > _LEAST_MOVEMENT * largest_movement) & is_fast_instant
+        is_fast_instant = speed >= _LEAST_SHARE_OF_SPEED * np.max(speed)
+        is_moving = (
+            np.abs(movement) > _LEAST_SHARE_OF_MOVEMENT * largest_movement
+        ) & is_fast_instant
         if friction:
             moves_with_shear = is_moving & (np.sign(movement) == slip_direction[1:])
             is_slipping = np.vstack([is_slipping[:1], is_slipping[1:] & moves_with_shear])
             sources = "tractions and slip"
             rule_in_words += (
-                f" and its slip has moved with the shear by more than {_LEAST_MOVEMENT:g} of the"
-                " instant's largest step, unless no point moves faster than"
-                f" {_LEAST_SPEED:g} of the largest rate"
+                " and its slip has moved with the shear by more than"
+                f" {_LEAST_SHARE_OF_MOVEMENT:g} of the instant's largest step, unless no point"
+                " moves faster than"
+                f" {_LEAST_SHARE_OF_SPEED:g} of the largest rate"
             )
         else:
             is_slipping = np.vstack([is_slipping[:1], is_moving])
@@ -639,11 +645,11 @@ def _end_of_zone(
     spacings_to_zero = float(squared_traction[last_point] / fall_of_last_spacing)
     distance_to_zero = min(spacings_to_zero * spacing, distance_to_next)
     zero_of_line = float(x[last_point]) + direction * distance_to_zero
-    largest_depth = _LARGEST_DEPTH * abs(x[points[-1]] - x[points[0]])
+    largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points[-1]] - x[points[0]])
     # fewer points where a corner of the profile is among them
     for divisor in (1, 2, 4) if tries_parabola else ():
-        count = min(_FITTED_POINTS, len(points) // 2 - _POINTS_LEFT_OUT) // divisor
-        fitted_points = last_point - direction * (_POINTS_LEFT_OUT + np.arange(count))
+        count = min(_MOST_FITTED_POINTS, len(points) // 2 - _N_POINTS_LEFT_OUT) // divisor
+        fitted_points = last_point - direction * (_N_POINTS_LEFT_OUT + np.arange(count))
         if count < _FEWEST_FITTED_POINTS:
             continue
         if abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
@@ -655,7 +661,7 @@ def _end_of_zone(
         if spacings_outward is None:
             continue
         zero_of_parabola = float(first_x + direction * spacing * spacings_outward)
-        if abs(zero_of_parabola - zero_of_line) <= _LARGEST_DIFFERENCE * spacing:
+        if abs(zero_of_parabola - zero_of_line) <= _LARGEST_DIFFERENCE_IN_SPACINGS * spacing:
             return zero_of_parabola
     return zero_of_line
 
@@ -680,7 +686,7 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
     a, b, c = coefficients
     residual = np.std(np.polyval(coefficients, depth) / squared_pressure)
     discriminant = b**2 - 4 * a * c
-    if not (b > 0 and discriminant > 0 and residual < _LARGEST_RESIDUAL):
+    if not (b > 0 and discriminant > 0 and residual < _LARGEST_RELATIVE_RESIDUAL):
         return None
     return float(2 * c / (b + np.sqrt(discriminant)))
 
@@ -718,8 +724,8 @@ def _surface_in_scene_units(
             " point is in compression: state the other sign, or leave it out"
         )
     surface, sentences = _surface_in_compression(surface, mapping)
-    for yardstick in _yardsticks(surface, theory):
-        surface, sentence = _surface_in_unit(yardstick, surface, mapping)
+    for compared_value in _compared_values(surface, theory):
+        surface, sentence = _surface_in_unit(compared_value, surface, mapping)
         sentences.append(sentence)
     surface, sentence = _centred_surface(surface, mapping, theory)
     sentences.append(sentence)
@@ -735,7 +741,7 @@ def _surface_in_compression(
     """
     sentences = []
     pressure = surface.pressure
-    if mapping.signs.pressure is None and pressure.max() <= TOUCHES * -pressure.min():
+    if mapping.signs.pressure is None and pressure.max() <= LEAST_TOUCHING_SHARE * -pressure.min():
         surface = replace(surface, pressure=read_only_copy(0.0 - pressure))
         sentences.append(
             "the pressure is negative throughout: compression was taken to be negative"
@@ -759,12 +765,12 @@ def _centred_surface(
     As it is, with an empty sentence, where it is centred already, where it is far wider than the
     contact, or where the mapping states an offset other than 0.
     """
-    left_end, right_end = _contact_extent(surface)
+    left_end, right_end = _ends_of_contact(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
     leftmost_edge = np.nanmin(theory.contact_edges[:, 0])
     rightmost_edge = np.nanmax(theory.contact_edges[:, 1])
     centre = float(leftmost_edge + rightmost_edge) / 2 if theory.tilt is not None else 0.0
-    is_off_centre = abs((left_end + right_end) / 2 - centre) > _LARGEST_OFFSET * half_width
+    is_off_centre = abs((left_end + right_end) / 2 - centre) > _LARGEST_OFFSET_SHARE * half_width
     is_wide = right_end - left_end > 4 * half_width
     if mapping.x_offset or not is_off_centre or is_wide:
         return surface, ""
@@ -781,7 +787,7 @@ def _centred_surface(
 
 
 @dataclass(frozen=True)
-class _Yardstick:
+class _ComparedValue:
     """A value of the result beside the one that theory has, by which a unit is guessed.
 
     Attributes
@@ -813,19 +819,19 @@ class _Yardstick:
         return f"{self.value_of_theory:.4g}"
 
     @property
-    def factor(self) -> float:
+    def unit_factor(self) -> float:
         """The first of the usual factors that brings the result near theory; 1 if none does."""
         for factor in (1.0, *_UNIT_FACTORS):
             if (
-                _LEAST_RATIO
+                _LEAST_RATIO_TO_THEORY
                 <= self.value_of_result / self.value_of_theory * factor
-                <= _LARGEST_RATIO
+                <= _LARGEST_RATIO_TO_THEORY
             ):
                 return factor
         return 1.0
 
 
-def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
+def _compared_values(surface: SurfaceResult, theory: ContactSolution) -> tuple[_ComparedValue, ...]:
     """Half-width, largest pressure and largest normal load of an external result (`surface`), each
     beside a value of theory: from their ratios the unit of its lengths, stresses and loads is
     guessed.
@@ -833,13 +839,13 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
     Beside the largest pressure stands theory's mean pressure: units differ by far more than these
     two do, and the mean needs no field.
     """
-    left_end, right_end = _contact_extent(surface)
+    left_end, right_end = _ends_of_contact(surface)
     half_width_of_theory = float(np.nanmax(theory.contact_half_width))
     largest_load_of_theory = float(np.max(theory.normal_load))
     mean_pressure_of_theory = largest_load_of_theory / (2 * half_width_of_theory)
     largest_load = 0.0 if surface.normal_load is None else float(np.max(surface.normal_load))
     return (
-        _Yardstick(
+        _ComparedValue(
             factor_name="length",
             field_names=("x", "slip"),
             fields_in_words="x",
@@ -847,7 +853,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             value_of_theory=half_width_of_theory,
             value_in_words="the contact's half-width is",
         ),
-        _Yardstick(
+        _ComparedValue(
             factor_name="stress",
             field_names=("pressure", "shear"),
             fields_in_words="pressure and shear",
@@ -855,7 +861,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             value_of_theory=mean_pressure_of_theory,
             value_in_words="the largest pressure is",
         ),
-        _Yardstick(
+        _ComparedValue(
             factor_name="load",
             field_names=("normal_load", "tangential_load"),
             fields_in_words="P and Q",
@@ -867,35 +873,36 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
 
 
 def _surface_in_unit(
-    yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
+    compared_value: _ComparedValue, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
     """Guess the unit of one kind of field of an external result (lengths, stresses or loads) from
     its size beside theory's: the result with these fields multiplied by the factor that this
     suggests, and a sentence that says so.
 
     As it is, with an empty sentence, where the mapping states the factor or none is needed.
-    `yardstick` names the fields, with the size of the result and that of theory.
+    `compared_value` names the fields, with the size of the result and that of theory.
     """
-    fields = {name: getattr(surface, name) for name in yardstick.field_names}
+    fields = {name: getattr(surface, name) for name in compared_value.field_names}
     present_fields = {name: values for name, values in fields.items() if values is not None}
-    is_stated = getattr(mapping.factors, yardstick.factor_name) is not None
-    factor = yardstick.factor
-    if is_stated or not present_fields or not yardstick.value_of_result or factor == 1.0:
+    is_stated = getattr(mapping.factors, compared_value.factor_name) is not None
+    factor = compared_value.unit_factor
+    if is_stated or not present_fields or not compared_value.value_of_result or factor == 1.0:
         return surface, ""
     scaled_fields: dict[str, Any] = {
         name: read_only_copy(values * factor) for name, values in present_fields.items()
     }
     sentence = (
-        f"{yardstick.fields_in_words} multiplied by {factor:g}, for {yardstick.value_in_words}"
-        f" {yardstick.value_of_result:.4g} and theory has {yardstick.theory_in_words} "
-        f"(factors.{yardstick.factor_name} = {factor:g} says it for certain)"
+        f"{compared_value.fields_in_words} multiplied by {factor:g}, for"
+        f" {compared_value.value_in_words} {compared_value.value_of_result:.4g} and theory has"
+        f" {compared_value.theory_in_words} (factors.{compared_value.factor_name} = {factor:g} says"
+        " it for certain)"
     )
     return replace(surface, **scaled_fields), sentence
 
 
-def _contact_extent(surface: SurfaceResult) -> tuple[float, float]:
+def _ends_of_contact(surface: SurfaceResult) -> tuple[float, float]:
     """Leftmost and rightmost x of the points that are in contact at any instant."""
-    is_touching = (surface.pressure > TOUCHES * surface.pressure.max()).any(axis=0)
+    is_touching = (surface.pressure > LEAST_TOUCHING_SHARE * surface.pressure.max()).any(axis=0)
     x_in_contact = surface.x[is_touching]
     return float(x_in_contact[0]), float(x_in_contact[-1])
 
@@ -907,7 +914,7 @@ def _sentences_on_odd_signs(
     tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
     the result's instants.
     """
-    if surface.pressure.min() < -TOUCHES * surface.pressure.max():
+    if surface.pressure.min() < -LEAST_TOUCHING_SHARE * surface.pressure.max():
         row, column = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)
         least_pressure = surface.pressure[row, column]
         yield (

@@ -23,7 +23,7 @@ from reports.comparison.metrics import Metric
 from reports.comparison.words import term_in_words
 from reports.scoring.field_files import collected_files
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import OWN_SUFFIX, READERS
+from reports.scoring.reading import READER_BY_SUFFIX, SOLUTION_SUFFIX
 from scenes import InputError
 
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
@@ -32,7 +32,7 @@ _SIZE_IN_NAME = re.compile(
 )
 # Ratio of element sizes below which two files are of the same mesh.
 _LEAST_SIZE_RATIO = 1.02
-_ROUNDING = 1e-12
+_RELATIVE_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ class Study:
         }
 
 
-def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
+def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     """A mesh study: the order of convergence and the limit at element size zero of each metric that
     has a value on all meshes, from results of one problem on meshes of different size.
 
@@ -238,7 +238,7 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
             return None
         values.append(float(value))
     refinement = Refinement(
-        tuple(level.size for level in levels), tuple(values), rounding=_ROUNDING
+        tuple(level.size for level in levels), tuple(values), rounding=_RELATIVE_ROUND_OFF
     )
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
@@ -294,7 +294,7 @@ def result_files(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     InputError
         Where there is none, or a collection can't be read.
     """
-    known_suffixes = [*READERS, OWN_SUFFIX]
+    known_suffixes = [*READER_BY_SUFFIX, SOLUTION_SUFFIX]
     files = sorted(
         path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
     )

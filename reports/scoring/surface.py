@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reports.comparison.isolated import spikes
+from reports.comparison.isolated import spike_mask
 from scenes import InputError, read_only_copy
 from scenes.array_types import Array
 from scenes.arrays import LARGEST_NUMBER
@@ -20,13 +20,13 @@ Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 # Pressure, over the largest one, below which a point counts as open.
-TOUCHES = 1e-3
+LEAST_TOUCHING_SHARE = 1e-3
 # The deformed x of one point may differ from instant to instant by this share of the spacing;
 # beyond it these are different points.
-_SAME_PLACE = 0.1
+_LARGEST_MOVEMENT_IN_SPACINGS = 0.1
 # Coordinates that differ by less than this share of the mesh's extent are equal: text files carry
 # six digits.
-SAME = 1e-6
+SAME_PLACE_SHARE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class SurfaceResult:
     read_as: ReadAs = ()
 
     @property
-    def sheared(self) -> bool:
+    def has_shear(self) -> bool:
         """Whether the file has a shear."""
         return not bool(np.isnan(self.shear).all())
 
@@ -185,7 +185,7 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
     for name in ("pressure", "shear", "slip"):
         if name not in arrays:
             continue
-        for instant, point in np.argwhere(spikes(arrays[name])):
+        for instant, point in np.argwhere(spike_mask(arrays[name])):
             value = float(arrays[name][instant, point])
             place = f"instant {instant + 1}, x = {x[point]:.6g}"
             yield Outlier(name, int(instant), int(point), value, place, number_in_file=value)
@@ -203,7 +203,7 @@ def _mean_x_of_points(source: str, x: Array) -> tuple[Array, str]:
         return x[0], ""
     spacing = float(np.median(np.diff(np.sort(mean_x))))
     movement_in_spacings = largest_movement / spacing
-    if largest_movement > _SAME_PLACE * spacing:
+    if largest_movement > _LARGEST_MOVEMENT_IN_SPACINGS * spacing:
         instant, point = np.unravel_index(np.argmax(movement), x.shape)
         raise InputError(
             f"{source}: the points are not the same at every instant: point {point + 1} has x ="
@@ -238,7 +238,7 @@ def _require_distinct_points(source: str, x: Array) -> None:
 
 
 # ---------------------------------------------------------------------------- the surface of a mesh
-def extent(points: Array) -> float:
+def longest_side(points: Array) -> float:
     """The longest side of the box around the points [length]."""
     return float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0
 
@@ -257,7 +257,7 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     order_of_z = np.argsort(z_of_rows, kind="stable")
     plane_number = np.empty(len(chosen), np.int64)
     plane_number[order_of_z] = np.concatenate(
-        [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME * extent(points))]
+        [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME_PLACE_SHARE * longest_side(points))]
     )
     # the lowest plane where several hold as many points
     fullest_plane = int(np.argmax(np.bincount(plane_number)))

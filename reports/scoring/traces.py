@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.comparison import Comparison
-from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Tractions, by_traction
+from reports.scoring.discrepancy import (
+    PRESSURE,
+    SHEAR,
+    Discrepancy,
+    Tractions,
+    factors_of_tractions,
+)
 from scenes import STICK
 from scenes.array_types import Array
 
@@ -29,8 +35,8 @@ FAULTS: dict[str, str] = WORDS["faults"]
 
 # Shear over f p, below which a point sticks for certain; step of the slip over the largest one,
 # below which a point rests.
-_STICK_SHARE_OF_LIMIT = 0.9
-_STEP_AT_REST = 1e-3
+_LARGEST_STICK_SHARE_OF_LIMIT = 0.9
+_LARGEST_STEP_AT_REST = 1e-3
 # Least share of the square of the creep that is proportional to the change of the shear, where a
 # penalty makes it (a third of the norm is left); least creep that is stated, over the largest step
 # of slip.
@@ -38,12 +44,12 @@ _LEAST_PROPORTIONAL_SHARE = 8 / 9
 _LEAST_CREEP = 3e-3
 # Least ratio of F of the fit by a stiffness: noise alone gives one as large once in 10^11; fewest
 # values that show a creep.
-_LEAST_GAIN = 45.0
+_LEAST_F_RATIO = 45.0
 _FEWEST_CREEP_STEPS = 20
 # Least share on the Coulomb limit of the points that should stick, where nothing sticks; distance
 # from the limit, over f p, within which a point lies on it: shear beyond it is another fault.
 _LEAST_SHARE_AT_LIMIT = 0.9
-_DISTANCE_TO_LIMIT = 0.01
+_LARGEST_DISTANCE_TO_LIMIT = 0.01
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law
 # still be kept.
 _DEVIATIONS_BY_NOISE = 5.0
@@ -54,7 +60,7 @@ _LEAST_NOISE = 1e-10
 # Share of the norm of a difference that means over three nodes leave, at most, where it alternates
 # from node to node; standard deviations by which its ratio of von Neumann exceeds that of noise.
 _LARGEST_SHARE_LEFT_BY_MEANS = 1 / 3
-_LEAST_DEVIATIONS = 5.0
+_FEWEST_DEVIATIONS_FROM_NOISE = 5.0
 # Spacings on each side of an edge that a mesh can get wrong: the element with the edge in it, and
 # its neighbour.
 _SPACINGS_NEAR_EDGE = 2.0
@@ -110,7 +116,7 @@ def find_outliers(comparison: Comparison) -> list[Diagnosis]:
     values_in_words = [
         f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of the"
         f" last cycle (time {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
-        for name, mask in comparison.isolated.items()
+        for name, mask in comparison.masks_of_isolated.items()
         for instant, point in np.argwhere(mask)
     ]
     if not values_in_words:
@@ -134,12 +140,12 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
     # comparison.is_judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.is_judged[:, None]
-    stick_limit = _STICK_SHARE_OF_LIMIT * friction * reference_cycle.pressure
+    stick_limit = _LARGEST_STICK_SHARE_OF_LIMIT * friction * reference_cycle.pressure
     is_well_below_limit = np.abs(reference_cycle.shear) < stick_limit
     should_stick = is_pressed & (reference_cycle.state == STICK) & is_well_below_limit
     coulomb_limit = friction * result_cycle.pressure
     distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
-    is_at_limit = distance_to_limit <= _DISTANCE_TO_LIMIT * coulomb_limit
+    is_at_limit = distance_to_limit <= _LARGEST_DISTANCE_TO_LIMIT * coulomb_limit
     n_sticking = int(should_stick.sum())
     if not n_sticking or is_at_limit[is_pressed].mean() < _LEAST_SHARE_AT_LIMIT:
         return
@@ -192,7 +198,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     gain_of_fit = mean_square_explained / max(mean_square_left, 1e-300) * len(creep)
     relative_creep = float(np.sqrt(mean_square - mean_square_noise)) / changes.largest_slip
     is_creep = compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
-    if not is_creep or relative_creep < _LEAST_CREEP or gain_of_fit < _LEAST_GAIN:
+    if not is_creep or relative_creep < _LEAST_CREEP or gain_of_fit < _LEAST_F_RATIO:
         return
     scales = discrepancy.comparison.scales
     stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
@@ -241,16 +247,18 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
         return None
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
-    is_well_inside = comparison.is_judged[:, None] & ~comparison.isolated["shear"]
+    is_well_inside = comparison.is_judged[:, None] & ~comparison.masks_of_isolated["shear"]
     for cycle in (result_cycle, reference_cycle):
         is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
-        is_well_inside &= np.abs(cycle.shear) < _STICK_SHARE_OF_LIMIT * friction * cycle.pressure
+        is_well_inside &= (
+            np.abs(cycle.shear) < _LARGEST_STICK_SHARE_OF_LIMIT * friction * cycle.pressure
+        )
     slip_change = np.diff(result_cycle.slip, axis=0)
     slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
     shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
     largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
-    is_at_rest = np.abs(slip_change_of_reference) <= _STEP_AT_REST * largest_change
+    is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_change
     is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
     return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
 
@@ -265,11 +273,11 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     tractions of result and reference.
     """
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
-    is_inside = residual.is_inside
+    is_inside = residual.is_in_contact
     all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
     # points of one instant: a mesh errs alike at all instants
     n_points = int(all_three_inside.sum(axis=1).max())
-    if not n_points or discrepancy.is_within(PRESSURE):
+    if not n_points or discrepancy.is_within_tolerance(PRESSURE):
         return
     values = residual.values
     smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
@@ -278,7 +286,10 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square
     deviations_from_noise = (ratio_of_neumann - 1) * np.sqrt(n_points)
     share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
-    if share_left > _LARGEST_SHARE_LEFT_BY_MEANS or deviations_from_noise < _LEAST_DEVIATIONS:
+    if (
+        share_left > _LARGEST_SHARE_LEFT_BY_MEANS
+        or deviations_from_noise < _FEWEST_DEVIATIONS_FROM_NOISE
+    ):
         return
     evidence = (
         f"{n_points} points of an instant have both neighbours in contact; their means over three"
@@ -299,20 +310,22 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     residuals = [
         discrepancy.residual(discrepancy.reference_tractions, channel) for channel in channels
     ]
-    residuals_with_difference = [residual for residual in residuals if residual.square > 0]
+    residuals_with_difference = [residual for residual in residuals if residual.mean_square > 0]
     if not residuals_with_difference or not all(
         residual.is_noise for residual in residuals_with_difference
     ):
         return
     # standard deviations, of p/p_ref and of q/(f p_ref)
-    noise_by_channel = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
+    noise_by_channel = [
+        min(residual.mean_square_of_noise, residual.mean_square) ** 0.5 for residual in residuals
+    ]
     if len(noise_by_channel) > 1:
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
         # one code, one file: a shear alone does not scatter
         if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
             return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
-    share_of_noise = square_of_noise / sum(residual.square for residual in residuals)
+    share_of_noise = square_of_noise / sum(residual.mean_square for residual in residuals)
     evidence = [
         f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
     ]
@@ -379,7 +392,7 @@ def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
     edge_positions = [
         edge
         for edges in (reference_cycle.contact_edges, reference_cycle.stick_edges)
-        for edge in edges[discrepancy.rows].T[:, :, None]
+        for edge in edges[discrepancy.instants_of_cycle].T[:, :, None]
     ]
     if np.isfinite(reference_cycle.stick_edges).any():
         least_stick_edge = np.nanmin(np.abs(reference_cycle.stick_edges))
@@ -418,12 +431,12 @@ def tractions_of_coarse_mesh(
     the mesh's. `discrepancy` holds the tractions of result and reference.
     """
     is_near_edge = points_near_edges(discrepancy)
-    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
     spacing = _wider_spacing(discrepancy.x)
     largest_error = (
-        by_traction(*_LARGEST_ERROR_AT_EDGE)
+        factors_of_tractions(*_LARGEST_ERROR_AT_EDGE)
         * np.sqrt(2 * spacing / discrepancy.half_width)
         * discrepancy.traction_units
     )

@@ -22,7 +22,7 @@ from reports.scoring.discrepancy import (
     SHEAR,
     Discrepancy,
     Tractions,
-    by_traction,
+    factors_of_tractions,
     fraction_of_cycle,
 )
 from scenes import (
@@ -67,27 +67,27 @@ class Variant:
 
     Attributes
     ----------
-    stiffness, friction
+    modulus_factor, friction_factor
         factors of E* and f
     delay
         share of a period by which the tractions are late
     wrong_load
         the key of a bulk stress or tilt that is turned or left out
-    history
+    history_fault
         "first revolution", "no memory", "straight steps", "end of steps": what is done to the
         history of friction
-    small_body
+    share_of_block_curvatures
         share of the curvatures that two blocks of height `BLOCK_HEIGHT` a_ref add
-    soft_normal
+    relative_layer_compliance
         compliance of a layer that the faces sink into by p/k, 1/k over a_ref/E*; it acts on the
         pressure, and the shear stays that of theory
-    beta
+    dundurs_beta
         Dundurs' constant of the bodies
     takes_odd_part
         whether the part of the tractions that is odd in x is taken from the result
     has_nodal_forces
         whether tractions are nodal forces over the spacing
-    stretch, offset
+    x_stretch, x_offset
         x of the file is stretch x + offset a_ref
     pressure_factor, shear_factor
         of the tractions in the file
@@ -95,18 +95,18 @@ class Variant:
         whether pressure and shear are exchanged
     """
 
-    stiffness: float = 1.0
-    friction: float = 1.0
+    modulus_factor: float = 1.0
+    friction_factor: float = 1.0
     delay: float = 0.0
     wrong_load: str = ""
-    history: str = ""
-    small_body: float = 0.0
-    soft_normal: float = 0.0
-    beta: float = 0.0
+    history_fault: str = ""
+    share_of_block_curvatures: float = 0.0
+    relative_layer_compliance: float = 0.0
+    dundurs_beta: float = 0.0
     takes_odd_part: bool = False
     has_nodal_forces: bool = False
-    stretch: float = 1.0
-    offset: float = 0.0
+    x_stretch: float = 1.0
+    x_offset: float = 0.0
     pressure_factor: float = 1.0
     shear_factor: float = 1.0
     is_swapped: bool = False
@@ -119,13 +119,13 @@ class Predictions:
     discrepancy: Discrepancy
     tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
-    def tractions_of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
+    def tractions_of(self, variant: Variant, *, with_shear: bool = True) -> Tractions:
         """Pressure p and shear q, (2, k, n), at the points and instants of the result, if it had
         the faults of `variant`: a wrong modulus, a factor of the file's pressure, p and q swapped,
         and others (`Variant`).
 
-        Unless `sheared` q is the reference's: the pressure alone needs no history of friction, and
-        is solved in a tenth of the time.
+        Unless `with_shear` q is the reference's: the pressure alone needs no history of friction,
+        and is solved in a tenth of the time.
 
         Raises
         ------
@@ -137,23 +137,23 @@ class Predictions:
         solved_variant = replace(
             variant, pressure_factor=1.0, shear_factor=1.0, is_swapped=False, takes_odd_part=False
         )
-        needs_shear = sheared or variant.is_swapped
+        needs_shear = with_shear or variant.is_swapped
         if (solved_variant, needs_shear) not in self.tractions_by_variant:
             self.tractions_by_variant[solved_variant, needs_shear] = self._solved_tractions(
-                solved_variant, sheared=needs_shear
+                solved_variant, with_shear=needs_shear
             )
         tractions = self.tractions_by_variant[solved_variant, needs_shear]
         if variant.is_swapped:
             tractions = tractions[::-1]
-        tractions = by_traction(variant.pressure_factor, variant.shear_factor) * tractions
+        tractions = factors_of_tractions(variant.pressure_factor, variant.shear_factor) * tractions
         if variant.takes_odd_part:
             difference = self.discrepancy.result_tractions - tractions
-            tractions = tractions + self._odd_part(difference, variant.offset)
+            tractions = tractions + self._odd_part(difference, variant.x_offset)
         return tractions
 
     def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
         """Half of a difference (2, k, n) minus its mirror image about the centre of the contact, x
-        = `offset` a_ref.
+        = `x_offset` a_ref.
 
         Between like, symmetric bodies nothing is odd, whatever the loads and the history.
         """
@@ -162,93 +162,102 @@ class Predictions:
         mirrored = np.apply_along_axis(lambda row: np.interp(mirrored_x, x, row), 2, difference)
         return (difference - mirrored) / 2
 
-    def _solved_tractions(self, variant: Variant, *, sheared: bool) -> Tractions:
+    def _solved_tractions(self, variant: Variant, *, with_shear: bool) -> Tractions:
         """Tractions p and q of half-plane theory with some faults put in (`variant`, such as other
         times or a coarse mesh), (2, k, n), at the n points of a result and k instants. The points
         are shifted or stretched where that is among the faults.
 
         Where the reference is not theory itself its difference from theory is added. Without
-        `sheared` only the pressure is solved, and q is the reference's.
+        `with_shear` only the pressure is solved, and q is the reference's.
         """
         if variant == Variant():
             return self.discrepancy.reference_tractions
-        x = (self.discrepancy.x - variant.offset * self.discrepancy.half_width) / variant.stretch
+        x = (
+            self.discrepancy.x - variant.x_offset * self.discrepancy.half_width
+        ) / variant.x_stretch
         # nodal forces over lengths, in place of tractions at the points
         if variant.has_nodal_forces:
             fine_points, weights = _shape_functions(x)
-            tractions = self._tractions_of_theory(variant, fine_points, sheared=sheared) @ weights
+            tractions = (
+                self._tractions_of_theory(variant, fine_points, with_shear=with_shear) @ weights
+            )
         else:
-            tractions = self._tractions_of_theory(variant, x, sheared=sheared)
+            tractions = self._tractions_of_theory(variant, x, with_shear=with_shear)
         if not self.discrepancy.is_half_plane_theory:
-            theory = self._tractions_of_theory(Variant(), self.discrepancy.x, sheared=sheared)
+            theory = self._tractions_of_theory(Variant(), self.discrepancy.x, with_shear=with_shear)
             tractions = tractions + (
                 self.discrepancy.reference_tractions[: len(tractions)] - theory
             )
-        if not sheared:
+        if not with_shear:
             tractions = np.array([tractions[PRESSURE], self.discrepancy.reference_tractions[SHEAR]])
         return tractions
 
-    def _tractions_of_theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
+    def _tractions_of_theory(self, variant: Variant, x: Array, *, with_shear: bool) -> Tractions:
         """Pressure p of half-plane theory with some faults put in at points x (n,), and shear q if
-        `sheared`: (1 or 2, k, n) at k instants. `variant` holds the size of each fault: no memory
-        of friction, long load steps, small bodies, a soft normal contact, unlike materials
+        `with_shear`: (1 or 2, k, n) at k instants. `variant` holds the size of each fault: no
+        memory of friction, long load steps, small bodies, a soft normal contact, unlike materials
         (Dundurs' beta).
 
         Factors, swaps and offsets of the file are applied later.
         """
         discrepancy = self.discrepancy
-        scene = self._scene_of(variant)
-        time = self._times_of(variant, scene)
-        if variant.history == "no memory" and sheared:
+        scene = self._scene_with_faults(variant)
+        time = self._times_with_faults(variant, scene)
+        if variant.history_fault == "no memory" and with_shear:
             return _tractions_without_memory(scene, x, time)
-        if variant.history in ("straight steps", "end of steps") and sheared:
-            takes_ends = variant.history == "end of steps"
+        if variant.history_fault in ("straight steps", "end of steps") and with_shear:
+            takes_ends = variant.history_fault == "end of steps"
             return _tractions_by_long_steps(discrepancy, scene, x, takes_ends=takes_ends)
         effects = None
-        if variant.small_body < 0 or variant.soft_normal < 0:
+        if variant.share_of_block_curvatures < 0 or variant.relative_layer_compliance < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
-        if variant.small_body:
-            effects = _curvatures_of_blocks(discrepancy, scene, variant.small_body)
-        if not sheared:
+        if variant.share_of_block_curvatures:
+            effects = _curvatures_of_blocks(discrepancy, scene, variant.share_of_block_curvatures)
+        if not with_shear:
             layer_compliance = (
-                variant.soft_normal
+                variant.relative_layer_compliance
                 * discrepancy.half_width
                 / composite_modulus(discrepancy.scene.material)
             )
             return self._pressure(scene, x, time, effects, layer_compliance)[None]
         # faces that sink into each other: a soft layer changes the pressure alone
-        if variant.soft_normal:
-            pressure = self._tractions_of_theory(variant, x, sheared=False)[PRESSURE]
-            variant_without_layer = replace(variant, soft_normal=0.0)
+        if variant.relative_layer_compliance:
+            pressure = self._tractions_of_theory(variant, x, with_shear=False)[PRESSURE]
+            variant_without_layer = replace(variant, relative_layer_compliance=0.0)
             return np.array(
-                [pressure, self._tractions_of_theory(variant_without_layer, x, sheared=True)[SHEAR]]
+                [
+                    pressure,
+                    self._tractions_of_theory(variant_without_layer, x, with_shear=True)[SHEAR],
+                ]
             )
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
-        tractions = _tractions(scene, x, time, effects=effects)
-        if variant.beta:
-            loads, step_numbers = _fine_steps(scene, time)
-            tractions[SHEAR] += shear_by_coupling(scene, x, loads, step_numbers, variant.beta)
+        tractions = _tractions_of_scene(scene, x, time, effects=effects)
+        if variant.dundurs_beta:
+            loads, step_numbers = _fine_load_steps(scene, time)
+            tractions[SHEAR] += shear_by_coupling(
+                scene, x, loads, step_numbers, variant.dundurs_beta
+            )
         return tractions
 
-    def _scene_of(self, variant: Variant) -> Scene:
+    def _scene_with_faults(self, variant: Variant) -> Scene:
         """The scene with the variant's wrong load, modulus and friction."""
         scene = self.discrepancy.scene
         if variant.wrong_load:
             scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
-        if variant.stiffness != 1.0:
-            scene = scene_with_modulus_factor(scene, variant.stiffness)
-        if variant.friction != 1.0:
-            scene = scene_with_friction(scene, variant.friction * scene.friction.coefficient)
+        if variant.modulus_factor != 1.0:
+            scene = scene_with_modulus_factor(scene, variant.modulus_factor)
+        if variant.friction_factor != 1.0:
+            scene = scene_with_friction(scene, variant.friction_factor * scene.friction.coefficient)
         return scene
 
-    def _times_of(self, variant: Variant, scene: Scene) -> Array:
+    def _times_with_faults(self, variant: Variant, scene: Scene) -> Array:
         """Times of the load path whose tractions a result with the variant's faults has at its k
         instants: later by a delay, or in the first cycle in place of the steady one.
         """
         discrepancy = self.discrepancy
         path = scene.load.path()
-        if variant.history == "first revolution":
+        if variant.history_fault == "first revolution":
             assert path.period is not None
             fraction_in_cycle = np.where(
                 discrepancy.cycle_fraction > 1,
@@ -276,7 +285,9 @@ class Predictions:
         P alone.
         """
         if effects is not None or scene.load.is_driven or self.discrepancy.comparison.may_tilt:
-            return _tractions(scene, x, time, effects=effects, fields=("pressure",))[PRESSURE]
+            return _tractions_of_scene(scene, x, time, effects=effects, fields=("pressure",))[
+                PRESSURE
+            ]
         normal_load = np.asarray(scene.load.path().at(time)[0])
         contact = contact_of(scene.profile, scene.material)
         if layer_compliance:
@@ -304,7 +315,7 @@ def _shape_functions(nodes: Array) -> tuple[Array, Array]:
     return points, shape_values * lengths_of_points[:, None] / lengths_of_nodes
 
 
-def _tractions(
+def _tractions_of_scene(
     scene: Scene,
     x: Array,
     time: Array,
@@ -329,7 +340,7 @@ def _tractions(
     return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
 
-def _fine_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
+def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
     """Loads P and Q of fine steps along the load path, (n, 2), and for each of the times (k,) the
     number of its step. The steps go up to the end of the second cycle, in which times of a cycle
     are looked for, since it is steady.
@@ -411,7 +422,7 @@ def _tractions_by_long_steps(
     times = np.unique(times[times > path.start])
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not takes_ends:
-        return _tractions(scene, x, times, straight=True)[:, rows_of_instants]
+        return _tractions_of_scene(scene, x, times, straight=True)[:, rows_of_instants]
     polygon = [(0.0, 0.0)]
     polygon_times = []
     least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
@@ -426,7 +437,7 @@ def _tractions_by_long_steps(
                 polygon.append(vertex)
         polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a segment
     scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
-    return _tractions(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
+    return _tractions_of_scene(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
 
 
 # ---------------------------------------------------------------------------- changes of a scene

@@ -46,7 +46,7 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     """
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
-    with _Complaints() as complaints:
+    with _VtkComplaints() as complaints:
         grid = _read_grid(path)
     if complaints.text:
         raise ValueError(complaints.first)
@@ -147,14 +147,14 @@ def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
     return fields
 
 
-class _Complaints:
+class _VtkComplaints:
     """A context that records what VTK writes into its output window, errors and warnings: it reads
     on after many of them.
     """
 
     text = ""
 
-    def __enter__(self) -> _Complaints:
+    def __enter__(self) -> _VtkComplaints:
         from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
         self._window = vtkStringOutputWindow()
@@ -197,19 +197,19 @@ def _limit_process(most_bytes: int, seconds: int) -> None:
         resource.setrlimit(kind, (limit, limit))
 
 
-def _report(about: dict[str, Any]) -> None:
+def _write_to_stderr(about: dict[str, Any]) -> None:
     sys.stderr.write(f"{json.dumps(about)}\n")
     sys.stderr.flush()
 
 
-def numbered(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
+def numbered_arrays(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
     """Number and name -> array, of all files; see `arrays_of`."""
     for number, path in enumerate(paths):
-        _report({"file": number})
+        _write_to_stderr({"file": number})
         try:
             arrays = arrays_of(Path(path))
         except Exception as reason:  # noqa: BLE001 (whatever a broken file makes VTK raise)
-            _report({"file": number, "reason": f"{type(reason).__name__}: {reason}"})
+            _write_to_stderr({"file": number, "reason": f"{type(reason).__name__}: {reason}"})
             raise SystemExit(1) from None
         for name, array in arrays.items():
             yield f"{number}.{name}", array
@@ -224,7 +224,7 @@ def main() -> None:
 
     _limit_process(int(sys.argv[1]), int(sys.argv[2]))
     content = io.BytesIO()
-    np.savez(content, **dict(numbered(json.load(sys.stdin))))  # type: ignore[arg-type]
+    np.savez(content, **dict(numbered_arrays(json.load(sys.stdin))))  # type: ignore[arg-type]
     sys.stdout.buffer.write(content.getbuffer())
 
 

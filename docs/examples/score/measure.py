@@ -19,7 +19,7 @@ from typing import Any
 
 from reports.comparison.words import tolerance_in_words, value_in_words
 from reports.report import Report
-from reports.scoring.against import diagnosed, score_file
+from reports.scoring.against import report_with_diagnoses, score_file
 from reports.scoring.mapping import load_mapping
 from scenes import load_scene
 
@@ -61,7 +61,7 @@ def scored(example: Example) -> Report:
                 lzma.decompress(content) if packed else content
             )
         path = Path(name) / example.result_file.removesuffix(".xz")
-        return diagnosed(score_file(path, mapping, load_scene(SCENE)))
+        return report_with_diagnoses(score_file(path, mapping, load_scene(SCENE)))
 
 
 def numbers(report: Report) -> dict[str, Any]:

@@ -123,13 +123,13 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     bodies: the sentence of the advice, a table of what the bodies change, and a table of the
     causes.
     """
-    from reports.advising_by_numbers import sentence
+    from reports.advising_by_numbers import advice_in_words
     from reports.comparison.pairs import has_coupled_tractions
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
         """What the terminal shows."""
-        yield sentence(advice)
+        yield advice_in_words(advice)
         if advice.refusal_of_kernels:
             yield f"The kernel solve does not take this scene: {advice.refusal_of_kernels}"
         yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
@@ -143,7 +143,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
     def content() -> dict[str, Any]:
         return {
-            **_shared_content(advice, "corrected theory", sentence(advice)),
+            **_shared_content(advice, "corrected theory", advice_in_words(advice)),
             "parts": {cause: _pair(share) for cause, share in advice.parts.items()},
             "left_out": advice.neglected_part,
             "declined": "; ".join(
@@ -164,16 +164,16 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     The key "declined" of the JSON content is why corrected theory, which is quicker, does not
     answer.
     """
-    from reports.advising_by_kernels import sentence
+    from reports.advising_by_kernels import advice_in_words
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
-        yield sentence(advice)
+        yield advice_in_words(advice)
         yield _sheet_of_changes(advice.scene, advice.changes, "the kernel solve of the bodies")
 
     def content() -> dict[str, Any]:
         return {
-            **_shared_content(advice, "kernel solve", sentence(advice)),
+            **_shared_content(advice, "kernel solve", advice_in_words(advice)),
             "declined": advice.reason_for_kernels,
         }
 

@@ -798,10 +798,10 @@ def _pairs_of_runs(
     `evaluation` has the values of `fe_solution`, with which no change was made.
     """
     import halfplane_fe
-    from reports.comparison.budget import coarser_settings, settings_with_halved_steps
+    from reports.comparison.budget import coarser_mesh_and_settings, settings_with_halved_steps
 
     scene = question.scene
-    coarse_mesh, coarse_solver = coarser_settings(question.mesh, question.solver, 2.0)
+    coarse_mesh, coarse_solver = coarser_mesh_and_settings(question.mesh, question.solver, 2.0)
 
     def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
         """All values of the point with other settings."""
@@ -853,10 +853,12 @@ def _uncertainty_by_budget(
     values: Values = {}
     for name in evaluation.values:
         budget = budget_by_key.get(name)
-        values[f"{name}.idealisation"] = None if budget is None else budget.rest
+        values[f"{name}.idealisation"] = None if budget is None else budget.rest_of_error
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
             error_terms = budget.terms if budget else ()
-            reasons = [f"{term.name}: {term.how}" for term in error_terms if not term.is_measured]
+            reasons = [
+                f"{term.name}: {term.how_measured}" for term in error_terms if not term.is_measured
+            ]
             notes[f"{name}.uncertainty"] = "; ".join(reasons) or "the budget has no such metric"
     return values

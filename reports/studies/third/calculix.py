@@ -26,14 +26,14 @@ from halfplane_fe.scales import Scales
 from halfplane_fe.solution import versions
 from reports.charts.templating import words_of
 from reports.comparison import Comparison
-from reports.comparison.json_values import strict
+from reports.comparison.json_values import strict_json_values
 from reports.comparison.words import part_of_path, value_in_words
 from reports.console import Stages
 from reports.report import Report
 from reports.scoring.against import score_solution
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
-from reports.scoring.solution import contact_solution, theory_of_whole_path
+from reports.scoring.reading import read_result
+from reports.scoring.solution import solution_of_surface, theory_of_whole_path
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
 from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, read_only_copy
@@ -200,7 +200,10 @@ class ThirdSolver:
             "limits": _limits(deck),
             "notes": self._notes,
         }
-        return json.dumps(strict(content), allow_nan=False, indent=1, ensure_ascii=False) + "\n"
+        return (
+            json.dumps(strict_json_values(content), allow_nan=False, indent=1, ensure_ascii=False)
+            + "\n"
+        )
 
 
 def find_calculix() -> Path:
@@ -383,7 +386,7 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
     mapping = Mapping(
         code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
     )
-    surface = read(path, mapping)
+    surface = read_result(path, mapping)
     series_from_unloaded: dict[str, Any] = {}
     for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
         values = getattr(surface, name)
@@ -396,7 +399,7 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
         surface, **series_from_unloaded, time=read_only_copy(deck.time), source=source
     )
     theory_of_path = theory_of_whole_path(deck.scene)
-    return score_solution(*contact_solution(surface, mapping, theory_of_path), theory_of_path)
+    return score_solution(*solution_of_surface(surface, mapping, theory_of_path), theory_of_path)
 
 
 def _limits(deck: Deck) -> list[str]:

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import read
-from reports.studies.third.calculix import calculix_version, find_calculix, status
+from reports.scoring.reading import read_result
+from reports.studies.third.calculix import attempts_in, calculix_version, find_calculix
 from scenes import load_scene
 
 SCENE = "cattaneo-mindlin"
@@ -59,7 +59,7 @@ def main(deck: Path, folder: Path) -> None:
         subprocess.run([program, "-i", NAME], cwd=folder, env=alone, stdout=log, check=True)
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     scene = load_scene(SCENE)
-    surface = read(folder / f"{NAME}.frd", Mapping())
+    surface = read_result(folder / f"{NAME}.frd", Mapping())
     if surface.time is None:
         raise ValueError(f"{NAME}.frd states no times")
     is_on_path = np.abs(surface.x) < REACH
@@ -80,7 +80,7 @@ def main(deck: Path, folder: Path) -> None:
     words += "# Times of the scene's load path: the names of the columns count steps.\n"
     words += f"times = [{', '.join(f'{value:.7g}' for value in times)}]\n"
     (folder / "mapping.toml").write_text(words, encoding="utf-8")
-    accepted = sum(attempt.accepted for attempt in status(folder / f"{NAME}.sta"))
+    accepted = sum(attempt.accepted for attempt in attempts_in(folder / f"{NAME}.sta"))
     origin = {
         "code": f"CalculiX {calculix_version(program)}",
         "seconds": round(seconds, 1),
