@@ -34,10 +34,10 @@ from halfplane_fe.face_stress import (
     NodalTractions,
     SizeEffect,
     Tractions,
-    change_by_unseen_slip,
+    tension_change_by_unseen_slip,
     fitted_size_effect,
     sampled_tractions,
-    tension_of_nodes,
+    edge_tension_by_nodal_shear,
     tractions,
     tractions_with_uncertainty,
 )
@@ -71,7 +71,7 @@ _BLENDING_SHARE = 0.2
 # A body has room for the tractions' stress only if that distance over the half-width is larger.
 _LEAST_OUTER_DISTANCE = 1.5
 # Least distance of its sides and supports for that, over the half-width.
-_LEAST_ROOM = _LEAST_OUTER_DISTANCE / _SHARE_OF_DISTANCE_TO_SUPPORT
+_LEAST_SUPPORT_ROOM = _LEAST_OUTER_DISTANCE / _SHARE_OF_DISTANCE_TO_SUPPORT
 # Depth and distance over the half-width from which on elements are good for what the size of the
 # body adds.
 _ACCURATE_DEPTH = 0.15
@@ -84,9 +84,9 @@ _STEP_AT_KINK = 1e-3
 _N_SAMPLED_STEPS = 12
 # The same where the instants of the largest tension are looked for. Of an ellipse a spline through
 # six is 2 % of the amplitude off.
-_N_STEPS_OF_SEARCH = 6
+_N_SAMPLED_STEPS_OF_SEARCH = 6
 # Instants of a cycle among which the largest tension is looked for.
-_N_CANDIDATES = 40
+_N_CANDIDATE_STEPS = 40
 # Of a tension: two ways to sum one series differ by less.
 _ROUND_OFF = 1e-9
 # Tension by fitted edges over that by nodal values, at most: 0.9 to 1.13 on coarse meshes of the
@@ -94,7 +94,7 @@ _ROUND_OFF = 1e-9
 _LARGEST_RATIO_TO_NODAL = 1.3
 # Share of what new contact may change that it does change where one of its nodes shows the shear:
 # 0.15 at most on seed 250 of benchmarks/covered.py values, default preset.
-_SHOWN_BY_A_NODE = 0.25
+_SHARE_SHOWN_BY_A_NODE = 0.25
 # Angles over the contact at which tractions meet the kernels of a body, which are smooth.
 _N_ANGLES = 128
 # How far an instant may lie outside the solved time by rounding.
@@ -208,7 +208,7 @@ def _fields_of_bodies(
     """
     tension, tension_uncertainty = edge_tension(solution, steps)
     tractions_at_steps = [
-        tractions_with_uncertainty(_nodal_tractions(solution, step)).series for step in steps
+        tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
     bodies = []
     for body_number, name in enumerate(_BODY_NAMES):
@@ -359,7 +359,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         [_tension_change_by_new_contact(solution, step) for step in steps]
     )
     uncertainties = tension.uncertainties + change_by_new_contact.reshape(-1, 1, 2)
-    return tension.values, np.maximum(uncertainties, tension.change_by_unseen_slip)
+    return tension.values, np.maximum(uncertainties, tension.tension_change_by_unseen_slip)
 
 
 def _has_data_of_size_effect(solution: ContactSolution) -> bool:
@@ -415,7 +415,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     jump_of_ratio = np.abs(q_over_p[-1] - ratio_before)
     pressure_at_width = pressure * np.sqrt(strip_widths / depths_of_rim)
     depths_of_outermost = np.abs(nodal_tractions.x[[0, -1]] - solution.contact_edges[step])
-    share_of_jump = np.where(strip_widths < depths_of_outermost, 1.0, _SHOWN_BY_A_NODE)
+    share_of_jump = np.where(strip_widths < depths_of_outermost, 1.0, _SHARE_SHOWN_BY_A_NODE)
     share_of_jump[strip_widths >= depths_of_rim] = 0.0
     tension_changes = share_of_jump * 4 / np.pi * jump_of_ratio * pressure_at_width
     return np.asarray(tension_changes.max(axis=0))
@@ -435,7 +435,7 @@ class _EdgeTension(NamedTuple):
 
     values: Array
     uncertainties: Array
-    change_by_unseen_slip: Array
+    tension_change_by_unseen_slip: Array
 
 
 def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
@@ -454,15 +454,15 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
-    changes_by_unseen_slip = np.zeros((len(steps), 2, 2))
+    tension_changes_by_unseen_slip = np.zeros((len(steps), 2, 2))
     tractions_in_contact: dict[int, Tractions] = {}  # by position in `steps`
     for k, step in enumerate(steps):
-        step_tractions = tractions_with_uncertainty(_nodal_tractions(solution, step))
-        if step_tractions.series is not None:
-            tractions_in_contact[k] = step_tractions.series
-            values[k] = np.outer([1.0, -1.0], step_tractions.series.edge_tension())
-            uncertainties[k] = step_tractions.tension_uncertainty
-            changes_by_unseen_slip[k] = step_tractions.change_by_unseen_slip
+        fit_of_step = tractions_with_uncertainty(_nodal_tractions(solution, step))
+        if fit_of_step.tractions is not None:
+            tractions_in_contact[k] = fit_of_step.tractions
+            values[k] = np.outer([1.0, -1.0], fit_of_step.tractions.edge_tension())
+            uncertainties[k] = fit_of_step.tension_uncertainty
+            tension_changes_by_unseen_slip[k] = fit_of_step.tension_change_by_unseen_slip
         elif solution.normal_load[step] > 0:
             values[k] = math.nan
             uncertainties[k] = math.nan
@@ -473,7 +473,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         )
         values[positions] += added_tension
         uncertainties[positions] += added_uncertainty[:, None]
-    return _EdgeTension(values, uncertainties, changes_by_unseen_slip)
+    return _EdgeTension(values, uncertainties, tension_changes_by_unseen_slip)
 
 
 def _added_edge_tension(
@@ -495,7 +495,8 @@ def _added_edge_tension(
     -------
     values, uncertainties
         (n_steps, 2, 2) by body and edge, and (2,) by body [stress]; NaN for a body of finite size
-        of which there is neither a fit beside the contact nor kernels
+        of which there is neither a fit beside the contact nor kernels (displacements of its face
+        by unit forces, minus those of a half-plane)
     """
     bodies = solution.scene.bodies
     material = solution.scene.material
@@ -524,7 +525,7 @@ def _added_edge_tension(
         if body_number == 0:
             size_fit_of_lower = size_fit
         tractions_on_body = [
-            _on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
+            _tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
         ]
         if size_fit is not None:
             # the fit has the bulk stress in it, as the elements have
@@ -550,23 +551,25 @@ def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> 
     that were asked for are kept. Bodies that mirror each other have those of the lower one.
     """
     scene = solution.scene
-    reach = float(np.abs(solution.x).max())
-    return _flat_body_kernels(scene, 0 if shapes_alike(scene) else body_number, reach)
+    largest_x = float(np.abs(solution.x).max())
+    return _flat_body_kernels(scene, 0 if shapes_alike(scene) else body_number, largest_x)
 
 
 @lru_cache(maxsize=2)
-def _flat_body_kernels(scene: Scene, body_number: int, reach: float) -> BodyKernels | None:
-    """Kernels of the lower (0) or upper (1) body over |x| <= `reach` [length]: what its finite size
-    adds to the displacement of its face by unit forces.
+def _flat_body_kernels(scene: Scene, body_number: int, largest_x: float) -> BodyKernels | None:
+    """Kernels of the lower (0) or upper (1) body over |x| <= `largest_x` [length]: what its finite
+    size adds to the displacement of its face by unit forces.
 
     None where no kernels are derived: for a curved face, a path with bulk stress, free sides on
     rollers, or a body so thin that the kernels need a polynomial of too high a degree.
     """
     name = _BODY_NAMES[body_number]
-    datum_length = max(scene.profile.datum_length, reach)
+    # Distance from a force at which a half-plane's surface has no displacement.
+    datum_length = max(scene.profile.datum_length, largest_x)
+    work_counts: Counter[str] = Counter()  # not reported
     try:
         require_known_effects(name, getattr(scene.bodies, name), scene)
-        return body_kernels(scene, name, reach, datum_length, Counter())
+        return body_kernels(scene, name, largest_x, datum_length, work_counts)
     except InputError:
         return None
 
@@ -705,7 +708,7 @@ def _size_fit(
     if near_contact is None or near_contact.size_effect is None:
         return None
     predictors = _predictors(
-        [_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
+        [_tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
         bulk_stress,
     )
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
@@ -788,10 +791,10 @@ def stress(
         )
     bulk_stress = _bulk_stress(solution, steps, body_number)
     tractions_at_steps = [
-        tractions_with_uncertainty(_nodal_tractions(solution, step)).series for step in steps
+        tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
     tractions_on_body = [
-        None if step_tractions is None else _on_body(step_tractions, body_number)
+        None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
         for step_tractions in tractions_at_steps
     ]
     stress = np.zeros((len(steps), len(x_places), 4))
@@ -879,27 +882,29 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
     candidate, body_number, edge_number = (int(index) for index in largest_index)
-    series_uncertainty = tractions_with_uncertainty(
+    fit_uncertainty = tractions_with_uncertainty(
         nodal_tractions_at_steps[candidate]
     ).tension_uncertainty
-    unseen_change = np.array(
+    tension_change_unseen = np.array(
         [
-            change_by_unseen_slip(nodal_tractions, step_tractions)
+            tension_change_by_unseen_slip(nodal_tractions, step_tractions)
             for nodal_tractions, step_tractions in zip(
                 nodal_tractions_at_steps, tractions_at_steps, strict=True
             )
         ]
     )
-    seen = np.where(unseen_change[:, None, :] > 0, -math.inf, values)
-    largest = float(values[candidate, body_number, edge_number])
-    by_unseen_slip = min(
-        float(unseen_change[candidate, edge_number]), largest - max(float(seen.max()), 0.0)
+    values_without_unseen_slip = np.where(tension_change_unseen[:, None, :] > 0, -math.inf, values)
+    largest_tension = float(values[candidate, body_number, edge_number])
+    tension_before_reversal = max(float(values_without_unseen_slip.max()), 0.0)
+    uncertainty_by_unseen_slip = min(
+        float(tension_change_unseen[candidate, edge_number]),
+        largest_tension - tension_before_reversal,
     )
     edges = tractions_at_steps[candidate].edges
     return LargestTension(
-        value=largest,
-        uncertainty=float(series_uncertainty[edge_number] + added_uncertainty[body_number])
-        + by_unseen_slip,
+        value=largest_tension,
+        uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
+        + uncertainty_by_unseen_slip,
         time=float(solution.time[steps[candidate]]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
@@ -926,7 +931,7 @@ def why_tension_is_unknown(solution: ContactSolution) -> str | None:
         if _kernels_of_thin_body(solution, body_number) is None:
             reason = _why_no_kernels(shape, solution.scene)
             return (
-                f"the {name} body ends within {_LEAST_ROOM:.2g} half-widths of the contact's middle"
+                f"the {name} body ends within {_LEAST_SUPPORT_ROOM:.2g} half-widths of the contact's middle"
                 f" and {reason}"
             )
     return None
@@ -957,13 +962,13 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     cycle = [int(step) for step in solution.last_cycle]
     nodal_tractions = {step: _nodal_tractions(solution, step) for step in cycle}
     nodal_tension = {
-        step: tension_of_nodes(nodal)
-        for step, nodal in nodal_tractions.items()
-        if len(nodal.x) >= FEWEST_NODES
+        step: edge_tension_by_nodal_shear(tractions_of_step)
+        for step, tractions_of_step in nodal_tractions.items()
+        if len(tractions_of_step.x) >= FEWEST_NODES
     }
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
-    n_candidates = 1 if is_exact else _N_CANDIDATES
+    n_candidates = 1 if is_exact else _N_CANDIDATE_STEPS
     if len(nodal_tension) <= n_candidates:
         return list(nodal_tension)
     added_tension = dict.fromkeys(nodal_tension, np.zeros((2, 2)))
@@ -999,7 +1004,7 @@ def _interpolated_added_tension(
     `nodal_tractions` maps the index of a stored step to the tractions at its nodes.
     """
     steps = list(nodal_tractions)
-    evenly_spread = np.linspace(0, len(steps) - 1, _N_STEPS_OF_SEARCH).round().astype(int)
+    evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS_OF_SEARCH).round().astype(int)
     sampled_steps = [steps[k] for k in evenly_spread]
     tractions_at_steps = [tractions(nodal_tractions[step]) for step in sampled_steps]
     sampled_tensions, _ = _added_edge_tension(solution, sampled_steps, tractions_at_steps)
@@ -1021,7 +1026,8 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     """Pressure and shear at the touching nodes of a solution at a stored step, with what a fit of
     sine series needs: edges of stick and contact, friction, Q, kinks of the profile.
 
-    Real bodies and unlike materials count.
+    Q is the load, or on curved faces the resultant of the nodal shear, as p carries a part of Q
+    there. Also whether a body is of finite size, and whether the materials differ.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -1209,7 +1215,7 @@ def _near_contact(
     x = x_of_mesh[nodes]
     y = y_below_face[nodes]
     tractions_on_body = [
-        None if step_tractions is None else _on_body(step_tractions, body_number)
+        None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
         for step_tractions in tractions_at_steps
     ]
     size_effect = None
@@ -1240,7 +1246,7 @@ def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
     return largest_distance
 
 
-def _on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
+def _tractions_on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
     """Tractions on the lower (0) or upper (1) body in its own frame, from those on the lower."""
     return replace(tractions_on_lower, shear=_sign_of_y(body_number) * tractions_on_lower.shear)
 
@@ -1351,7 +1357,8 @@ def _nodal_stress(
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
     stress_at_element_nodes = (
-        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _extrapolation_to_nodes(basis, condensed_body.order).T
+        np.stack((s_xx, s_yy, s_xy, s_zz))
+        @ _matrix_of_extrapolation_to_nodes(basis, condensed_body.order).T
     )
     element_areas = basis.dx.sum(axis=1)[:, None]
     cells = cells_of(basis.mesh, condensed_body.order).ravel()
@@ -1367,7 +1374,7 @@ def _nodal_stress(
     )
 
 
-def _extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
+def _matrix_of_extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
     """Matrix (n_nodes, n_quadrature) that extrapolates values at the quadrature points of an
     element to its nodes, by the polynomial that fits them best in least squares.
 

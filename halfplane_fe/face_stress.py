@@ -23,7 +23,7 @@ the face and beside the contact.
 The mesh distorts p at the outermost three nodes on each side. There p comes from a fit of p^2 to
 the nodes further inside, since p^2 grows in proportion to the distance from a smooth edge; the edge
 of contact is where this fit is 0. At jumps of the profile's curvature the slope of p is infinite: p
-over a function with the same slope (`_pressure_form`) is what is fitted. The mesh error alternates
+over a function with the same slope (`_pressure_shape`) is what is fitted. The mesh error alternates
 between corners and mid-side nodes and dies out: a term of that form is fitted with the polynomial
 of p^2, and left out. In the slip zones q = +-f p.
 
@@ -58,7 +58,7 @@ _USUAL_FITTED_NODES = 16
 _MOST_FITTED_NODES = 100
 # Least uncertainty of the tension over f p0 and sqrt(r), r the spacing of the nodes over the
 # half-width: the error of single nodes that is left where all fits agree by chance.
-_LEAST_ERROR = 0.002
+_LEAST_TENSION_ERROR = 0.002
 # Degree of the polynomial of p^2, by the fewest nodes that are fitted with it. On 11 profiles and
 # elements of a/160 the tension has an error of 1e-3 at most with the fourth degree; x^5.3 has 2e-2
 # with a parabola. Where fewer nodes are fitted, higher degrees follow the error of single ones.
@@ -114,7 +114,7 @@ _OTHER_FITS = (
 )
 # Fit to the usual number of nodes, also where its residual is so large that fewer are fitted: it
 # has the larger error there.
-_FIT_WITHOUT_LIMIT = EdgeFit(largest_residual=math.inf)
+_FIT_WHATEVER_RESIDUAL = EdgeFit(largest_residual=math.inf)
 # Error of the tension over the mean of its changes by the other fits, in which a single poor fit
 # does not prevail: with the other terms it covers 98 of 100 on seeds 321, 286 and 401 to 403 of
 # benchmarks/covered.py values, both presets.
@@ -126,19 +126,19 @@ _FACTOR_OF_OTHER_FITS_OF_TABLE = 3.6
 _FACTOR_OF_MISSING_SHEAR = 1.1
 # Slip zones of so many nodes at most are narrow: there the tension follows the place of the stick
 # edge, which is moved by this many distances of nodes.
-_NODES_OF_NARROW_ZONE = 6
-_STICK_EDGE_MOVED = 0.15
+_MOST_NODES_OF_NARROW_ZONE = 6
+_STICK_EDGE_SHIFT_IN_SPACINGS = 0.15
 # Change of the tension by slip as narrow as the outermost nodes, over its largest possible value.
-_SHARE_OF_UNSEEN_SLIP = 0.7
+_COUNTED_SHARE_OF_UNSEEN_SLIP = 0.7
 # Relative error of the tension, times the number of nodes in contact, where these are too few to
 # find the edges.
-_ERROR_BY_FEW_NODES = 2.0
+_RELATIVE_ERROR_TIMES_NODES = 2.0
 # Relative error of the tension over the spacing of the nodes over the half-width, of real bodies:
 # their size bends p and q at the edges. Layers, blocks, pads and cylinders, seeds 284 to 286 of
 # benchmarks/covered.py bodies, coarse: up to 0.37; the other terms cover a part.
-_ERROR_BY_SIZE = 0.22
+_RELATIVE_ERROR_PER_SPACING_OF_REAL_BODIES = 0.22
 # The same of unlike materials: 3e-3 to 2e-2 of the tension on seeds 241 and 243, coarse.
-_ERROR_BY_UNLIKE_MATERIALS = 1.05
+_RELATIVE_ERROR_PER_SPACING_OF_UNLIKE_MATERIALS = 1.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,11 +219,11 @@ class Tractions:
         # From above the cut of the root, so that the face counts as inside the body; |w| <= 1.
         root = np.sqrt(v - 1) * np.sqrt(v + 1)
         w = v - root
-        A, B, *derivative_sums = _power_sums(np.stack([self.pressure, self.shear]), w)
+        A, B, w_slope_A, w_slope_B = _power_sums(np.stack([self.pressure, self.shear]), w)
         with np.errstate(divide="ignore", invalid="ignore"):
-            # dw/dz = w/(h root)
+            # y dA/dz = y (w dA/dw)/(h root), since dw/dz = w/(h root)
             y_slope_A, y_slope_B = np.where(
-                y == 0, 0.0, y * np.array(derivative_sums) / (self.half_width * root)
+                y == 0, 0.0, y * np.array([w_slope_A, w_slope_B]) / (self.half_width * root)
             )
         D = y_slope_A.real - y_slope_B.imag
         s_xx = A.imag + 2 * B.real + D
@@ -236,8 +236,8 @@ def _power_sums(series: Array, w: Complex) -> Complex:
     """Sums of two power series and w times their derivatives at n complex points, (4, n): sum A_k
     w^k, sum B_k w^k, sum k A_k w^k and sum k B_k w^k over k = 1, 2, ....
 
-    Horner's rule, at each point from the last term that is not negligible there. Points are sorted
-    by their number of terms, longest first, so that the points with a term k are the first ones.
+    Horner's rule, at each point from the last k whose |w|^k is not negligible. Points are sorted by
+    their number of terms, longest first, so that the points with a term k are the first ones.
 
     Parameters
     ----------
@@ -256,9 +256,9 @@ def _power_sums(series: Array, w: Complex) -> Complex:
     w_longest_first = w[longest_first]
     coefficients = np.concatenate([series, exponents * series])
     partial_sums = np.zeros((4, len(w)), dtype=complex)
-    points_with_term = np.searchsorted(-terms_needed, -exponents, side="right")
+    n_points_with_term = np.searchsorted(-terms_needed, -exponents, side="right")
     for k in range(int(terms_needed.max(initial=0)), 0, -1):
-        n_points = points_with_term[k - 1]
+        n_points = n_points_with_term[k - 1]
         partial_sums[:, :n_points] += coefficients[:, k - 1, None]
         partial_sums[:, :n_points] *= w_longest_first[:n_points]
     sums = np.empty_like(partial_sums)
@@ -307,13 +307,13 @@ class NodalTractions:
     has_real_bodies: bool = False
     has_unlike_materials: bool = False
 
-    def has_slip_zones(self, n_nodes: int) -> bool:
-        """Whether there is a stick zone between two slip zones of at least `n_nodes` nodes each."""
+    def has_slip_zones(self, *, of_nodes: int) -> bool:
+        """Whether there is a stick zone between two slip zones of at least so many nodes each."""
         return (
-            len(self.x) > n_nodes
+            len(self.x) > of_nodes
             and math.isfinite(self.stick_edges[0])
-            and self.stick_edges[0] > self.x[n_nodes - 1]
-            and self.stick_edges[1] < self.x[-n_nodes]
+            and self.stick_edges[0] > self.x[of_nodes - 1]
+            and self.stick_edges[1] < self.x[-of_nodes]
         )
 
 
@@ -366,7 +366,7 @@ class SampledTractions:
         tangent = np.tan(self.theta / 2)
         return 2 / len(shear) * np.array([np.sum(shear / tangent), -np.sum(shear * tangent)])
 
-    def series(self) -> Tractions:
+    def sine_series(self) -> Tractions:
         """Pressure and shear, with the missing part, as sine series."""
         return Tractions(
             self.edges,
@@ -381,7 +381,7 @@ def tractions(nodal_tractions: NodalTractions) -> Tractions:
     """Sine series of pressure and shear across the contact, from their values at the nodes that
     touch, by the usual fit of the edges.
     """
-    return sampled_tractions(nodal_tractions).series()
+    return sampled_tractions(nodal_tractions).sine_series()
 
 
 def sampled_tractions(
@@ -392,8 +392,9 @@ def sampled_tractions(
 
     At n angles theta, x = m - h cos(theta). The edges of contact are where p^2, fitted inside the
     outermost nodes, is zero. Where either edge has no such fit, both are those that the solution
-    states, and no node is left out. What the smooth shear lacks of the load Q is returned apart, as
-    a shear traction at the stick edges.
+    states, and no node is left out. Before the fit p is divided by a function with the same steep
+    slopes at kinks of the profile (`_pressure_shape`). What the smooth shear lacks of the load Q is
+    returned apart, as a shear traction at the stick edges.
 
     # notation: m middle, h half-width of the contact
 
@@ -408,13 +409,14 @@ def sampled_tractions(
         slope, where the whole contact sticks or slips
     """
     x = nodal_tractions.x
-    pressure_form = _pressure_form(nodal_tractions)
-    p_over_form = nodal_tractions.pressure / pressure_form(x)
-    fitted_edges = _fitted_edges(x, p_over_form, fit)
+    pressure_shape = _pressure_shape(nodal_tractions)
+    p_over_shape = nodal_tractions.pressure / pressure_shape(x)
+    fitted_edges = _fitted_edges(x, p_over_shape, fit)
     if fitted_edges is None:
         edges = nodal_tractions.contact_edges
         nodes_left_out = 0
     else:
+        # The right edge is found as the left one of p(-x).
         edges = (fitted_edges[0].edge, -fitted_edges[1].edge)
         nodes_left_out = fit.nodes_left_out
     middle = (edges[0] + edges[1]) / 2
@@ -427,23 +429,24 @@ def sampled_tractions(
 
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
     inner_x = x[inner_nodes]
-    inner_p_over_form = p_over_form[inner_nodes]
+    inner_p_over_shape = p_over_shape[inner_nodes]
     is_in_contact = np.abs(inner_x - middle) < half_width
     node_angles = np.arccos((middle - inner_x[is_in_contact]) / half_width)
     # p/sin(theta) is finite at the edges of a smooth profile.
     p_over_sine = np.interp(
-        theta, node_angles, inner_p_over_form[is_in_contact] / np.sin(node_angles)
+        theta, node_angles, inner_p_over_shape[is_in_contact] / np.sin(node_angles)
     )
     pressure = p_over_sine * sine
     if fitted_edges is not None:
         # Outside the outermost fitted node p is the root of the fitted p^2.
         for side, fitted_edge in zip((1.0, -1.0), fitted_edges, strict=True):
-            is_outside = side * places < fitted_edge.outermost_x
+            is_outside = side * places < fitted_edge.outermost_node_x
             squared_p = np.polyval(
-                fitted_edge.squared_pressure, side * places[is_outside] - fitted_edge.outermost_x
+                fitted_edge.squared_pressure_coefficients,
+                side * places[is_outside] - fitted_edge.outermost_node_x,
             )
             pressure[is_outside] = np.sqrt(np.maximum(squared_p, 0.0))
-    pressure = pressure * pressure_form(places)
+    pressure = pressure * pressure_shape(places)
 
     shear = _smooth_shear(places, pressure, nodal_tractions, nodes_left_out, constant_ratio)
     lengths = sine * half_width * math.pi / n_angles  # of the face, for each angle
@@ -454,7 +457,7 @@ def sampled_tractions(
     )
 
 
-def tension_of_nodes(nodal_tractions: NodalTractions) -> float:
+def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
     """Quick estimate, to a tenth, of the larger tension |s_xx| at the two edges of contact, by the
     shear q at the nodes [stress].
 
@@ -487,18 +490,18 @@ class TractionsAndUncertainty(NamedTuple):
 
     Attributes
     ----------
-    series
+    tractions
         pressure and shear; None where fewer than three nodes touch
     tension_uncertainty
         (2,) uncertainty of the tension s_xx at the left and right edge, by the fit [stress]
-    change_by_unseen_slip
+    tension_change_by_unseen_slip
         (2,) change of this tension by a slip zone just after a load has turned, so narrow that no
         node lies in it [stress]
     """
 
-    series: Tractions | None
+    tractions: Tractions | None
     tension_uncertainty: Array
-    change_by_unseen_slip: Array
+    tension_change_by_unseen_slip: Array
 
 
 def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndUncertainty:
@@ -509,14 +512,15 @@ def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndU
     """
     if len(nodal_tractions.x) < FEWEST_NODES:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
-    series = tractions(nodal_tractions)
-    uncertainty = _tension_uncertainty(nodal_tractions, series)
+    usual_tractions = tractions(nodal_tractions)
     return TractionsAndUncertainty(
-        series, uncertainty, change_by_unseen_slip(nodal_tractions, series)
+        usual_tractions,
+        _tension_uncertainty(nodal_tractions, usual_tractions),
+        tension_change_by_unseen_slip(nodal_tractions, usual_tractions),
     )
 
 
-def _tension_uncertainty(nodal_tractions: NodalTractions, series: Tractions) -> Array:
+def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tractions) -> Array:
     """Uncertainty of the tension s_xx at both edges of contact, (2,) [stress]: how much other fits
     of the same nodal values change it.
 
@@ -529,14 +533,14 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, series: Tractions) -> 
     - the change by a ratio q/p that stays constant near the edges.
 
     Added are the mesh error of bodies of finite size, the change by other stick edges where slip
-    zones are narrow, and a multiple of the tension by the shear that the fit lacked. `series` are
-    the tractions by the usual fit.
+    zones are narrow, and a multiple of the tension by the shear that the fit lacked.
+    `usual_tractions` are those by the usual fit; p0 is the largest nodal pressure.
     """
-    tension = series.edge_tension()
+    tension = usual_tractions.edge_tension()
     spacing = float(np.median(np.diff(nodal_tractions.x)))
-    spacing_ratio = spacing / series.half_width
-    largest_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
-    least_uncertainty = _LEAST_ERROR * math.sqrt(spacing_ratio) * largest_limit
+    spacing_ratio = spacing / usual_tractions.half_width
+    largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
+    least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
     factor_of_other_fits = (
         _FACTOR_OF_OTHER_FITS_OF_TABLE
         if nodal_tractions.has_tabulated_profile
@@ -547,30 +551,34 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, series: Tractions) -> 
     ]
     by_other_fits = factor_of_other_fits * np.mean(np.abs(changes), axis=0)
     uncertainty = least_uncertainty + by_other_fits
-    if series.has_unfitted_edges:
+    if usual_tractions.has_unfitted_edges:
         uncertainty = np.maximum(
-            uncertainty, _ERROR_BY_FEW_NODES / len(nodal_tractions.x) * np.abs(tension)
+            uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
         )
-    fitted_without_limit = sampled_tractions(nodal_tractions, _FIT_WITHOUT_LIMIT)
+    fitted_without_limit = sampled_tractions(nodal_tractions, _FIT_WHATEVER_RESIDUAL)
     change_by_limit = np.abs(fitted_without_limit.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, change_by_limit)
     with_constant_ratio = sampled_tractions(nodal_tractions, constant_ratio=True)
     change_by_ratio = np.abs(with_constant_ratio.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, change_by_ratio)
-    error_by_bodies = 0.0
+    relative_error_per_spacing = 0.0
     if nodal_tractions.has_unlike_materials:
-        error_by_bodies = _ERROR_BY_UNLIKE_MATERIALS
+        relative_error_per_spacing = _RELATIVE_ERROR_PER_SPACING_OF_UNLIKE_MATERIALS
     elif nodal_tractions.has_real_bodies:
-        error_by_bodies = _ERROR_BY_SIZE
-    uncertainty += error_by_bodies * spacing_ratio * float(np.max(np.abs(tension)))
-    if nodal_tractions.has_slip_zones(1) and not nodal_tractions.has_slip_zones(
-        _NODES_OF_NARROW_ZONE + 1
-    ):
-        uncertainty += _change_by_stick_edges(nodal_tractions, _STICK_EDGE_MOVED * spacing, tension)
-    return uncertainty + _FACTOR_OF_MISSING_SHEAR * series.tension_by_missing_shear
+        relative_error_per_spacing = _RELATIVE_ERROR_PER_SPACING_OF_REAL_BODIES
+    uncertainty += relative_error_per_spacing * spacing_ratio * float(np.max(np.abs(tension)))
+    has_slip_zones = nodal_tractions.has_slip_zones(of_nodes=1)
+    has_wide_slip_zones = nodal_tractions.has_slip_zones(of_nodes=_MOST_NODES_OF_NARROW_ZONE + 1)
+    if has_slip_zones and not has_wide_slip_zones:
+        uncertainty += _tension_change_by_moved_stick_edges(
+            nodal_tractions, _STICK_EDGE_SHIFT_IN_SPACINGS * spacing, tension
+        )
+    return uncertainty + _FACTOR_OF_MISSING_SHEAR * usual_tractions.tension_by_missing_shear
 
 
-def change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) -> Array:
+def tension_change_by_unseen_slip(
+    nodal_tractions: NodalTractions, smooth_tractions: Tractions
+) -> Array:
     """Change of the tension s_xx at both edges, (2,) [stress], by a slip zone so narrow that no
     node lies in it, as there is one just after a load has turned.
 
@@ -578,7 +586,7 @@ def change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) ->
     pressure at the first node inside the distorted outermost ones. A share of this counts. Zero
     where P grows in full stick, in full slip, and where nodes slip on both sides: unless the
     outermost node of a side has shear of the other sign than its slip zone, which slip that has
-    just turned may have brought.
+    just turned may have brought. `smooth_tractions` give the edges of contact.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the zone of
     # the distorted nodes
@@ -589,20 +597,20 @@ def change_by_unseen_slip(nodal_tractions: NodalTractions, series: Tractions) ->
     x = nodal_tractions.x
     pressure = nodal_tractions.pressure
     may_slip_unseen = np.array([True, True])
-    if nodal_tractions.has_slip_zones(1):
+    if nodal_tractions.has_slip_zones(of_nodes=1):
         shear = nodal_tractions.shear
         shear_of_zones = np.array([shear[x < left_stick].sum(), shear[x > right_stick].sum()])
         may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
     inner_node = min(N_DISTORTED_NODES, len(x) // 2)
     distances_inside = np.array(
-        [x[inner_node] - series.edges[0], series.edges[1] - x[-1 - inner_node]]
+        [x[inner_node] - smooth_tractions.edges[0], smooth_tractions.edges[1] - x[-1 - inner_node]]
     )
     inner_pressures = np.array([pressure[inner_node], pressure[-1 - inner_node]])
-    factor = _SHARE_OF_UNSEEN_SLIP * 8 / math.pi * nodal_tractions.friction
+    factor = _COUNTED_SHARE_OF_UNSEEN_SLIP * 8 / math.pi * nodal_tractions.friction
     return np.asarray(factor * inner_pressures * (may_slip_unseen & (distances_inside > 0)))
 
 
-def _change_by_stick_edges(
+def _tension_change_by_moved_stick_edges(
     nodal_tractions: NodalTractions, distance: float, tension: Array
 ) -> Array:
     """Change of the tension s_xx at both edges of contact, (2,) [stress], if both stick edges lay a
@@ -645,19 +653,19 @@ def _sine_series(values: Array) -> Array:
     return coefficients
 
 
-def _pressure_form(nodal_tractions: NodalTractions) -> Callable[[Array], Array]:
+def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]:
     """Function of x, (n,) -> (n,), that p is divided by before a fit: it has the infinite slopes
     that the pressure p has at jumps of the profile's curvature. Without jumps it is 1 everywhere.
 
-    With a jump k of h'' at x = b, the slope of p is infinite there:
+    With a jump k of h'' at x = m + a b, b > 0, the slope of p is infinite there:
 
-        p = E* k/(2 pi) [phi R + (x - b) ln |...|] + R (smooth part),   R = sqrt((x - l) (r - x))
+        p = E* k/(2 pi) a [R arccos b + (t - b) ln |(1 - b t + R B)/(t - b)|] + R (smooth part),
+        t = (x - m)/a,   R = sqrt(1 - t^2),   B = sqrt(1 - b^2)
 
-    The function is p/R with the smooth part taken as constant, its mean over the nodes. Where this
-    is not positive at every node, the function is 1.
+    The function is p/(a R) with the smooth part taken as constant, its mean over the nodes. Where
+    this is not positive at every node, the function is 1.
 
-    # notation: h profile, l, r edges of contact, m its middle, a its half-width,
-    # cos(phi) = (b - m)/a
+    # notation: h profile, m middle of the contact, a its half-width
 
     Source: Muskhelishvili's integral of h' = k max(x - b, 0) over R.
     """
@@ -679,7 +687,7 @@ def _pressure_form(nodal_tractions: NodalTractions) -> Callable[[Array], Array]:
         u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
         root = np.sqrt(1 - u**2)
         pressure_over_root = np.zeros_like(u)
-        for place, jump in inner_jumps.tolist():
+        for place, modulus_times_jump in inner_jumps.tolist():
             # A jump on the left is the mirror image of one on the right, of opposite sign.
             side = 1.0 if place > middle else -1.0
             b = side * (place - middle) / half_width
@@ -689,7 +697,7 @@ def _pressure_form(nodal_tractions: NodalTractions) -> Callable[[Array], Array]:
             logarithm = np.log(np.abs((1 - b * t + root * root_at_b) / distance_from_jump))
             logarithm[t == b] = 0.0
             pressure_of_unit_jump = math.acos(b) + (t - b) * logarithm / root
-            pressure_over_root += side * jump / (2 * math.pi) * pressure_of_unit_jump
+            pressure_over_root += side * modulus_times_jump / (2 * math.pi) * pressure_of_unit_jump
         return pressure_over_root
 
     smooth_part = 0.0
@@ -716,15 +724,15 @@ class _FittedEdge(NamedTuple):
     ----------
     edge
         x at which the polynomial is 0 [length]
-    outermost_x
+    outermost_node_x
         x of the outermost fitted node [length]
-    squared_pressure
+    squared_pressure_coefficients
         coefficients of the polynomial, the highest power first
     """
 
     edge: float
-    outermost_x: float
-    squared_pressure: Array
+    outermost_node_x: float
+    squared_pressure_coefficients: Array
 
 
 def _fitted_edges(x: Array, p: Array, fit: EdgeFit) -> tuple[_FittedEdge, _FittedEdge] | None:
@@ -749,15 +757,16 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     """Left edge of contact by extrapolation of the pressure: p^2 near a smooth edge is linear in
     the distance, so a polynomial fitted to p^2 is zero there. None where no polynomial fits.
 
-    The outermost nodes, which the mesh distorts, are left out. While the residual is large (a
-    corner of the profile may be near), or the polynomial has no zero outside the nodes, half as
-    many nodes are fitted. With fewer than six there is no fit.
+    The outermost nodes, which the mesh distorts, are left out. Nodes are fitted over a part of the
+    half-width, at least a usual number of them. While the residual is large (a corner of the
+    profile may be near), or the polynomial has no zero outside the nodes, half as many are fitted.
+    With fewer than `_FEWEST_FITTED_NODES` there is no fit.
 
     Parameters
     ----------
     x, p
         (n,) places of the touching nodes, ascending [length], and the pressure there over
-        `_pressure_form`; of a right edge both are mirrored
+        `_pressure_shape`; of a right edge both are mirrored
     fit
         how many nodes are left out, how many fitted, the degree, and the largest residual
     """
@@ -794,9 +803,9 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         # Real roots outside the outermost fitted node.
         edge_distances = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
         if root_mean_square < fit.largest_residual and len(edge_distances):
-            outermost_x = float(x[fit.nodes_left_out])
+            outermost_node_x = float(x[fit.nodes_left_out])
             edge = float(x[fit.nodes_left_out] + edge_distances.max())
-            return _FittedEdge(edge, outermost_x, coefficients)
+            return _FittedEdge(edge, outermost_node_x, coefficients)
         n_nodes //= 2
     return None
 
@@ -829,7 +838,7 @@ def _smooth_shear(
     x = nodal_tractions.x
     q = nodal_tractions.shear
     friction = nodal_tractions.friction
-    if not nodal_tractions.has_slip_zones(1):
+    if not nodal_tractions.has_slip_zones(of_nodes=1):
         # In full stick and in full slip q/p is finite at the edges: linear between nodes, and from
         # the outermost node to the edge.
         nodal_ratio = q / nodal_tractions.pressure
@@ -917,7 +926,7 @@ def _unit_missing_shear(
     nodal_tractions
         x of the nodes and stick edges
     """
-    if nodal_tractions.has_slip_zones(1):
+    if nodal_tractions.has_slip_zones(of_nodes=1):
         left_stick, right_stick = nodal_tractions.stick_edges
         width = 3 * float(np.median(np.diff(nodal_tractions.x)))
         distance = np.minimum(np.abs(places - left_stick), np.abs(right_stick - places))

@@ -22,9 +22,9 @@ from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stic
 from halfplane_fe.face_stress import (
     _USUAL_FIT,
     NodalTractions,
-    _change_by_stick_edges,
+    _tension_change_by_moved_stick_edges,
     _fitted_edge,
-    _pressure_form,
+    _pressure_shape,
     fitted_size_effect,
     sampled_tractions,
     size_effect_basis,
@@ -280,15 +280,16 @@ def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
     narrow = nodal(0.955)
     tension = sampled_tractions(narrow).edge_tension()
     changes = [
-        _change_by_stick_edges(narrow, distance, tension)[1] for distance in (0.0, 3e-3, 6e-3)
+        _tension_change_by_moved_stick_edges(narrow, distance, tension)[1]
+        for distance in (0.0, 3e-3, 6e-3)
     ]
     assert changes[0] == 0
     assert 1.5 * changes[1] < changes[2] < 3 * changes[1]
-    assert tractions_with_uncertainty(narrow).change_by_unseen_slip.tolist() == [0.0, 0.0]
+    assert tractions_with_uncertainty(narrow).tension_change_by_unseen_slip.tolist() == [0.0, 0.0]
     of_zones = np.array([uncertainty(stick) for stick in (0.955, 0.905)])
-    monkeypatch.setattr("halfplane_fe.face_stress._STICK_EDGE_MOVED", 0.0)
+    monkeypatch.setattr("halfplane_fe.face_stress._STICK_EDGE_SHIFT_IN_SPACINGS", 0.0)
     more = of_zones - [uncertainty(stick) for stick in (0.955, 0.905)]
-    by_edge = _change_by_stick_edges(narrow, 0.15 * 0.01, tension)[1]
+    by_edge = _tension_change_by_moved_stick_edges(narrow, 0.15 * 0.01, tension)[1]
     np.testing.assert_allclose(more, [by_edge, 0.0], rtol=1e-9, atol=1e-12)
 
 
@@ -316,12 +317,12 @@ def test_the_outermost_node_does_not_turn_its_slip_zone() -> None:
 
     plain = tractions_with_uncertainty(mindlin_tractions(lambda _, shear: shear))
     turned = tractions_with_uncertainty(mindlin_tractions(with_turned_end))
-    assert plain.series is not None
-    assert turned.series is not None
-    np.testing.assert_allclose(turned.series.edge_tension(), plain.series.edge_tension(), rtol=5e-3)
-    assert plain.change_by_unseen_slip.tolist() == [0.0, 0.0]
-    assert turned.change_by_unseen_slip[0] > 0
-    assert turned.change_by_unseen_slip[1] == 0
+    assert plain.tractions is not None
+    assert turned.tractions is not None
+    np.testing.assert_allclose(turned.tractions.edge_tension(), plain.tractions.edge_tension(), rtol=5e-3)
+    assert plain.tension_change_by_unseen_slip.tolist() == [0.0, 0.0]
+    assert turned.tension_change_by_unseen_slip[0] > 0
+    assert turned.tension_change_by_unseen_slip[1] == 0
 
 
 def test_shear_follows_the_nodes_of_a_slip_zone_that_sticks_again() -> None:
@@ -447,8 +448,8 @@ def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions
         tangential_load=float(exact.tangential_load[1]),
         load_grows_in_stick=False,
     )
-    series, uncertain, change_by_unseen_slip = tractions_with_uncertainty(nodal)
-    uncertain = uncertain + change_by_unseen_slip
+    series, uncertain, tension_change_by_unseen_slip = tractions_with_uncertainty(nodal)
+    uncertain = uncertain + tension_change_by_unseen_slip
     true = semi_analytic.edge_tension(scene, 2.0)[0][0, 0]
     error = np.abs(series.edge_tension() - true)
     assert np.all(error <= uncertain)
@@ -600,7 +601,7 @@ def test_pressure_over_the_form_of_a_kinked_profile_is_a_root(name):
         False,
         profile_kinks(scene) + np.array([0.2, 0.0]),
     )
-    over_root = p / _pressure_form(nodal)(x) / np.sqrt(a**2 - (x - 0.2) ** 2)
+    over_root = p / _pressure_shape(nodal)(x) / np.sqrt(a**2 - (x - 0.2) ** 2)
     assert np.ptp(over_root) < 1e-8 * over_root.max()
     assert np.ptp(p / np.sqrt(a**2 - (x - 0.2) ** 2)) > 0.05 * np.max(
         p / np.sqrt(a**2 - (x - 0.2) ** 2)
