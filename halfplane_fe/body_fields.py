@@ -34,10 +34,10 @@ from halfplane_fe.face_stress import (
     NodalTractions,
     SizeEffect,
     Tractions,
-    tension_change_by_unseen_slip,
+    edge_tension_by_nodal_shear,
     fitted_size_effect,
     sampled_tractions,
-    edge_tension_by_nodal_shear,
+    tension_change_by_unseen_slip,
     tractions,
     tractions_with_uncertainty,
 )
@@ -71,7 +71,7 @@ _BLENDING_SHARE = 0.2
 # A body has room for the tractions' stress only if that distance over the half-width is larger.
 _LEAST_OUTER_DISTANCE = 1.5
 # Least distance of its sides and supports for that, over the half-width.
-_LEAST_SUPPORT_ROOM = _LEAST_OUTER_DISTANCE / _SHARE_OF_DISTANCE_TO_SUPPORT
+_LEAST_ROOM = _LEAST_OUTER_DISTANCE / _SHARE_OF_DISTANCE_TO_SUPPORT
 # Depth and distance over the half-width from which on elements are good for what the size of the
 # body adds.
 _ACCURATE_DEPTH = 0.15
@@ -931,7 +931,7 @@ def why_tension_is_unknown(solution: ContactSolution) -> str | None:
         if _kernels_of_thin_body(solution, body_number) is None:
             reason = _why_no_kernels(shape, solution.scene)
             return (
-                f"the {name} body ends within {_LEAST_SUPPORT_ROOM:.2g} half-widths of the contact's middle"
+                f"the {name} body ends within {_LEAST_ROOM:.2g} half-widths of the contact's middle"
                 f" and {reason}"
             )
     return None

@@ -22,9 +22,9 @@ from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stic
 from halfplane_fe.face_stress import (
     _USUAL_FIT,
     NodalTractions,
-    _tension_change_by_moved_stick_edges,
     _fitted_edge,
     _pressure_shape,
+    _tension_change_by_moved_stick_edges,
     fitted_size_effect,
     sampled_tractions,
     size_effect_basis,
@@ -319,7 +319,9 @@ def test_the_outermost_node_does_not_turn_its_slip_zone() -> None:
     turned = tractions_with_uncertainty(mindlin_tractions(with_turned_end))
     assert plain.tractions is not None
     assert turned.tractions is not None
-    np.testing.assert_allclose(turned.tractions.edge_tension(), plain.tractions.edge_tension(), rtol=5e-3)
+    np.testing.assert_allclose(
+        turned.tractions.edge_tension(), plain.tractions.edge_tension(), rtol=5e-3
+    )
     assert plain.tension_change_by_unseen_slip.tolist() == [0.0, 0.0]
     assert turned.tension_change_by_unseen_slip[0] > 0
     assert turned.tension_change_by_unseen_slip[1] == 0
