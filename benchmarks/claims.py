@@ -32,11 +32,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from halfplane_fe.condensed_bodies import BODIES
+from halfplane_fe.condensed_bodies import BODY_CACHE
 from reports.page.writing import code_commit
 
 ROOT = Path(__file__).parents[1]
-BODIES.bound_bytes = 0  # every run condenses its bodies itself
+BODY_CACHE.bound_bytes = 0  # every run condenses its bodies itself
 STORE = ROOT / "docs" / "numbers.json"
 PAGE = ROOT / "docs" / "numbers.md"
 MOST_ROWS = 60

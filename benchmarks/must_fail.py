@@ -23,7 +23,7 @@ import numpy as np
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, elasticity
-from halfplane_fe.condensed_bodies import BODIES
+from halfplane_fe.condensed_bodies import BODY_CACHE
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.law import slip_sign
 from halfplane_fe.run import PathRun
@@ -137,7 +137,7 @@ def forgetting(
     *_expected: Any,
 ) -> Step:
     """Each increment starts from faces that have never slipped."""
-    return EQUILIBRIUM(self, self.at_rest(history.time), time, loads)
+    return EQUILIBRIUM(self, self.unloaded_state(history.time), time, loads)
 
 
 def turned_round(
@@ -374,7 +374,7 @@ def solved(fault: Fault | None, mesh: MeshSettings | None = None) -> FiniteEleme
     """The answer with the fault in it, or what the engine itself says and stops."""
     fault = fault or Fault("none", ())
     # Cached bodies were condensed without the fault.
-    with mock.patch.object(BODIES, "bound_bytes", 0), fault.plant():
+    with mock.patch.object(BODY_CACHE, "bound_bytes", 0), fault.plant():
         try:
             return halfplane_fe.solve(
                 load_scene("hertz-paper"), mesh, SolverSettings(**fault.settings)

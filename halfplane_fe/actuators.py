@@ -35,7 +35,7 @@ class Actuators(NamedTuple):
     tangential_compliance: float | None = None
 
     @property
-    def are_there(self) -> bool:
+    def prescribe_movements(self) -> bool:
         """Whether any load is a movement."""
         return self.normal_compliance is not None or self.tangential_compliance is not None
 
@@ -43,7 +43,7 @@ class Actuators(NamedTuple):
 LOADS_ARE_GIVEN = Actuators()
 
 
-def path_of(scene: Scene) -> LoadPath:
+def prescribed_path(scene: Scene) -> LoadPath:
     """The path of the loads, or of the movements in their place."""
     return scene.load.path_of_actuators() if scene.load.is_driven else scene.load.path()
 
@@ -60,7 +60,7 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
     if not load.is_driven:
         return LOADS_ARE_GIVEN
     rig = scene.rig
-    modulus = 1 / _compliance(scene, half_planes_alone=False)
+    modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)
     # Where the rig states no distance, displacement counts from where it does in every answer.
     datum_of_motion = rig.datum_length or scene.profile.datum_length
     compliance_outside = compliance_beyond(scene, datum_of_motion / datum) * modulus
@@ -75,10 +75,10 @@ def compliance_beyond(scene: Scene, ratio: float) -> float:
     from the contact [1 / stress]: (2/pi) (1 - nu^2)/E ln(ratio) each. Other bodies stand on
     supports, and add nothing.
     """
-    return 2 / math.pi * _compliance(scene, half_planes_alone=True) * math.log(ratio)
+    return 2 / math.pi * _sum_of_compliances(scene, half_planes_alone=True) * math.log(ratio)
 
 
-def _compliance(scene: Scene, *, half_planes_alone: bool) -> float:
+def _sum_of_compliances(scene: Scene, *, half_planes_alone: bool) -> float:
     """Sum of (1 - nu^2)/E of both bodies, or of the half-planes among them [1 / stress]."""
     bodies = (
         (scene.bodies.lower, scene.material.lower),

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfplane_fe.between_nodes import NO_ZONE, EdgesByLoad, StickZone
-from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.edges import (
     ContactsOfLoads,
     Edges,
@@ -206,7 +206,7 @@ def _edges_of_run(
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
-        has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
+        has_no_slip_zone = _sticks_in_full_by_loads(loads, scene.friction.coefficient)
     elif scene.material.alike:
         has_no_slip_zone = np.concatenate(run.sticks_in_full)
     edges = _edges_in_blocks(
@@ -221,8 +221,8 @@ def _edges_of_run(
     ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     permanent_edges = ends.places
     is_by_slip = np.isfinite(ends.uncertainty)
-    if edges_are_sharp(scene, problem):
-        zone = zone_by_nodes(run)
+    if permanent_stick_ends_sharply(scene, problem):
+        zone = permanent_stick_zone(run)
         confined_ends = zone.confine(permanent_edges)
         if scene.bodies.half_planes:
             # of half-planes the loads are nearer; of thin layers slip is, up to 40 times
@@ -232,7 +232,7 @@ def _edges_of_run(
             is_by_slip, ends.uncertainty, zone.uncertainty(confined_ends, np.full(2, np.inf))
         )
         time = np.array([state.time for state in states])
-        in_cycle = in_last_cycle(scene, time, loads[run.stored_indices, 0])
+        in_cycle = is_loaded_in_last_cycle(scene, time, loads[run.stored_indices, 0])
         _hold_permanent_stick(
             edges, Edges(permanent_edges, permanent_uncertainty), zone, time, in_cycle
         )
@@ -275,7 +275,7 @@ def _arrays_of_stress_and_tilt(
     """Read-only series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk
     stresses of both bodies, tilt, and the moments of pressure and of shear about x = 0.
 
-    `states` hold the nodal forces p and q in units of `scales.load`.
+    `states` hold the nodal_values forces p and q in units of `scales.load`.
     """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
@@ -293,7 +293,7 @@ def _arrays_of_stress_and_tilt(
     }
 
 
-def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
+def permanent_stick_ends_sharply(scene: Scene, problem: ContactProblem) -> bool:
     """Whether any slip at all counts as slip, so that the permanent stick zone ends sharply.
 
     Not so between coupled bodies (unlike materials), and not under bulk stress or tilt: there nodes
@@ -302,7 +302,7 @@ def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
     return not scene.unsymmetric and problem.interface.coupling is None
 
 
-def _grows_within_cone(loads: Array, friction: float) -> Mask:
+def _sticks_in_full_by_loads(loads: Array, friction: float) -> Mask:
     """Instants at which half-planes of like materials stick in full, whatever was before: since the
     instant before, P has grown, and |dQ| <= f dP. Returns (n,).
 
@@ -391,7 +391,9 @@ def _edges_at_instants(
         whether it is symmetric
     """
     weights = problem.interface.face_lengths
-    _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
+    _, normal_force, tangential_force, gap = nodal_values(
+        np.stack([state.values for state in states])
+    )
     states_by_law = np.stack(
         [state.node_states for state in states]
     )  # as the law of friction left them
@@ -426,7 +428,7 @@ def _edges_at_instants(
     }
 
 
-def in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
+def is_loaded_in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
     """(n,) which of ascending instants are under load in the last cycle, its begin left out; none
     where the path does not repeat.
     """
@@ -468,7 +470,7 @@ def _permanent_stick(
     nowhere = Edges(no_edges, no_edges)
     time = np.array([state.time for state in run.states])
     load = np.array([state.normal_load for state in run.states])
-    in_cycle = in_last_cycle(scene, time, load)
+    in_cycle = is_loaded_in_last_cycle(scene, time, load)
     if not in_cycle.any():  # no cycle, or the very first increment failed
         return nowhere
     x = problem.interface.x
@@ -489,7 +491,7 @@ def _permanent_stick(
     creeping_edges = creeping_zone(scene, x, slip, is_closed)
     slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
     by_slip = ends_by_slip(x, slip_range, creeping_edges)
-    if not edges_are_sharp(scene, problem):
+    if not permanent_stick_ends_sharply(scene, problem):
         left_end = np.fmin(permanent_zone[0], creeping_edges[0])
         right_end = np.fmax(permanent_zone[1], creeping_edges[1])
         permanent_zone = np.array([left_end, right_end])
@@ -525,7 +527,7 @@ def _with_creeping_ends(
     )
 
 
-def zone_by_nodes(run: PathRun) -> StickZone:
+def permanent_stick_zone(run: PathRun) -> StickZone:
     """Ends of the permanent stick zone in the last load cycle, by its nodes and by the loads at the
     turning points of slip, scaled; `NO_ZONE` (all NaN) where the run failed or no cycle was
     completed.
@@ -590,7 +592,7 @@ def creeping_zone(
         of that small part: larger than 1 counts more nodes as creeping
     """
     largest_creep = _LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED
-    creeps = _creeping(slip, is_closed, range_factor * largest_creep)
+    creeps = _is_creeping(slip, is_closed, range_factor * largest_creep)
     if not creeps.any():
         return np.full(2, np.nan)
     ever_closed = np.any(is_closed, axis=0)
@@ -618,7 +620,7 @@ def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> 
     return stick_edges(x, sticks, is_closed, contact, anywhere=anywhere)
 
 
-def _creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
+def _is_creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
     """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
     of slip; arrays (m, n).
     """
@@ -752,7 +754,7 @@ def penalty_audit(
     largest_creep = float(np.max(slip_range[is_always_stuck], initial=0.0))
     largest_slip = float(np.max(slip_range[slips_once], initial=0.0))
 
-    def share_of(part: float, reference: float) -> float:
+    def ratio_or_nan(part: float, reference: float) -> float:
         """Part over the reference; NaN where that is 0."""
         return part / reference if reference else float("nan")
 
@@ -760,11 +762,11 @@ def penalty_audit(
         normal_stiffness=normal_deflection.stiffness,
         tangential_stiffness=tangential_deflection.stiffness,
         penetration=normal_deflection.deflection,
-        penetration_share=share_of(normal_deflection.deflection, profile_rise),
+        penetration_share=ratio_or_nan(normal_deflection.deflection, profile_rise),
         elastic_slip=tangential_deflection.deflection,
-        elastic_slip_share=share_of(tangential_deflection.deflection, largest_slip),
+        elastic_slip_share=ratio_or_nan(tangential_deflection.deflection, largest_slip),
         creep=largest_creep,
-        creep_share=share_of(largest_creep, largest_slip),
+        creep_share=ratio_or_nan(largest_creep, largest_slip),
     )
 
 
@@ -867,6 +869,6 @@ def _message(run: PathRun) -> str:
         )
     return (
         f"revolution {run.steady_from + 1} ended in the state it started from, to"
-        f" {run.cycle_change[-1]:.1e} of the largest nodal force, after {n_increments}"
+        f" {run.force_change_by_cycle[-1]:.1e} of the largest nodal force, after {n_increments}"
         f" increments{drift_text}"
     )

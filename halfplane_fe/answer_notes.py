@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from halfplane_fe.answer import in_last_cycle
+from halfplane_fe.answer import is_loaded_in_last_cycle
 from halfplane_fe.answer_uncertainty import revolution_of
 from halfplane_fe.condensed_bodies import CACHED
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import bulk_stress_notes
 from halfplane_fe.resolution import resolution_notes
-from halfplane_fe.run import MOST_INSTANTS, REPEATS, PathRun
+from halfplane_fe.run import LARGEST_CHANGE_OF_REPEAT, MOST_COMPLETE_STATES, PathRun
 from halfplane_fe.scales import Scales, on_half
 from halfplane_fe.task import Task
 from halfplane_fe.uncertainty import uncertainty_note
@@ -98,7 +98,7 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     zone_ends = arrays["permanent_stick_edges"]  # (2,) x of its left and right end
     if np.isnan(zone_ends).any():
         return
-    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     # Left edges change sign, so that "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
     outward_edges = arrays["stick_edges"][in_cycle] * outwards
@@ -132,23 +132,25 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     if n_dropped:
         yield (
             f"{n_dropped} of {len(run.states)} instants of this long path are left out of the"
-            f" answer, its files and figures (at most {MOST_INSTANTS} are kept, the rows of the"
-            " record first). The worst instant of a metric is one that was kept. W, W(x), the"
+            f" answer, its files and figures (at most {MOST_COMPLETE_STATES} are kept, the rows of"
+            " the record first). The worst instant of a metric is one that was kept. W, W(x), the"
             " closed integral of Q dU, the permanent stick zone and the checks are of all of them"
         )
 
 
 def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     """Sentences on how the revolutions of a periodic load path differ from one another: no steady
-    cycle, slow shakedown of the friction work W, ratcheting.
+    cycle, slow shakedown of the friction work W, ratcheting (U grows without end). None where no
+    revolution was completed.
 
     `run` has W of each revolution, its trend over the revolutions, and how far each ends from the
     state that it began with; `scales` turn its scaled values into the scene's units.
     """
-    if not run.cycle_change:
+    if not run.force_change_by_cycle:
         return
     works = [float(work.sum()) for work in run.nodal_work_by_cycle]  # W of each revolution, scaled
     last_work = works[-1]
+    last_change = run.force_change_by_cycle[-1]  # over the largest nodal force
     work_unit = scales.load**2 / scales.modulus
     trend_of_work = run.trend  # limit that W tends to, and what is left of the way there
     drift_text = ""
@@ -156,8 +158,8 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         drift_text = f"; W changed by {1 - works[-2] / last_work:+.1e}"
     if run.steady_from is None:
         yield (
-            f"no revolution repeats: the last of {len(works)} ends {run.cycle_change[-1]:.1e} of"
-            f" the largest nodal force away from its start (up to {REPEATS:g} counts as the"
+            f"no revolution repeats: the last of {len(works)} ends {last_change:.1e} of the largest"
+            f" nodal force away from its start (up to {LARGEST_CHANGE_OF_REPEAT:g} counts as the"
             f" same){drift_text}; give the scene more cycles"
         )
     if np.isfinite(trend_of_work.limit) and trend_of_work.left and last_work > 0:
@@ -168,8 +170,8 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
         )
     elif run.steady_from is not None and trend_of_work.left and last_work > 0:
         yield (
-            f"shakedown: revolution {len(works)} repeats to {run.cycle_change[-1]:.1e} of the"
-            f" largest nodal force{drift_text}; no trend is clear, uncertainty"
+            f"shakedown: revolution {len(works)} repeats to {last_change:.1e} of the largest nodal"
+            f" force{drift_text}; no trend is clear, uncertainty"
             f" {trend_of_work.left / last_work:.1e}"
         )
     if run.ratchets:

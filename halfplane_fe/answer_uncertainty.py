@@ -10,7 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from halfplane_fe.answer import creeping_zone, edges_are_sharp, in_last_cycle, zone_by_nodes
+from halfplane_fe.answer import (
+    creeping_zone,
+    is_loaded_in_last_cycle,
+    permanent_stick_ends_sharply,
+    permanent_stick_zone,
+)
 from halfplane_fe.between_nodes import StickZone
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.edges import left_of_growth
@@ -18,7 +23,7 @@ from halfplane_fe.interface import least_depth
 from halfplane_fe.resolution import Revolution
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
-from halfplane_fe.supports import shapes_alike
+from halfplane_fe.supports import bodies_are_alike
 from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
     DENSITY_RULE,
@@ -89,7 +94,9 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     )
     dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
-    edges_are_known = bool(run.excess) and not task.has_plain_errors and not scene.unsymmetric
+    edges_are_known = (
+        bool(run.excess) and not task.has_errors_of_low_order and not scene.unsymmetric
+    )
     # Slip of real bodies ends node by node: an edge without a place may stand all the same.
     if edges_are_known and run.excess[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
@@ -98,9 +105,9 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
     # that starts to slide and the last. Between unlike bodies half of the bound "step_error"
     # counts: nodes that start to slide change the pressure too.
-    if task.steps_by_kinks:
+    if task.kinks_bound_step_error:
         step_uncertainty = _BENT_IN_RECORDS * run.column("kink_work")[first_increment:].sum()
-    elif edges_are_known and shapes_alike(scene):
+    elif edges_are_known and bodies_are_alike(scene):
         step_uncertainty = _BENT * run.column("kink_work")[first_increment:].sum()
     else:
         share = _OF_BOUND if edges_are_known else 1.0
@@ -111,7 +118,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         task.scales.element,
         task.mesh,
         edge_scatter,
-        task.has_plain_errors,
+        task.has_errors_of_low_order,
     )
 
 
@@ -175,7 +182,7 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
         fields and series of the solution by name
     """
     path = scene.load.path()
-    cycle = np.flatnonzero(in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
+    cycle = np.flatnonzero(is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
     is_smooth = any(not part.is_straight for part in path.cycle)
     if path.period is None or not is_smooth or not _is_out_of_phase(arrays, cycle):
         return np.zeros(len(arrays["x"]))
@@ -239,11 +246,11 @@ def value_uncertainties(
             coarse_values,
             _scaled_work(task, arrays),
             _nodes_to_edge(scene, arrays),
-            plain=task.has_plain_errors,
+            plain=task.has_errors_of_low_order,
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
         from_coarse_run = _from_coarse_run(values, coarse_values)
-        if not task.has_plain_errors:
+        if not task.has_errors_of_low_order:
             refinement = task.scales.element / task.element
             from_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse_run, refinement)
         # without an estimate by its neighbours there is none
@@ -258,12 +265,12 @@ def value_uncertainties(
     step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
     estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
-    zone = zone_by_nodes(run).in_unit(task.scales.half_width)
+    zone = permanent_stick_zone(run).in_unit(task.scales.half_width)
     estimates["permanent_stick_half_width"] = _of_permanent_stick(
         scene,
         arrays,
         zone.moved(arrays["permanent_stick_held_back"]),
-        is_sharp=edges_are_sharp(scene, problem),
+        is_sharp=permanent_stick_ends_sharply(scene, problem),
     )
     return estimates
 
@@ -278,7 +285,7 @@ def _displacement_uncertainties(
     contact is only a few elements wide, a further one counts.
     """
     scales = task.scales
-    meshes = Meshes(refinement=scales.element / task.element, plain=task.has_plain_errors)
+    meshes = Meshes(refinement=scales.element / task.element, plain=task.has_errors_of_low_order)
     estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
     element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
@@ -333,7 +340,7 @@ def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, floa
         _under_load(task.scene, arrays),
         task.scene.friction.coefficient,
     )
-    if task.has_plain_errors:
+    if task.has_errors_of_low_order:
         # Linear elements and penalty layers have errors that nodes do not show.
         estimates = dict.fromkeys(estimates, math.nan)
     return estimates
@@ -366,7 +373,7 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
 
 def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
     """(n_steps,) instants of the last cycle under load, of the whole path where none repeats."""
-    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     if in_cycle.any():
         return in_cycle
     return np.asarray(arrays["normal_load"] > 0)
@@ -412,7 +419,7 @@ def _of_permanent_stick(
     """
     if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
-    in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     in_cycle &= np.isfinite(arrays["stick_half_width"])
     zone_ends = arrays["permanent_stick_edges"]
     # Left edges change sign, so that "farther out" means "larger" at both edges.
@@ -470,7 +477,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         fine=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
         growth=task.mesh.growth,
         depth=least_depth(task.scene),
-        plain=task.has_plain_errors,
+        plain=task.has_errors_of_low_order,
     )
 
 

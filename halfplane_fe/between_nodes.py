@@ -45,7 +45,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import force_to_limit, slip_sign
 from scenes import OPEN, STICK
@@ -358,7 +358,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             last_closed = int(inwards[0])
             if not _is_quadratic(problem, last_closed):
                 continue
-            by_load = nodal(problem.rates(state.node_states, len(state.loads))[0])  # cached
+            by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
             edge = Edge.of_contact(problem, side, last_closed, state, by_load)
             if edge.is_moved:
                 _, pressure_rates, _, _ = by_load
@@ -463,7 +463,7 @@ def _placed_by_load(
     """
     node = last_stuck + side
     sense = int(slip_sign(state.node_states[node]))
-    by_load = nodal(problem.rates(state.node_states, len(state.loads))[1])
+    by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
     _, pressure_rates, shear_rates, _ = by_load
     to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
@@ -846,7 +846,7 @@ def _at_stick_edge(
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
         turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
-        by_load = nodal(problem.rates(nodal_states, n_loads)[1])
+        by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
         if not edge.is_moved:
             return None
@@ -863,7 +863,7 @@ def _at_stick_edge(
 
         def slip_by_load(states: States) -> Array:
             """(n,) derivative of the nodal slip by Q."""
-            return np.asarray(nodal(problem.rates(states, n_loads)[1])[0])
+            return np.asarray(nodal_values(problem.rates(states, n_loads)[1])[0])
 
         change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
         work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
@@ -909,7 +909,7 @@ def _at_contact_edge(
             state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
         closed_key = (state != OPEN).tobytes()
         if closed_key not in rates_of_contacts:
-            rates_of_contacts[closed_key] = nodal(problem.rates(state, n_loads)[0])
+            rates_of_contacts[closed_key] = nodal_values(problem.rates(state, n_loads)[0])
         return rates_of_contacts[closed_key]
 
     def pressure_by_load(state: States) -> Array:

@@ -23,10 +23,10 @@ from skfem.helpers import sym_grad
 from halfplane_fe.elasticity import (
     CondensedBody,
     cells_of,
+    displacement_by_unit_stress,
     displacement_fields,
     scalar_element,
     split_lame,
-    uniform_stretch,
 )
 from halfplane_fe.face_stress import (
     FEWEST_NODES,
@@ -47,7 +47,7 @@ from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.remainder import require_known_effects
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
-from halfplane_fe.supports import shapes_alike
+from halfplane_fe.supports import bodies_are_alike
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
 from scenes.bodies import Block, Shape, TShape, face_of
@@ -285,7 +285,9 @@ def _displacement_and_stress(
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
     # The elements of other bodies have the bulk stress in them.
     if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[body_number]), HalfPlane):
-        displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk_stress
+        displacement = (
+            displacement + displacement_by_unit_stress(material, *places)[..., None] * bulk_stress
+        )
         stress_per_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
         stress = stress + stress_per_bulk_stress[:, None] * bulk_stress
     return (
@@ -552,7 +554,7 @@ def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> 
     """
     scene = solution.scene
     largest_x = float(np.abs(solution.x).max())
-    return _flat_body_kernels(scene, 0 if shapes_alike(scene) else body_number, largest_x)
+    return _flat_body_kernels(scene, 0 if bodies_are_alike(scene) else body_number, largest_x)
 
 
 @lru_cache(maxsize=2)

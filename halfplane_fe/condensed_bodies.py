@@ -119,4 +119,4 @@ def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
 
 # 300 MB hold some two hundred bodies of the default mesh (1.5 MB each), or two of 2,000 contact
 # nodes.
-BODIES = CondensedBodies(bound_bytes=300_000_000)
+BODY_CACHE = CondensedBodies(bound_bytes=300_000_000)

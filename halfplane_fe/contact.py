@@ -46,7 +46,7 @@ _LEAST_STIFFNESS = 1e-12
 _ROUNDING_OF_FORCE = 1e-13
 
 # Force or gap that is the last digit of an answer, and not left by an event.
-_LAST_DIGIT = 1e-15
+_RESIDUAL_ROUND_OFF = 1e-15
 # Rates that are kept: of the sets that increments had, until their energies are found
 # (`run._INCREMENTS_PER_BATCH`). In bytes, and so many sets at least.
 _MOST_RATE_BYTES = 20_000_000
@@ -59,7 +59,7 @@ _BULK_STRESSES = slice(2, 4)
 _TILT_OR_MOMENT = 4
 
 
-def nodal(values: Array) -> Array:
+def nodal_values(values: Array) -> Array:
     """(4, ..., n) slip, pressure, shear and gap of the nodes, from (..., 3 + 4 n) values of
     interface states: a view.
     """
@@ -150,7 +150,7 @@ class InterfaceState:
             if name in _RIGID_NAMES:
                 values[_RIGID_NAMES.index(name)] = part
             else:
-                nodal(values)[_NODAL_NAMES.index(name)] = part
+                nodal_values(values)[_NODAL_NAMES.index(name)] = part
         states = self.node_states if node_states is None else read_only_copy(node_states, np.int8)
         return replace(self, values=read_only_copy(values), node_states=states)
 
@@ -215,7 +215,7 @@ class ContactProblem:
         that half is then skipped
     max_iterations
         of one increment
-    augmentation
+    trial_weights
         weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the
         way to the answer, not the answer. In two dimensions a nodal force moves its node by
         O(1/E*) against its neighbours however fine the mesh, so 1 is natural. Of
@@ -239,7 +239,7 @@ class ContactProblem:
     layer: Layer
     has_shear: bool = True
     max_iterations: int = 100
-    augmentation: tuple[Array | float, Array | float] = (1.0, 1.0)
+    trial_weights: tuple[Array | float, Array | float] = (1.0, 1.0)
     has_given_moment: bool = False
     work_counts: Counter[str] = field(default_factory=Counter)
     method: Method = "active_set"
@@ -252,7 +252,9 @@ class ContactProblem:
         # Shear and slip of like bodies are in proportion to f, and their rounding with them.
         coupled = self.has_shear and self.interface.coupling is not None
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
-        self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.initial_gap))
+        self._residual_round_off = _RESIDUAL_ROUND_OFF * np.repeat(
+            [1.0, self._shear_scale], len(self.initial_gap)
+        )
         all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
         self._shear_over_pressure_of_state = np.asarray(
             self.friction * slip_sign(all_states), dtype=float
@@ -284,7 +286,7 @@ class ContactProblem:
         penalty = None
         if self.method == "augmented_lagrangian":
             ones = np.ones_like(self.initial_gap)
-            penalty = (self.augmentation[0] * ones, self.augmentation[1] * ones)
+            penalty = (self.trial_weights[0] * ones, self.trial_weights[1] * ones)
         return ReturnMapping(
             self.interface,
             self.friction,
@@ -296,7 +298,7 @@ class ContactProblem:
             self.actuators,
         )
 
-    def at_rest(
+    def unloaded_state(
         self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), x_of_load: float = 0.0
     ) -> InterfaceState:
         """State of the contact before it carries any load: the faces just touch where the gap is
@@ -348,8 +350,8 @@ class ContactProblem:
     ) -> InterfaceState:
         """State of the interface, with P and Q by its nodal forces where actuators move it."""
         resultants = None
-        if self.actuators.are_there:
-            _, pressure, shear, _ = nodal(values)
+        if self.actuators.prescribe_movements:
+            _, pressure, shear, _ = nodal_values(values)
             normal_load, tangential_load = self.interface.resultants(pressure, shear)
             resultants = (float(normal_load), float(tangential_load))
         return InterfaceState(time, loads, values, read_only_copy(states, np.int8), resultants)
@@ -395,7 +397,7 @@ class ContactProblem:
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
         >>> flat = Interface(places, np.ones(2), normals, zeros, springs, springs, None)
         >>> problem = ContactProblem(flat, np.array([0.0, 1.0]), 0.5, Layer(zeros, zeros))
-        >>> pressed, _ = problem.equilibrium(problem.at_rest(), 1.0, (3.0, 0.0))
+        >>> pressed, _ = problem.equilibrium(problem.unloaded_state(), 1.0, (3.0, 0.0))
         >>> pressed.pressure.tolist()
         [2.0, 1.0]
         >>> sheared, _ = problem.equilibrium(pressed, 2.0, (3.0, 1.2))
@@ -487,7 +489,7 @@ class ContactProblem:
         """
         values = self.values_following(start, loads, states)
         # The solution of the linear system leaves round-off in these: set them exactly.
-        slip, pressure, shear, gap = nodal(values)
+        slip, pressure, shear, gap = nodal_values(values)
         sticks = (states == STICK) & self.has_shear
         is_open = states == OPEN
         np.copyto(slip, start.slip, where=sticks)
@@ -601,7 +603,7 @@ class ContactProblem:
             and latest_change.states == states_key
         ):
             return latest_change.values
-        _, pressure, shear, gap = nodal(start.values)
+        _, pressure, shear, gap = nodal_values(start.values)
         shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
         residual = np.concatenate(
             [
@@ -609,7 +611,7 @@ class ContactProblem:
                 np.where(states == STICK, 0.0, shear_beyond_limit),
             ]
         )
-        equation_numbers = (np.abs(residual) > self._last_digit).nonzero()[0]
+        equation_numbers = (np.abs(residual) > self._residual_round_off).nonzero()[0]
         value_changes: Array | float = 0.0
         if len(equation_numbers):
             solution_vectors = self._systems.value_derivatives(
@@ -741,9 +743,9 @@ class ContactProblem:
         states = answer.node_states
         # What the equations of these states set to zero is zero (`state_following`): weighted, its
         # rounding would look like a force.
-        slip, pressure, shear, gap = nodal(answer.values)
+        slip, pressure, shear, gap = nodal_values(answer.values)
         slip_increment = slip - start.slip
-        r_normal, r_tangential = self.augmentation  # weights of gap and slip
+        r_normal, r_tangential = self.trial_weights  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap
         friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
         closed_states = np.full_like(states, STICK)
@@ -889,5 +891,5 @@ class ContactProblem:
         """Moment (...) of the nodal forces about x = 0, in values (..., 3 + 4 n) of interface
         states; scaled.
         """
-        _, pressure, shear, _ = nodal(values)
+        _, pressure, shear, _ = nodal_values(values)
         return np.asarray(-self.interface.work_per_stress_and_tilt(pressure, shear)[..., 2])

@@ -80,10 +80,10 @@ class System:
     @cached_property
     def node_of_dof(self) -> Indices:
         """Node of each degree of freedom, (n_dofs,)."""
-        of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
-        if not split_lame(self.material, self.order).of_pressure:
-            return of_displacement
-        return np.concatenate([of_displacement, np.arange(self.mesh.nvertices)])
+        lambda_of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
+        if not split_lame(self.material, self.order).lambda_of_pressure:
+            return lambda_of_displacement
+        return np.concatenate([lambda_of_displacement, np.arange(self.mesh.nvertices)])
 
     @cached_property
     def basis(self) -> skfem.Basis:
@@ -211,8 +211,8 @@ class SplitLame(NamedTuple):
     that enters through the mixed pressure r (0 where there is none), and G.
     """
 
-    of_displacement: float
-    of_pressure: float
+    lambda_of_displacement: float
+    lambda_of_pressure: float
     shear_modulus: float
 
 
@@ -541,7 +541,7 @@ class _Elimination(NamedTuple):
         factors = factorise(
             sparse.hstack([stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
         )
-        eliminated_stiffness = _outer_product(
+        eliminated_stiffness = _weighted_outer_product(
             factors.L[remaining, :n_inner], factors.U.diagonal()[:n_inner]
         )
         schur_cholesky = cholesky(
@@ -729,7 +729,7 @@ def _held_on_arc(
 _SHARE_OF_DENSE_COLUMN = 1 / 12
 
 
-def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
+def _weighted_outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     """The product columns @ diag(factor) @ columns.T, (k, k), of sparse `columns` (k, n) and a
     diagonal `factor` (n,) of either sign.
 
@@ -885,7 +885,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     dof_shape = system.contact_dofs.shape
     displacement_by_stress = response_to_stress.reshape(dof_shape)
     if system.half_plane_arcs:
-        displacement_by_stress = uniform_stretch(material, *places)
+        displacement_by_stress = displacement_by_unit_stress(material, *places)
     nodes, shape_values, _, tangents = line_elements(places, system.order, 3)
     weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
     return CondensedBody(
@@ -905,7 +905,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     )
 
 
-def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
+def displacement_by_unit_stress(material: Elastic, x: Array, y: Array) -> Array:
     """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2)
     x, -nu (1 + nu) y)/E.
     """

@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.law import force_to_limit, slip_sign, violations
 from scenes import STICK
 from scenes.array_types import Array, Indices, Mask, States
@@ -118,7 +118,7 @@ class _Increments(NamedTuple):
         before a node that touches or lets go at its very end changes. `friction` is the coefficient
         f.
         """
-        slip, p, q, _ = nodal(np.stack([state.values for state in states]))
+        slip, p, q, _ = nodal_values(np.stack([state.values for state in states]))
         slip_change = np.diff(slip, axis=0)
         states_before = np.stack([state.node_states for state in states[:-1]])
         return cls(
@@ -147,7 +147,7 @@ def elastic_energies(
     the slip by them.
     """
     values = np.stack([state.values for state in states])
-    slip, pressure, shear, gap = nodal(values)
+    slip, pressure, shear, gap = nodal_values(values)
     gap_by_motion, slip_by_motion = problem.interface.gap_and_slip_by_motion(
         values[:, 0, None], values[:, 1, None]
     )
@@ -163,7 +163,7 @@ def elastic_energies(
     return np.asarray(elastic_energy), np.asarray(layer_energy)
 
 
-def _slip_onsets(states_before: States, states_after: States) -> Mask:
+def _is_slip_onset(states_before: States, states_after: States) -> Mask:
     """Whether each node starts to slide, or turns round: it slides after an increment and did not
     slide that way before.
     """
@@ -184,7 +184,7 @@ def step_errors(
     `pressure_change` and `slip_change` are dp and ds of the increment, `states_before` and
     `states_after` open, stick or slip of the nodes, each (..., n). Scaled.
     """
-    starts_to_slide = _slip_onsets(states_before, states_after)
+    starts_to_slide = _is_slip_onset(states_before, states_after)
     products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
     return np.asarray(friction * products.sum(axis=-1) / 2)
 
@@ -213,7 +213,7 @@ def increment_energies(
     """
     interface = problem.interface
     values = np.stack([state.values for state in states])
-    _, p, q, _ = nodal(values)
+    _, p, q, _ = nodal_values(values)
     loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     mean_p = (p[:-1] + p[1:]) / 2
     mean_q = (q[:-1] + q[1:]) / 2
@@ -221,7 +221,7 @@ def increment_energies(
     value_changes = np.diff(values, axis=0)
     approach_change = value_changes[:, 0]
     shift_change = value_changes[:, 1]  # of U
-    slip_change, p_change, _, gap_change = nodal(value_changes)
+    slip_change, p_change, _, gap_change = nodal_values(value_changes)
     stress_and_tilt_change = np.diff([state.stresses_and_tilt for state in states], axis=0)
 
     def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
@@ -241,12 +241,12 @@ def increment_energies(
     dissipation = problem.friction * mean_p * np.maximum(sense * slip_change, 0.0)
     kink_work = np.zeros(len(sense))
     share_before = np.ones(len(sense))  # of each increment, in which the states before hold
-    with_onsets = np.flatnonzero(_slip_onsets(states_before, states_after).any(axis=1))
-    if len(with_onsets):
-        work_with_onsets = _work_with_onsets(problem, increments.at(with_onsets))
-        dissipation[with_onsets] = work_with_onsets.dissipation
-        kink_work[with_onsets] = work_with_onsets.kink_work
-        share_before[with_onsets] = work_with_onsets.mean_onset
+    numbers_with_onsets = np.flatnonzero(_is_slip_onset(states_before, states_after).any(axis=1))
+    if len(numbers_with_onsets):
+        work_with_onsets = _work_with_onsets(problem, increments.at(numbers_with_onsets))
+        dissipation[numbers_with_onsets] = work_with_onsets.dissipation
+        kink_work[numbers_with_onsets] = work_with_onsets.kink_work
+        share_before[numbers_with_onsets] = work_with_onsets.mean_onset
 
     # Q dU, and q in the slip by bulk stress. The shear of a node that starts to slide has a kink in
     # the increment, and the work of Q with it: by as much as its dissipation differs from q ds.
@@ -304,7 +304,7 @@ def _without_idle_onsets(
     `slip` (...) is that in the increment, `friction` the coefficient f.
     """
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
-    is_idle_onset = _slip_onsets(states_before, states_after) & ~has_moved
+    is_idle_onset = _is_slip_onset(states_before, states_after) & ~has_moved
     return np.where(is_idle_onset, states_before, states_after)
 
 
@@ -356,8 +356,8 @@ def _work_by_curve(
     for i, j in pairs:
         rates_by_i = rates[:, i]
         rates_by_j = rates[:, j]
-        slip_by_i, p_by_i, _, _ = nodal(rates_by_i)
-        slip_by_j, p_by_j, _, _ = nodal(rates_by_j)
+        slip_by_i, p_by_i, _, _ = nodal_values(rates_by_i)
+        slip_by_j, p_by_j, _, _ = nodal_values(rates_by_j)
         area = areas[i, j]
         work_per_area = p_by_i * slip_by_j - p_by_j * slip_by_i
         added_dissipation += problem.friction * sense * work_per_area * area[:, None]
@@ -429,7 +429,9 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     ) * slip_between
     doubled_integral += (p_at_last + increments.p_at_end) * slip_from_last
 
-    n_onsets = _longest_run(_slip_onsets(increments.states_before, increments.states_after))
+    n_onsets = _length_of_longest_run(
+        _is_slip_onset(increments.states_before, increments.states_after)
+    )
     kink_factor = np.maximum(n_onsets - 2, 0) / np.maximum(n_onsets - 1, 1) / 12
     kink_integral = ((last_onset - first_onset) ** 2 * kink_factor)[:, None] * (
         p_change_before * slip_change_after - p_change_after * slip_change_before
@@ -452,7 +454,7 @@ def _changes_at_constant_states(
     load_changes = increments.load_changes
     n_loads = load_changes.shape[1]
     rates = np.array([problem.rates(node_states, n_loads) for node_states in states])
-    return nodal(np.einsum("kj,kjv->kv", load_changes, rates))
+    return nodal_values(np.einsum("kj,kjv->kv", load_changes, rates))
 
 
 def _first_and_last_onset(
@@ -470,7 +472,7 @@ def _first_and_last_onset(
     before, or those after, held throughout the increment. `friction` is the coefficient f.
     """
     sense = slip_sign(increments.states_after)
-    is_onset = _slip_onsets(increments.states_before, increments.states_after)
+    is_onset = _is_slip_onset(increments.states_before, increments.states_after)
     _, p_change_before, q_change_before, _ = changes_before
     slip_change_after, _, _, _ = changes_after
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -493,7 +495,7 @@ def _states_with_rates(increments: _Increments) -> States:
     just touched and starts to slide counts as sliding already, unless no node would stick then:
     such states have no rates.
     """
-    is_onset = _slip_onsets(increments.states_before, increments.states_after)
+    is_onset = _is_slip_onset(increments.states_before, increments.states_after)
     has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
     states_if_sliding = np.where(
         has_just_touched, increments.states_after, increments.states_before
@@ -502,11 +504,11 @@ def _states_with_rates(increments: _Increments) -> States:
     return np.where(has_stick, states_if_sliding, increments.states_before)
 
 
-def _longest_run(is_onset: Mask) -> Indices:
+def _length_of_longest_run(is_onset: Mask) -> Indices:
     """Number (k,) of nodes in the longest run of neighbours that are True in each row of a mask
     (k, n).
 
-    >>> _longest_run(np.array([[True, False, True, True, False]])).tolist()
+    >>> _length_of_longest_run(np.array([[True, False, True, True, False]])).tolist()
     [2]
     """
     running_count = np.cumsum(is_onset, axis=1)
@@ -528,12 +530,12 @@ def _normal_work_rate(
     i and j: of approach, shift and tilt, then of slip, p, q and gap of the n nodes. Loads 0 to 4
     are P, Q, the bulk stresses of lower and upper body, tilt or moment.
     """
-    _, p_by_i, q_by_i, _ = nodal(rates_by_i)
+    _, p_by_i, q_by_i, _ = nodal_values(rates_by_i)
     approach_by_j = rates_by_j[:, 0]
     tilt_by_j = rates_by_j[:, 2]
     moment_by_i = problem.interface.moment(p_by_i, q_by_i)
     normal_load_by_i: Array | float = float(i == 0)
-    if problem.actuators.are_there:  # P or Q is no load, but follows from movements
+    if problem.actuators.prescribe_movements:  # P or Q is no load, but follows from movements
         normal_load_by_i, _ = problem.interface.resultants(p_by_i.T, q_by_i.T)
     work_rate = normal_load_by_i * approach_by_j - moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
@@ -542,7 +544,7 @@ def _normal_work_rate(
     return np.asarray(work_rate)
 
 
-def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
+def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
     """Violations (m,) of the laws of contact and friction, and of equilibrium, at the ends of the m
     increments between m + 1 states; 0 where they are met.
 
@@ -557,7 +559,7 @@ def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> d
         `equilibrium`, and the names of `law.violations`.
     """
     values = np.stack([state.values for state in states])
-    slip, pressure, shear, gap = nodal(values)
+    slip, pressure, shear, gap = nodal_values(values)
     slip_increment = np.diff(slip, axis=0)
     # the first state is where the increments start
     loads = np.array([state.loads for state in states])[1:]

@@ -30,7 +30,7 @@ _N_GAUSS_POINTS = 9
 def surface_force_displacement(
     x: Array,
     y: Array,
-    force_at: Array,
+    x_of_forces: Array,
     young_modulus: float,
     poisson_ratio: float,
     datum_length: float,
@@ -53,7 +53,7 @@ def surface_force_displacement(
     ----------
     x, y
         (n,) points, y <= 0, none at a force [length]
-    force_at
+    x_of_forces
         (m,) places of the forces on the surface [length]
     young_modulus, poisson_ratio
         E [stress] and nu of the half-plane
@@ -72,8 +72,8 @@ def surface_force_displacement(
 
     Examples
     --------
-    >>> at, force_at = np.array([1.0]), np.zeros(1)
-    >>> u = surface_force_displacement(at, np.zeros(1), force_at, 2.0, 0.0, datum_length=2.0)
+    >>> at, x_of_forces = np.array([1.0]), np.zeros(1)
+    >>> u = surface_force_displacement(at, np.zeros(1), x_of_forces, 2.0, 0.0, datum_length=2.0)
     >>> u[1, 0, 1, 0].round(12).tolist()  # at r = L/2: (2/(pi E)) ln 2
     0.220635600153
     """
@@ -81,7 +81,7 @@ def surface_force_displacement(
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
     c = 1 / (2 * np.pi * shear_modulus)
     k = 1 - 2 * poisson_ratio
-    w = -y[:, None] + 1j * (x[:, None] - force_at)
+    w = -y[:, None] + 1j * (x[:, None] - x_of_forces)
     ln_w = np.log(w)
     z_over_w = -y[:, None] / w
     logarithm = (1 + k) * (ln_w.real - np.log(datum_length))
@@ -98,7 +98,7 @@ def surface_force_displacement(
     return np.stack([by_force_x, by_force_y], axis=2)
 
 
-def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -> Array:
+def surface_force_traction(x: Array, y: Array, normal: Array, x_of_forces: Array) -> Array:
     r"""Tractions on a cut through the half-plane y <= 0 by unit forces on its surface (Flamant).
 
     A force F causes a radial stress alone, -(2/pi) (F . e_r)/r, with e_r the unit vector from the
@@ -111,7 +111,7 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     normal
         (2, n) unit normal out of the part that the tractions act on. If it is multiplied by a
         length, the result is a force
-    force_at
+    x_of_forces
         (m,) places of the forces on the surface [length]
 
     Returns
@@ -127,7 +127,7 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 is held by 2/(pi r) below it
     -2.0
     """
-    x_from_force = x[:, None] - force_at
+    x_from_force = x[:, None] - x_of_forces
     y_from_force = np.broadcast_to(y[:, None], x_from_force.shape)
     radius_vector = np.stack([x_from_force, y_from_force])  # (2, n, m)
     radius_along_normal = x_from_force * normal[0][:, None] + y_from_force * normal[1][:, None]
@@ -200,7 +200,7 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
 
 
 def arc_forces(
-    arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float
+    arc: Array, order: int, x_of_forces: Array, material: Elastic, datum_length: float
 ) -> tuple[Array, Array, Array]:
     """Consistent nodal forces on the arc of a half-disc by the half-plane around it, under unit
     forces on the contact nodes: Flamant's tractions times the shape functions, integrated along
@@ -212,7 +212,7 @@ def arc_forces(
         (2, k) nodes of the arc by ascending x [length]
     order
         1 or 2, of the elements of the arc
-    force_at
+    x_of_forces
         (m,) x of the contact nodes [length]
     material, datum_length
         of the half-plane; distance from a force at which its surface has no displacement [length]
@@ -231,14 +231,14 @@ def arc_forces(
     x, y = elements.places.reshape(2, -1)
     tangent_x, tangent_y = elements.tangents
     scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times arc length
-    traction_forces = surface_force_traction(x, y, scaled_normal, force_at).reshape(
+    traction_forces = surface_force_traction(x, y, scaled_normal, x_of_forces).reshape(
         2, *tangent_x.shape, -1
     )
     nodal_forces = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         nodal_forces[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
     displacement = surface_force_displacement(
-        x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length
+        x, y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
     )
     n_components = 2 * len(x)
     return (

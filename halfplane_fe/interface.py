@@ -30,11 +30,11 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve
 from scipy.sparse import csr_array
 
-from halfplane_fe.actuators import path_of
-from halfplane_fe.condensed_bodies import BODIES
+from halfplane_fe.actuators import prescribed_path
+from halfplane_fe.condensed_bodies import BODY_CACHE
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.path import has_bulk_stress
-from halfplane_fe.supports import face_room, has_ends
+from halfplane_fe.supports import has_free_ends, least_face_half_width
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Scene, Shape, read_only_copy
 from scenes.array_types import Array
@@ -317,7 +317,7 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     """
     spacing = np.diff(interface.x)
     n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
-    room_beside = face_room(scene) - float(np.abs(interface.x).max())
+    room_beside = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (
         len(interface.x) >= _FEWEST_NODES
         and room_beside >= n_nodes_needed * max(spacing[0], spacing[-1])
@@ -555,7 +555,7 @@ def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
     """Mesh of a body whose free sides are marked as ends pulled by the bulk stress, where the body
     is a block with such ends and the scene has a bulk stress; else the mesh as it is.
     """
-    if not (has_ends(shape) and has_bulk_stress(path_of(scene))):
+    if not (has_free_ends(shape) and has_bulk_stress(prescribed_path(scene))):
         return body
     return replace(body, supports={**body.supports, "sides": "pulled"})
 
@@ -570,10 +570,12 @@ def condensed_pair(
     surface has no displacement [length]. Condensations and factorisations are added to the counts
     in `work_counts`.
     """
-    lower = BODIES.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
+    lower = BODY_CACHE.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
     if scene.material.alike and bodies[1] is bodies[0]:
         return lower, lower
-    return lower, BODIES.condensed_body(bodies[1], scene.material.upper, datum_length, work_counts)
+    return lower, BODY_CACHE.condensed_body(
+        bodies[1], scene.material.upper, datum_length, work_counts
+    )
 
 
 def initial_gap(scene: Scene, interface: Interface) -> Array:
@@ -610,11 +612,11 @@ def bulk_stress_notes(
 
     `condensed_bodies` are the lower and the upper one; `tangential_load` is the largest |Q|.
     """
-    if not has_bulk_stress(path_of(scene)):
+    if not has_bulk_stress(prescribed_path(scene)):
         return
     for name, condensed_body in zip(("lower", "upper"), condensed_bodies, strict=True):
         body = getattr(scene.bodies, name)
-        if not (isinstance(body, Block) and has_ends(body)):
+        if not (isinstance(body, Block) and has_free_ends(body)):
             continue
         if body.base == "rollers" and tangential_load > 0:
             yield (

@@ -46,7 +46,7 @@ from halfplane_fe.remainder import (
     remainder_kernels,
     require_known_effects,
 )
-from halfplane_fe.supports import shapes_alike
+from halfplane_fe.supports import bodies_are_alike
 from meshes import MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Cylinder,
@@ -85,7 +85,7 @@ _FACTOR_OF_COARSE_MESH = 2.0
 # Change of the dissipation by a change d of the kernels over the contact, over d E*: by a curvature
 # T P0 R = tau, where d = T a^2/2, W of Hertz' contact changes by -2.5 tau = -2 T a^2 E* at most
 # (the cycles of `benchmarks/bound.py`).
-_WORK_BY_KERNELS = 4.0
+_WORK_CHANGE_PER_KERNEL_CHANGE = 4.0
 
 
 class KernelValues(NamedTuple):
@@ -402,7 +402,7 @@ class KernelPair:
         ):
             compliance_difference = fine - coarse
             compliance_error += float(np.ptp(compliance_difference)) / 2
-        return _WORK_BY_KERNELS * compliance_error * modulus
+        return _WORK_CHANGE_PER_KERNEL_CHANGE * compliance_error * modulus
 
     def added_compliances(
         self, x: Array, mesh: Literal["fine", "coarse"]
@@ -550,7 +550,7 @@ def kernel_pair(
     """
     kernels_by_body: dict[str, BodyKernels | None] = {}
     for name in ("lower", "upper"):
-        if name == "upper" and shapes_alike(scene):
+        if name == "upper" and bodies_are_alike(scene):
             kernels_by_body[name] = kernels_by_body["lower"]
             continue
         kernels_by_body[name] = body_kernels(scene, name, reach, datum_length, work_counts)

@@ -39,7 +39,7 @@ _ROUNDING_OF_LIMIT = 1e-14
 # Secant steps before a zero is bracketed instead, some more than are needed; and the scaled gap,
 # force, load or rate that counts as zero: further steps would follow round-off.
 _MOST_SECANTS = 16
-_LAST_DIGIT = 1e-15
+_ZERO_ROUND_OFF = 1e-15
 _ADVICE_ON_LITTLE_LOAD = (
     "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the"
     " half-plane engine can"
@@ -88,16 +88,16 @@ class _Load(NamedTuple):
         )
 
 
-def _loads(leg: LoadSegment) -> tuple[_Load, ...]:
+def _loads_of_segment(leg: LoadSegment) -> tuple[_Load, ...]:
     """The two or five loads of a leg."""
     normal_load = _Load(leg, NORMAL_LOAD)
     tangential_load = _Load(leg, TANGENTIAL_LOAD)
     if leg.bulk is None and leg.tilt_and_moment is None:
         return normal_load, tangential_load
-    return (normal_load, tangential_load, *_stresses_and_tilt(leg))
+    return (normal_load, tangential_load, *_bulk_and_tilt_loads(leg))
 
 
-def _stresses_and_tilt(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
+def _bulk_and_tilt_loads(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
     """Bulk stress of the lower and of the upper body, and tilt or moment."""
     bulk_lower = _Load(leg.bulk, NORMAL_LOAD)
     bulk_upper = _Load(leg.bulk, TANGENTIAL_LOAD)
@@ -108,7 +108,7 @@ def _stresses_and_tilt(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
 
 def is_straight(leg: LoadSegment) -> bool:
     """Whether all loads of a leg are linear in time."""
-    return all(load.segment is None or load.segment.is_straight for load in _loads(leg))
+    return all(load.segment is None or load.segment.is_straight for load in _loads_of_segment(leg))
 
 
 def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
@@ -116,7 +116,7 @@ def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
     p, q = leg.loads(time)
     if leg.bulk is None and leg.tilt_and_moment is None:
         return float(p), float(q)
-    return (float(p), float(q), *(load.at(time) for load in _stresses_and_tilt(leg)))
+    return (float(p), float(q), *(load.at(time) for load in _bulk_and_tilt_loads(leg)))
 
 
 def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
@@ -126,7 +126,7 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
     return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
 
 
-def turning_points_of(
+def turning_points_of_combination(
     leg: LoadSegment, normal_weight: float, tangential_weight: float
 ) -> set[float]:
     """Turning points of the combination w_P P + w_Q Q of the loads inside one segment of a load
@@ -163,12 +163,12 @@ def turning_points_of(
         # of the way between two samples at which a linear rate is zero
         fraction = float(rates[k] / (rates[k] - rates[k + 1]))
         begin, end = times[k : k + 2].tolist()
-        instants.add(zero_between(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
+        instants.add(time_of_zero(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
     is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
     return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
 
 
-def zero_between(
+def time_of_zero(
     function: Callable[[float], float],
     begin: float,
     end: float,
@@ -196,7 +196,7 @@ def zero_between(
     time = begin + first_fraction * (end - begin)
     value = function(time)
     for _ in range(_MOST_SECANTS):
-        if abs(value) <= _LAST_DIGIT:
+        if abs(value) <= _ZERO_ROUND_OFF:
             return time
         if value == value_before and time_before > begin:
             return time  # only round-off is left
@@ -224,13 +224,15 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     `friction` is f. Instants closer than round-off to one another count once, those as close to an
     end of the segment not at all.
     """
-    all_times = turning_points_of(leg, 1.0, 0.0)
-    all_times |= turning_points_of(leg, -friction, 1.0)
-    all_times |= turning_points_of(leg, friction, 1.0)
+    all_times = turning_points_of_combination(leg, 1.0, 0.0)
+    all_times |= turning_points_of_combination(leg, -friction, 1.0)
+    all_times |= turning_points_of_combination(leg, friction, 1.0)
     if leg.bulk is not None or leg.tilt_and_moment is not None:
-        for stress_or_tilt in _stresses_and_tilt(leg):  # bulk stresses, and tilt or moment
+        for stress_or_tilt in _bulk_and_tilt_loads(leg):  # bulk stresses, and tilt or moment
             if stress_or_tilt.segment is not None:
-                all_times |= turning_points_of(stress_or_tilt.segment, *stress_or_tilt.combination)
+                all_times |= turning_points_of_combination(
+                    stress_or_tilt.segment, *stress_or_tilt.combination
+                )
     rounding = 1e-9 * (leg.end - leg.start)
     separate_times: list[float] = []
     for time in sorted(all_times):
@@ -288,7 +290,7 @@ def areas_between_path_and_chords(leg: LoadSegment, times: Array) -> Array | Non
     """
     if is_straight(leg):
         return None
-    loads = _loads(leg)
+    loads = _loads_of_segment(leg)
     start = times[:-1, None]
     end = times[1:, None]
     half_duration = (end - start) / 2

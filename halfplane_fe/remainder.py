@@ -58,7 +58,7 @@ from halfplane_fe.far_field import (
     surface_force_traction,
 )
 from halfplane_fe.path import has_bulk_stress
-from halfplane_fe.supports import shapes_alike
+from halfplane_fe.supports import bodies_are_alike
 from meshes import BodyMesh, MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Block,
@@ -320,8 +320,8 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])
     x, y = elements.places.reshape(2, -1)
 
-    def traction(at_x: Array, at_y: Array, force_at: Array) -> Array:
-        return surface_force_traction(at_x, at_y, normals_by_length, force_at)
+    def traction(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
+        return surface_force_traction(at_x, at_y, normals_by_length, x_of_forces)
 
     tractions = _half_plane_field(traction, x, y, forces).reshape(2, *along_x.shape, -1)
     nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
@@ -353,9 +353,9 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
     """
     material = system.material
 
-    def displacement(at_x: Array, at_y: Array, force_at: Array) -> Array:
+    def displacement(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
         return surface_force_displacement(
-            at_x, at_y, force_at, material.young_modulus, material.poisson_ratio, datum_length
+            at_x, at_y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
         )
 
     x, y = system.mesh.p[:, system.node_of_dof[system.held_dofs]]
@@ -604,7 +604,7 @@ def body_effects(scene: Scene | str | Path) -> BodyEffects:
     """
     scene = scene_of(scene)
     lower = _body_numbers_in(scene, "lower")
-    upper = lower if shapes_alike(scene) else _body_numbers_in(scene, "upper")
+    upper = lower if bodies_are_alike(scene) else _body_numbers_in(scene, "upper")
     return effects_of_both_bodies(lower, upper, scene)
 
 
@@ -677,16 +677,22 @@ def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene)
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,
-        normal_compliance=_sum(lower.normal_compliance, upper.normal_compliance),
-        tangential_compliance=_sum(lower.tangential_compliance, upper.tangential_compliance),
-        normal_curvature=_sum(lower.normal_curvature, upper.normal_curvature),
-        tangential_curvature=_sum(lower.tangential_curvature, upper.tangential_curvature),
-        tilt_under_shear=_difference(upper.slope_under_shear, lower.slope_under_shear),
-        strain_under_pressure=_difference(lower.strain_under_pressure, upper.strain_under_pressure),
-        normal_fourth=_sum(lower.normal_fourth, upper.normal_fourth),
-        tangential_fourth=_sum(lower.tangential_fourth, upper.tangential_fourth),
-        normal_mixed=_sum(lower.normal_mixed, upper.normal_mixed),
-        tangential_mixed=_sum(lower.tangential_mixed, upper.tangential_mixed),
+        normal_compliance=_sum_of_estimates(lower.normal_compliance, upper.normal_compliance),
+        tangential_compliance=_sum_of_estimates(
+            lower.tangential_compliance, upper.tangential_compliance
+        ),
+        normal_curvature=_sum_of_estimates(lower.normal_curvature, upper.normal_curvature),
+        tangential_curvature=_sum_of_estimates(
+            lower.tangential_curvature, upper.tangential_curvature
+        ),
+        tilt_under_shear=_difference_of_estimates(upper.slope_under_shear, lower.slope_under_shear),
+        strain_under_pressure=_difference_of_estimates(
+            lower.strain_under_pressure, upper.strain_under_pressure
+        ),
+        normal_fourth=_sum_of_estimates(lower.normal_fourth, upper.normal_fourth),
+        tangential_fourth=_sum_of_estimates(lower.tangential_fourth, upper.tangential_fourth),
+        normal_mixed=_sum_of_estimates(lower.normal_mixed, upper.normal_mixed),
+        tangential_mixed=_sum_of_estimates(lower.tangential_mixed, upper.tangential_mixed),
         dundurs_beta=dundurs(scene.material).beta,
         unknowns=lower.unknowns + upper.unknowns,
         factorisations=lower.factorisations + upper.factorisations,
@@ -703,11 +709,11 @@ def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene)
     )
 
 
-def _sum(first: Estimate, second: Estimate) -> Estimate:
+def _sum_of_estimates(first: Estimate, second: Estimate) -> Estimate:
     """Sum of two values. Errors may have equal signs, so the uncertainties are added."""
     return Estimate(first.value + second.value, first.uncertainty + second.uncertainty)
 
 
-def _difference(first: Estimate, second: Estimate) -> Estimate:
+def _difference_of_estimates(first: Estimate, second: Estimate) -> Estimate:
     """Difference of two values. Errors may have opposite signs, so the uncertainties are added."""
     return Estimate(first.value - second.value, first.uncertainty + second.uncertainty)

@@ -158,14 +158,14 @@ class Flank(NamedTuple):
         x of the kink [length]
     width_in_elements
         from the kink to the edge of contact; negative where the contact ends before the kink
-    resolved_by
+    equivalent_hertz_elements
         resolution of the steep pressure: number of elements from the middle to the edge of a Hertz
         contact whose pressure is as steep at its edge
     """
 
     kink: float
     width_in_elements: float
-    resolved_by: float
+    equivalent_hertz_elements: float
 
 
 def flanks(profile: Profile, half_width: float, element_size: float) -> Iterator[Flank]:
@@ -189,7 +189,7 @@ def flanks(profile: Profile, half_width: float, element_size: float) -> Iterator
     --------
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
-    >>> [round(flank.resolved_by, 6) for flank in flanks(punch, 1.0, 0.01)]
+    >>> [round(flank.equivalent_hertz_elements, 6) for flank in flanks(punch, 1.0, 0.01)]
     [25.0]
     """
     for kink in profile.kinks:
@@ -197,8 +197,8 @@ def flanks(profile: Profile, half_width: float, element_size: float) -> Iterator
         if width_in_elements > -1:
             # A flank that takes most of the contact is that of a Hertz contact itself.
             ratio_to_hertz = max(half_width / kink, 1.0)
-            resolved_by = max(width_in_elements, 1e-9) * ratio_to_hertz
-            yield Flank(kink, width_in_elements, resolved_by)
+            equivalent_hertz_elements = max(width_in_elements, 1e-9) * ratio_to_hertz
+            yield Flank(kink, width_in_elements, equivalent_hertz_elements)
 
 
 def resolution_notes(
@@ -226,15 +226,15 @@ def resolution_notes(
     expected_errors = _ExpectedErrors(
         _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.has_shear
     )
-    enough_elements = expected_errors.enough_elements()
+    n_elements_without_note = expected_errors.n_elements_without_note()
     elements_in_least = revolution.least_half_width() / element_size
-    if expected_errors.call_for_note(elements_in_least):
+    if expected_errors.needs_note(elements_in_least):
         yield (
             f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
             f" is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest),"
             f" {element_size:.3g} each on the coarser side:"
-            f" {expected_errors.in_words(elements_in_least)};"
-            f" {_advice_on_mesh(mesh, elements_in_least / enough_elements)}"
+            f" {expected_errors.errors_in_words(elements_in_least)};"
+            f" {_advice_on_mesh(mesh, elements_in_least / n_elements_without_note)}"
         )
     exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
     if exponent < _LEAST_POWER_OF_PEAK:
@@ -244,13 +244,14 @@ def resolution_notes(
             " |x|^1.05; away from the tip the mesh follows it"
         )
     for flank in flanks(profile, elements_in_least * element_size, element_size):
-        if expected_errors.of_shear(flank.resolved_by) > _NOTED_ERROR:
+        factor_on_size = flank.equivalent_hertz_elements / n_elements_without_note
+        if expected_errors.shear_error(flank.equivalent_hertz_elements) > _NOTED_ERROR:
             yield (
                 f"the contact ends {max(flank.width_in_elements, 0.0):.2g} elements,"
                 f" {element_size:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
-                f" {expected_errors.in_words(flank.resolved_by)};"
-                f" {_advice_on_mesh(mesh, flank.resolved_by / enough_elements)}"
+                f" {expected_errors.errors_in_words(flank.equivalent_hertz_elements)};"
+                f" {_advice_on_mesh(mesh, factor_on_size)}"
             )
     if revolution.has_shear:
         yield from _slip_notes(revolution, element_size, mesh)
@@ -272,33 +273,33 @@ class _ExpectedErrors:
     factor: float
     has_shear: bool
 
-    def of_shear(self, n_elements: float) -> float:
+    def shear_error(self, n_elements: float) -> float:
         """Expected error of the shear, over f p."""
         return self.factor * _ERROR_OF_SHEAR / n_elements
 
-    def of_pressure(self, n_elements: float) -> float:
+    def pressure_error(self, n_elements: float) -> float:
         """Expected error of the pressure, over p."""
         return self.factor * _ERROR_OF_PRESSURE / n_elements
 
-    def call_for_note(self, n_elements: float) -> bool:
+    def needs_note(self, n_elements: float) -> bool:
         """Whether there is to be a note: the error of the shear is above 0.05, or that of the
         pressure where the contact carries no shear.
         """
-        error = self.of_shear(n_elements) if self.has_shear else self.of_pressure(n_elements)
+        error = self.shear_error(n_elements) if self.has_shear else self.pressure_error(n_elements)
         return error > _NOTED_ERROR
 
-    def enough_elements(self) -> float:
+    def n_elements_without_note(self) -> float:
         """Number of elements from which on the error of the shear needs no note."""
         return float(np.ceil(self.factor * _ERROR_OF_SHEAR / _NOTED_ERROR))
 
-    def in_words(self, n_elements: float) -> str:
+    def errors_in_words(self, n_elements: float) -> str:
         """Sentence part on the errors of the tractions to expect."""
-        shear_error = self.of_shear(n_elements)
-        pressure_error = self.of_pressure(n_elements)
+        shear_error = self.shear_error(n_elements)
+        pressure_error = self.pressure_error(n_elements)
         if (shear_error if self.has_shear else pressure_error) > 0.5:
             return "expect errors of tractions and dissipation of half their size and more"
-        of_shear = f"of {shear_error:.0%} of f p in the shear and " if self.has_shear else ""
-        return f"expect an error {of_shear}of {pressure_error:.0%} in the pressure (L2)"
+        shear_text = f"of {shear_error:.0%} of f p in the shear and " if self.has_shear else ""
+        return f"expect an error {shear_text}of {pressure_error:.0%} in the pressure (L2)"
 
 
 def _advice_on_mesh(mesh: MeshSettings, factor: float) -> str:

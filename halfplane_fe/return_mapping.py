@@ -199,7 +199,7 @@ class _Iteration:
 
     Attributes
     ----------
-    contact
+    problem
         the bodies, friction and layer between the faces
     systems
         linear systems whose `layer` is the compliance of that layer and of the penalty together
@@ -214,7 +214,7 @@ class _Iteration:
         numbers of them so far
     """
 
-    contact: ReturnMapping
+    problem: ReturnMapping
     systems: Systems
     penalty_compliance: Layer
     start: Start
@@ -297,13 +297,13 @@ class _Iteration:
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
         # Then no stick is needed to balance Q.
         may_slide_freely = (
-            self.contact.interface.has_odd_shear
-            or self.contact.actuators.tangential_compliance is not None
+            self.problem.interface.has_odd_shear
+            or self.problem.actuators.tangential_compliance is not None
         )
-        if self.contact.has_shear and nothing_sticks and not may_slide_freely:
+        if self.problem.has_shear and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (
                 np.abs(mapped_tractions.trial_shear)
-                - self.contact.friction * mapped_tractions.pressure
+                - self.problem.friction * mapped_tractions.pressure
             )
             is_sticking_first[np.argmin(np.where(is_sliding, force_beyond_limit, np.inf))] = True
         return mapped_tractions._replace(
@@ -321,10 +321,10 @@ class _Iteration:
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal_compliance
         trial_shear = self._shear
-        if self.contact.has_shear:
+        if self.problem.has_shear:
             slip_increment = self._slip - self._slip_at_start
             trial_shear = self._shear + slip_increment / compliance.tangential_compliance
-        pressure, shear, states = project(trial_pressure, trial_shear, self.contact.friction)
+        pressure, shear, states = project(trial_pressure, trial_shear, self.problem.friction)
         return Tractions(
             trial_pressure,
             trial_shear,
@@ -340,9 +340,9 @@ class _Iteration:
         """
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         largest_change = float(np.abs(pressure_changes).max())
-        if self.contact.has_shear:
+        if self.problem.has_shear:
             largest_shear_change = float(np.abs(shear_changes).max())
-            largest_change = max(largest_change, largest_shear_change / self.contact.shear_scale)
+            largest_change = max(largest_change, largest_shear_change / self.problem.shear_scale)
         return largest_change / tolerance if tolerance > 0 else np.inf
 
     def _newton_step(self, mapped_tractions: Tractions, change_of_loads: Array) -> None:
@@ -371,8 +371,8 @@ class _Iteration:
             is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
         tangential_residuals = np.zeros_like(normal_residuals)
-        signed_friction = slip_sign(states) * self.contact.friction
-        if self.contact.has_shear:
+        signed_friction = slip_sign(states) * self.problem.friction
+        if self.problem.has_shear:
             slip_in_stick = self._slip_at_start + compliance.tangential_compliance * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
@@ -399,7 +399,7 @@ class _Iteration:
         # small compliances.
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
-        if self.contact.has_shear:
+        if self.problem.has_shear:
             is_stuck = states == STICK
             self._slip[is_stuck] = slip_in_stick[is_stuck]
             self._shear[:] = np.where(
@@ -421,7 +421,7 @@ class _Iteration:
     def _moment(self, values: Array) -> float:
         """Moment of the nodal forces in `values` (3 + 4 n,), in the sense of the load M; scaled."""
         _, pressure, shear, _ = values[3:].reshape(4, -1)
-        return float(self.contact.interface.moment(pressure, shear))
+        return float(self.problem.interface.moment(pressure, shear))
 
     def _update_multipliers(self, multipliers: Array, mapped_tractions: Tractions) -> float:
         """Replace the multipliers (2, n) of pressure and shear, in place, by the mapped tractions;
@@ -450,7 +450,7 @@ class _Iteration:
         found by the state that it had.
         """
         compliance = self.systems.layer
-        friction = self.contact.friction
+        friction = self.problem.friction
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         was_open = self.start.states == OPEN
         mapped_tractions = self._mapped_tractions()
@@ -463,9 +463,9 @@ class _Iteration:
             mapped_tractions.trial_pressure,
         )
         _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
-        if self.contact.has_shear:
+        if self.problem.has_shear:
             shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
-            shear_tolerance = tolerance * self.contact.shear_scale
+            shear_tolerance = tolerance * self.problem.shear_scale
             shear_beyond_limit = np.abs(self._shear) - friction * self._pressure
             # On the Coulomb limit without slip: between stick and slip.
             is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance

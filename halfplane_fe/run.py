@@ -23,7 +23,7 @@ import numpy as np
 
 from halfplane_fe.between_nodes import EdgesByLoad, Excess, contact_by_load, excess, stick_by_load
 from halfplane_fe.contact import ContactProblem, InterfaceState
-from halfplane_fe.energy import certificates, increment_energies
+from halfplane_fe.energy import increment_energies, law_violations
 from halfplane_fe.law import slip_sign
 from halfplane_fe.path import (
     Stretch,
@@ -33,7 +33,7 @@ from halfplane_fe.path import (
     stretches,
 )
 from halfplane_fe.reported_states import shear_grows_within_cone, slip_since_stop
-from halfplane_fe.stepping import Increment, StepTolerance, follow
+from halfplane_fe.stepping import Increment, StepTolerance, increments_along
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, read_only_copy
 from scenes.array_types import Array, Indices, Mask
 
@@ -42,14 +42,14 @@ Progress = Callable[[int, int | None, str], None]
 # Two revolutions end alike when no nodal force differs by more than this share of the largest.
 # Nodes at the rim of the permanent stick zone go on creeping towards the steady cycle. How fast is
 # another matter (`trend`): the dissipation has to be there too.
-REPEATS = 5e-4
+LARGEST_CHANGE_OF_REPEAT = 5e-4
 # The same where they are equal but for round-off of the nodal forces.
 _ROUNDING_OF_CHANGE = 1e-9
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has
 # 40,000 increments, which would take gigabytes. No scene of the library comes near.
-MOST_INSTANTS = 4000
+MOST_COMPLETE_STATES = 4000
 # Share of the first leg of the initial loading after which its line of action is read.
 _SHARE_OF_FIRST_LEG = 1e-3
 # Increments whose energies are found together: few enough that the rates of their states are still
@@ -134,7 +134,7 @@ def trend(values: Sequence[float]) -> Trend:
     return Trend("algebraic", left, values[-1] + left)
 
 
-def drift_persists(drifts: Sequence[float], travel: float) -> bool:
+def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
     revolution, instead of less and less. False after a single revolution.
 
@@ -147,7 +147,7 @@ def drift_persists(drifts: Sequence[float], travel: float) -> bool:
 
     Examples
     --------
-    >>> drift_persists([0.3, 0.11, 0.1, 0.1], 1.0), drift_persists([0.4, 0.2, 0.1, 0.05], 1.0)
+    >>> is_ratcheting([0.3, 0.11, 0.1, 0.1], 1.0), is_ratcheting([0.4, 0.2, 0.1, 0.05], 1.0)
     (True, False)
     """
     last_drift = abs(drifts[-1])
@@ -195,7 +195,7 @@ class _Thinning:
         """Keep half as many ends of stretches, or half as many of the states between them: at most
         three quarters of the stored states are ends.
         """
-        if 4 * len(self.number_of_end) > 3 * MOST_INSTANTS * self.stride_of_ends:
+        if 4 * len(self.number_of_end) > 3 * MOST_COMPLETE_STATES * self.stride_of_ends:
             self.stride_of_ends *= 2
         else:
             self.stride *= 2
@@ -206,8 +206,8 @@ class PathRun:
     """States, energies and checks of a load path, as far as it is solved; scaled. The first of
     `states` is the unloaded one.
 
-    A path of straight segments with more than `MOST_INSTANTS` increments is thinned while it is
-    followed: some states lose the pressure, shear and gap of their nodes. Between the rows of a
+    A path of straight segments with more than `MOST_COMPLETE_STATES` increments is thinned while it
+    is followed: some states lose the pressure, shear and gap of their nodes. Between the rows of a
     record every second, fourth, ... state keeps them; of the rows too, where these alone are too
     many.
 
@@ -235,7 +235,7 @@ class PathRun:
     steady_from
         index of the first revolution that ended as it started, with a friction work closer to its
         limit than it is uncertain
-    cycle_change
+    force_change_by_cycle
         per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end,
         over the largest p
     contact_edges, stick_edges
@@ -258,7 +258,7 @@ class PathRun:
     nodal_work_by_cycle: list[Array] = field(default_factory=list)
     excess: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
-    cycle_change: list[float] = field(default_factory=list)
+    force_change_by_cycle: list[float] = field(default_factory=list)
     contact_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
     stick_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
     slip_since_stop: Array | float = 0.0
@@ -276,7 +276,7 @@ class PathRun:
     @property
     def trend(self) -> Trend:
         """How the friction work of the revolutions goes on, and the limit that it tends to."""
-        if self.cycle_change and self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
+        if self.force_change_by_cycle and self.force_change_by_cycle[-1] <= _ROUNDING_OF_CHANGE:
             return Trend("steady", 0.0, float(self.nodal_work_by_cycle[-1].sum()))
         return trend([float(work.sum()) for work in self.nodal_work_by_cycle])
 
@@ -286,17 +286,17 @@ class PathRun:
         same distance, so that the tangential displacement U (`shift` of a state) grows without end.
         """
         path_repeats = bool(self.cycle_starts)
-        last_revolution_failed = len(self.cycle_change) < len(self.cycle_starts)
+        last_revolution_failed = len(self.force_change_by_cycle) < len(self.cycle_starts)
         if not path_repeats or last_revolution_failed:
             return False
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
         # Where the last revolution is steady to round-off, the next ones drift as much as it does.
-        if self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
+        if self.force_change_by_cycle[-1] <= _ROUNDING_OF_CHANGE:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]
         travel = float(np.ptp([state.shift for state in last_cycle]))
-        return drift_persists(drifts, travel)
+        return is_ratcheting(drifts, travel)
 
     @property
     def stored_indices(self) -> Indices:
@@ -340,7 +340,7 @@ class PathRun:
         energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
         nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
-        record = certificates(problem, states) | energies | work_of_increments
+        record = law_violations(problem, states) | energies | work_of_increments
         slip = np.diff([state.slip for state in states], axis=0)
         slides = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
         slips_since_stop = slip_since_stop(np.where(slides, slip, 0.0), self.slip_since_stop)
@@ -396,8 +396,8 @@ class PathRun:
         """Free memory on a long path, at the end of a stretch from one state to another: take
         pressure, shear and gap off the states from the first up to, not including, the last.
 
-        Where more than `MOST_INSTANTS` still have them, these are taken off earlier states too. The
-        next increment starts from the last state, which stays complete.
+        Where more than `MOST_COMPLETE_STATES` still have them, these are taken off earlier states
+        too. The next increment starts from the last state, which stays complete.
         """
         thinning = self._thinning
         thinning.number_of_end[last_index] = len(thinning.number_of_end)
@@ -408,7 +408,9 @@ class PathRun:
             if self._drop_forces_and_gap(index):
                 continue
             thinning.n_stored += 1
-            while thinning.n_stored > MOST_INSTANTS and thinning.can_double(len(self.states)):
+            while thinning.n_stored > MOST_COMPLETE_STATES and thinning.can_double(
+                len(self.states)
+            ):
                 thinning.double_a_stride()
                 complete_before = [
                     int(stored) for stored in self.stored_indices[:-1] if stored <= index
@@ -451,7 +453,7 @@ class Pace:
     dissipation
         expected friction work of a revolution, or of a path that does not repeat, over
         P^2/E*; 0 if unknown
-    bounded_by_kinks
+    kinks_bound_error
         whether the step error is taken for the friction work that nodes add which start to slide
         within an increment, see `stepping.StepTolerance`
     """
@@ -462,7 +464,7 @@ class Pace:
     half_width: float = 1.0
     modulus: float = 1.0
     dissipation: float = 0.0
-    bounded_by_kinks: bool = False
+    kinks_bound_error: bool = False
 
     def units(self, problem: ContactProblem) -> tuple[float, ...]:
         """What each load is divided by, (5,): P, Q, both bulk stresses, tilt or moment. Where the
@@ -541,11 +543,11 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
     """Whether the last revolution ended as it started, and its friction work is closer to the limit
     than its uncertainty, see `run_path`.
     """
-    if run.cycle_change[-1] > REPEATS:
+    if run.force_change_by_cycle[-1] > LARGEST_CHANGE_OF_REPEAT:
         return False
     allowed_error = uncertainty(run)
     if np.isnan(allowed_error):
-        allowed_error = REPEATS * float(run.nodal_work.sum())
+        allowed_error = LARGEST_CHANGE_OF_REPEAT * float(run.nodal_work.sum())
     return abs(run.trend.left) <= allowed_error
 
 
@@ -560,7 +562,7 @@ def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> Inter
     time_soon_after = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
     normal_load, *_, moment = scaled_loads(leg, time_soon_after, load_units)
     x_of_load = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
-    return problem.at_rest(path.start, scaled_loads(leg, path.start, load_units), x_of_load)
+    return problem.unloaded_state(path.start, scaled_loads(leg, path.start, load_units), x_of_load)
 
 
 @dataclass(eq=False)
@@ -596,7 +598,7 @@ class _Follower:
         change = _relative_change_of_forces(
             start_of_cycle, self.run.states[-1], self.problem.friction
         )
-        self.run.cycle_change.append(change)
+        self.run.force_change_by_cycle.append(change)
 
     def follow_segments(
         self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
@@ -624,7 +626,7 @@ class _Follower:
                 self._report(number, n_stretches, title)
                 batch.begin_stretch(stretch)
                 try:
-                    for increment in follow(
+                    for increment in increments_along(
                         self.problem, batch.last_state, stretch, load_units, tolerance
                     ):
                         batch.add(increment)
@@ -640,7 +642,7 @@ class _Follower:
         """
         reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
         return StepTolerance(
-            self.pace.step_tolerance * reference_work / duration, self.pace.bounded_by_kinks
+            self.pace.step_tolerance * reference_work / duration, self.pace.kinks_bound_error
         )
 
     def _stretches(

@@ -19,9 +19,9 @@ from halfplane_fe.actuators import (
     Actuators,
     actuators_of,
     compliance_beyond,
-    path_of,
+    prescribed_path,
 )
-from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import (
     Interface,
@@ -35,7 +35,7 @@ from halfplane_fe.mirror import half_interface, is_mirrored, run_at_all_nodes
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import Pace, PathRun, run_path
-from halfplane_fe.supports import face_room, has_tangential_load, shapes_alike
+from halfplane_fe.supports import bodies_are_alike, has_tangential_load, least_face_half_width
 from halfplane_fe.systems import Layer
 from halfplane_fe.uncertainty import RunValues, run_values
 from meshes import MeshSettings, SurfaceGrading
@@ -166,7 +166,7 @@ def largest_load(scene: Scene) -> float:
     """Largest normal load of the path, or approach, at an end of a leg or where it turns round
     [force per thickness, or length].
     """
-    legs = tuple(path_of(scene).segments(1))
+    legs = tuple(prescribed_path(scene).segments(1))
     return max(
         float(
             np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])
@@ -179,8 +179,8 @@ def needs_shear(scene: Scene) -> bool:
     """Whether any shear can arise: friction, and a tangential load, a bulk stress or unlike
     bodies.
     """
-    has_shear = has_tangential_load(scene) or has_bulk_stress(path_of(scene))
-    return scene.friction.coefficient > 0 and (has_shear or not shapes_alike(scene))
+    has_shear = has_tangential_load(scene) or has_bulk_stress(prescribed_path(scene))
+    return scene.friction.coefficient > 0 and (has_shear or not bodies_are_alike(scene))
 
 
 def is_record(scene: Scene) -> bool:
@@ -190,7 +190,7 @@ def is_record(scene: Scene) -> bool:
 
 def is_plain_record(scene: Scene) -> bool:
     """Whether it is one of like bodies, without bulk stress and tilt: P alone sets the pressure."""
-    return is_record(scene) and shapes_alike(scene) and not scene.unsymmetric
+    return is_record(scene) and bodies_are_alike(scene) and not scene.unsymmetric
 
 
 def on_half(scene: Scene, faces: Interface) -> bool:
@@ -345,7 +345,7 @@ def _scales_of_run(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
     innermost_edge = 0.0
-    if path_of(scene).period is not None:
+    if prescribed_path(scene).period is not None:
         # The first revolution too: the kink of q that it leaves where edges turned stays for good.
         rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
         surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
@@ -439,7 +439,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
         else:
             if not _touches_an_end(run):
                 scales = _scales_of_run(pair, face_half_width, problem, run)
-                return RoomForContact(scales.reach, face_room(scene), scales)
+                return RoomForContact(scales.reach, least_face_half_width(scene), scales)
             if face_half_width == pair.room:
                 raise _past_the_end(scene)
         face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.room)
@@ -515,7 +515,7 @@ class _CoarsePair:
     work: Counter[str]
 
     def __post_init__(self) -> None:
-        self.room = face_room(self.scene) * _SHARE_OF_FACE
+        self.room = least_face_half_width(self.scene) * _SHARE_OF_FACE
         self._made: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
@@ -567,7 +567,7 @@ class _CoarsePair:
             self.scene.friction.coefficient,
             no_layer,
             has_shear=has_shear,
-            has_given_moment=path_of(self.scene).moment_is_given,
+            has_given_moment=prescribed_path(self.scene).moment_is_given,
             actuators=actuators,
         )
 
@@ -622,7 +622,7 @@ def _coarse_run(
     # All states are stored, for their edges decide about the mesh; there are few nodes.
     run = run_path(
         solved_problem,
-        path_of(pair.scene),
+        prescribed_path(pair.scene),
         pace,
         cycles,
         lambda _step, _of_steps, _text: None,
@@ -701,19 +701,19 @@ def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceS
     faces = pair.faces(size)
     solved_faces = half_interface(faces) if on_half(pair.scene, faces) else faces
     problem = pair.problem(size, solved_faces, has_shear=False)
-    return problem, problem.equilibrium(problem.at_rest(), 0.0, (1.0, 0.0))[0]
+    return problem, problem.equilibrium(problem.unloaded_state(), 0.0, (1.0, 0.0))[0]
 
 
 def _past_the_end(scene: Scene) -> InputError:
     return InputError(
         "bodies: the contact at the largest load reaches past the end of the narrower face, at |x|"
-        f" = {face_room(scene):.6g}: make the bodies wider, or the load less"
+        f" = {least_face_half_width(scene):.6g}: make the bodies wider, or the load less"
     )
 
 
 def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
     """(k, 2) of the contact; NaN without one."""
-    _, pressure, _, gap = nodal(np.stack([state.values for state in states]))
+    _, pressure, _, gap = nodal_values(np.stack([state.values for state in states]))
     is_closed = np.stack([state.is_closed for state in states])
     return contact_edges(
         problem.interface.x, pressure / problem.interface.face_lengths, gap, is_closed, 1.0

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from halfplane_fe.actuators import actuators_of, path_of
+from halfplane_fe.actuators import actuators_of, prescribed_path
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
 from halfplane_fe.answer_notes import CORRECTED_FACES, REPEATED_RUNS, notes_of_answer, work_done
 from halfplane_fe.answer_of_rig import notes_of_rig, scene_of_loads
@@ -263,13 +263,13 @@ def _solve(
 
         check_kernels(scene)
     report(0, None, "coarse run")
-    coarse_work: Counter[str] = Counter()
-    scales = known_scales or find_scales(scene, coarse_work)
+    coarse_counts: Counter[str] = Counter()
+    scales = known_scales or find_scales(scene, coarse_counts)
     task = Task(scene, mesh, settings, scales)
-    stopwatch.lap("coarse run")
+    stopwatch.end_stage("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work_counts: Counter[str] = Counter(
-        {f"coarse {name}": count for name, count in coarse_work.items()}
+        {f"coarse {name}": count for name, count in coarse_counts.items()}
     )
     # Nearer than the datum a load presses a half-plane's surface in, beyond it the surface rises. A
     # datum inside the contact makes a compliance that is not positive definite.
@@ -277,9 +277,9 @@ def _solve(
     meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
     grading = partial(surface_grading, mesh, scales, scene.profile)
     bodies = meshed_pair(meshed_scene, mesh, grading)
-    stopwatch.lap("mesh")
+    stopwatch.end_stage("mesh")
     condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
-    stopwatch.lap("condensation")
+    stopwatch.end_stage("condensation")
     meshed_interface = couple(*condensed_bodies)
     interfaces = _Faces(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
     if by_kernels:
@@ -287,12 +287,12 @@ def _solve(
             scene, float(np.abs(meshed_interface.x).max()), datum_length, work_counts
         )
         interfaces = interfaces.with_kernels(kernels)
-        stopwatch.lap("kernels")
+        stopwatch.end_stage("kernels")
     problem, run = _solve_path(task, interfaces, datum_length, work_counts, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum_length > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum_length)
-    stopwatch.lap("load path")
+    stopwatch.end_stage("load path")
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
     answer = _solution(task, condensed_bodies, problem, run, stopwatch.seconds)
@@ -303,7 +303,7 @@ def _solve(
     answer_without_meshes = _without_meshes(answer, kernels) if by_kernels else answer
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer_without_meshes) from run.failure
-    _check_room(answer_without_meshes, run, scales)
+    _require_room(answer_without_meshes, run, scales)
     return answer_without_meshes
 
 
@@ -416,7 +416,7 @@ def _solve_path(
         half_width=task.scales.half_width,
         modulus=task.scales.modulus,
         dissipation=expected_dissipation,
-        bounded_by_kinks=task.steps_by_kinks,
+        kinks_bound_error=task.kinks_bound_step_error,
     )
     candidates = (
         (faces.as_meshed,) if faces.corrected is None else (faces.corrected, faces.as_meshed)
@@ -431,7 +431,7 @@ def _solve_path(
         )
         run = run_path(
             solved_problem,
-            path_of(scene),
+            prescribed_path(scene),
             pace,
             scene.cycles,
             report,
@@ -453,7 +453,7 @@ class _Stopwatch:
         self.seconds: dict[str, float] = {}
         self._last = clock.perf_counter()
 
-    def lap(self, stage: str) -> None:
+    def end_stage(self, stage: str) -> None:
         """End a stage: store the time since the stage before it ended."""
         now = clock.perf_counter()
         self.seconds[stage] = now - self._last
@@ -468,7 +468,7 @@ def _contact_problem(
 
     Lengths are over the contact half-width, forces over the largest load, compliances over 1/E*.
     The penalty method puts the stiffnesses into an elastic layer between the faces. Other methods
-    have no layer: the stiffnesses (`augmentation`) turn gap and slip into trial tractions, whose
+    have no layer: the stiffnesses (`trial_weights`) turn gap and slip into trial tractions, whose
     sign and size decide on contact and stick.
 
     Parameters
@@ -491,13 +491,13 @@ def _contact_problem(
     normal_factor, tangential_factor = settings.stiffnesses
     normal_stiffness = normal_factor * areas_of_nodes / task.mesh.edge_element_size
     tangential_stiffness = tangential_factor * areas_of_nodes / task.mesh.edge_element_size
-    augmentation: tuple[Array | float, Array | float]
+    trial_weights: tuple[Array | float, Array | float]
     if settings.method == "penalty":
         layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)
-        augmentation = (1.0, 1.0)
+        trial_weights = (1.0, 1.0)
     else:
         layer = Layer(np.zeros_like(areas_of_nodes), np.zeros_like(areas_of_nodes))
-        augmentation = (normal_stiffness, tangential_stiffness)
+        trial_weights = (normal_stiffness, tangential_stiffness)
     scaled_gap = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
     return ContactProblem(
         scaled_faces,
@@ -506,15 +506,15 @@ def _contact_problem(
         layer,
         has_shear=needs_shear(scene),
         max_iterations=settings.max_iterations,
-        augmentation=augmentation,
-        has_given_moment=path_of(scene).moment_is_given,
+        trial_weights=trial_weights,
+        has_given_moment=prescribed_path(scene).moment_is_given,
         work_counts=work_counts,
         method=settings.method,
         actuators=actuators_of(scene, datum_length),
     )
 
 
-def _check_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
+def _require_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
     """Refuse an answer whose contact reaches the last node that may touch (ConvergenceError with
     the answer).
     """

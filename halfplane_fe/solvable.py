@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from halfplane_fe.actuators import path_of
+from halfplane_fe.actuators import prescribed_path
 from halfplane_fe.path import check_admissible
 from halfplane_fe.supports import check_bulk_stress, check_supports
 from scenes import InputError, Scene
@@ -59,5 +59,5 @@ def check_loads(scene: Scene) -> None:
             " meshed mirror-symmetric"
         )
     is_driven = scene.load.is_driven
-    check_admissible(path_of(scene), scene.friction.coefficient, is_driven=is_driven)
+    check_admissible(prescribed_path(scene), scene.friction.coefficient, is_driven=is_driven)
     check_supports(scene)

@@ -19,10 +19,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import scipy
 
-from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.energy import step_errors, work_by_kinks
 from halfplane_fe.law import slip_sign
-from halfplane_fe.path import Stretch, is_straight, scaled_loads, zero_between
+from halfplane_fe.path import Stretch, is_straight, scaled_loads, time_of_zero
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, read_only_copy
 from scenes.array_types import Array, Mask, States
@@ -69,7 +69,7 @@ _LOST_WORK_ALLOWED = 0.03
 # Trials of a regular increment: all of its halves down to the shortest and as many refused.
 _MOST_TRIALS = 2**14
 # Events of a contact node in a regular increment.
-_MOST_EVENTS = 8
+_MOST_EVENTS_PER_NODE = 8
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,14 @@ class StepTolerance:
     ----------
     rate
         the largest error of an increment over its duration, scaled
-    bounded_by_kinks
+    kinks_bound_error
         whether the error of an increment is at most the friction work by kinks of pressure and
         slip where nodes start to slide (`energy.work_by_kinks`): so it is of like bodies, whose
         pressure does not depend on what slides. Else it is the bound of `energy.step_errors`
     """
 
     rate: float
-    bounded_by_kinks: bool = False
+    kinks_bound_error: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class NotConverged(NamedTuple):
     time: float
 
 
-def follow(
+def increments_along(
     problem: ContactProblem,
     state: InterfaceState,
     stretch: Stretch,
@@ -175,7 +175,7 @@ def follow(
         )
         # Instants still to be reached, the next one last: `end`, and before it those by halving.
         targets = [end]
-        for _ in range(_MOST_TRIALS + _MOST_EVENTS * len(problem.initial_gap)):
+        for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
             target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])
             attempt = _attempted_increment(problem, state, loads_at, target, shortest_duration)
             if isinstance(attempt, NotConverged):
@@ -189,7 +189,7 @@ def follow(
                 problem.work_counts["increments ended where slip ends"] += 1
                 targets.append(end_of_slip)
                 continue
-            if not error_control.accepts(attempt, state):
+            if not error_control.accepts_increment(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
             state = attempt.state
@@ -216,13 +216,13 @@ def _end_by_turn_of_slip(
     given it is when the slip of the sliding nodes, each weighted by its pressure, is largest, if
     they go on sliding as at `start`. A turn in the first eighth of the way does not count.
     """
-    if not problem.actuators.are_there:
+    if not problem.actuators.prescribe_movements:
         return end
     slip_directions = slip_sign(start.node_states)
     if not slip_directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal(problem.rates(start.node_states, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
     except SingularSet:
         return end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
@@ -289,7 +289,7 @@ def _end_of_lost_slip(
     if not directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal(problem.rates(start.node_states, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
     except SingularSet:
         return end
     shortly_before_end = end - (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
@@ -337,7 +337,7 @@ class _ErrorControl:
     refused_error: float = np.inf
     has_jumped: bool = False
 
-    def accepts(self, increment: Increment, start: InterfaceState) -> bool:
+    def accepts_increment(self, increment: Increment, start: InterfaceState) -> bool:
         """Whether an increment from the state `start` is accepted; if not, it is to be halved.
 
         It is accepted where the error of its friction work is within the tolerance, in proportion
@@ -355,7 +355,7 @@ class _ErrorControl:
         work_error = increment.step_error
         if not work_error > allowed_error:
             return True
-        if self.tolerance.bounded_by_kinks:
+        if self.tolerance.kinks_bound_error:
             work_error = min(
                 work_error,
                 work_by_kinks(self.problem, start, increment.state, increment.solved_states),
@@ -421,7 +421,7 @@ def _attempted_increment(
     solved_states = states_up_to_event(start, end_state)
     step_error = 0.0
     if not np.array_equal(solved_states, start.node_states):
-        slip_change, pressure_change, _, _ = nodal(end_state.values - start.values)
+        slip_change, pressure_change, _, _ = nodal_values(end_state.values - start.values)
         step_error = float(
             step_errors(
                 problem.friction, pressure_change, slip_change, start.node_states, solved_states
@@ -543,12 +543,12 @@ def next_event(
     try:
         # nodes that start to slide come to the limit of friction at once
         if states is not start.node_states:
-            _, pressure, _, gap = nodal(problem.values_following(start, start.loads, states))
+            _, pressure, _, gap = nodal_values(problem.values_following(start, start.loads, states))
         values_at_end = problem.values_following(start, loads_at_end, states)
     except SingularSet:
         # One node is left: the upper body rolls over it, to where another touches.
         return "regular", end
-    _, pressure_at_end, _, gap_at_end = nodal(values_at_end)
+    _, pressure_at_end, _, gap_at_end = nodal_values(values_at_end)
     share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.is_closed)
     share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.is_closed)
     event: Event = "touch" if share_to_touch <= share_to_release else "release"
@@ -571,7 +571,7 @@ def next_event(
     else:
         # By Q and by tilt nodes meet at constant P too: the gap or force of the first is followed.
         distance_at_start = float((gap if event == "touch" else pressure)[event_node])
-        _, pressure_rates, _, gap_rates = nodal(problem.rates(states, len(start.loads)))
+        _, pressure_rates, _, gap_rates = nodal_values(problem.rates(states, len(start.loads)))
         rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
         # A load that does not change must not add its rounding.
         rates_of_node = np.where(np.subtract(loads_at_end, start.loads) != 0, rates_of_node, 0.0)
@@ -582,7 +582,7 @@ def next_event(
                 np.subtract(loads_at(time), start.loads) @ rates_of_node
             )
 
-    time = zero_between(distance_to_event, start.time, end, share_of_increment, distance_at_start)
+    time = time_of_zero(distance_to_event, start.time, end, share_of_increment, distance_at_start)
     return (event, time) if start.time < time < end else ("regular", end)
 
 
@@ -650,7 +650,9 @@ def _time_of_event(
     node = int(np.argmax(np.abs(distances_to_event)))
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved.time
-    _, pressure_rates, _, gap_rates = nodal(problem.rates(solved.node_states, len(solved.loads)))
+    _, pressure_rates, _, gap_rates = nodal_values(
+        problem.rates(solved.node_states, len(solved.loads))
+    )
     rates_of_node = (pressure_rates if solved.is_closed[node] else gap_rates)[:, node]
 
     def distance_at(time: float) -> float:
@@ -661,7 +663,7 @@ def _time_of_event(
 
     duration = solved.time - start.time
     share_of_increment = duration / (end - start.time)
-    time = zero_between(distance_at, start.time, end, share_of_increment, distance_at(start.time))
+    time = time_of_zero(distance_at, start.time, end, share_of_increment, distance_at(start.time))
     return time if abs(time - solved.time) < _LARGEST_MOVE * duration else solved.time
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from halfplane_fe.actuators import path_of
+from halfplane_fe.actuators import prescribed_path
 from halfplane_fe.path import has_bulk_stress
 from scenes import Block, InputError, Pad, Scene, Shape, sampled_times
 
@@ -28,14 +28,16 @@ def check_bulk_stress(scene: Scene) -> None:
     InputError
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
-    stress_histories = [leg.bulk for leg in path_of(scene).segments(1) if leg.bulk is not None]
+    stress_histories = [
+        leg.bulk for leg in prescribed_path(scene).segments(1) if leg.bulk is not None
+    ]
     for body_number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
         is_pulled = any(
             np.any(history.loads(sampled_times(history, _N_INSTANTS))[body_number])
             for history in stress_histories
         )
-        if is_pulled and not (body.kind == "half_plane" or has_ends(body)):
+        if is_pulled and not (body.kind == "half_plane" or has_free_ends(body)):
             kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
             raise InputError(
                 f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"
@@ -43,7 +45,7 @@ def check_bulk_stress(scene: Scene) -> None:
             )
 
 
-def has_ends(body: Shape) -> bool:
+def has_free_ends(body: Shape) -> bool:
     """Whether a body is a block with free sides: these are its ends, which a bulk stress can
     pull.
     """
@@ -65,7 +67,7 @@ def check_supports(scene: Scene) -> None:
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if not is_pushed or not isinstance(body, Block | Pad):
             continue
-        held_by_ends = has_ends(body) and has_bulk_stress(path_of(scene))
+        held_by_ends = has_free_ends(body) and has_bulk_stress(prescribed_path(scene))
         if body.base == "rollers" and body.sides == "free" and not held_by_ends:
             raise InputError(
                 f"bodies.{name}: nothing holds the {body.kind} against the tangential load, it"
@@ -78,15 +80,15 @@ def has_tangential_load(scene: Scene) -> bool:
     """Whether a tangential load other than 0 is on the path, or a movement in its place."""
     return any(
         np.any(leg.loads(sampled_times(leg, _N_INSTANTS))[1] != 0)
-        for leg in path_of(scene).segments(1)
+        for leg in prescribed_path(scene).segments(1)
     )
 
 
-def face_room(scene: Scene) -> float:
+def least_face_half_width(scene: Scene) -> float:
     """Half the width of the narrower face [length]; infinite for half-planes."""
     return min(scene.bodies.lower.face_half_width, scene.bodies.upper.face_half_width)
 
 
-def shapes_alike(scene: Scene) -> bool:
+def bodies_are_alike(scene: Scene) -> bool:
     """Whether the two bodies are each other's mirror image, materials included."""
     return scene.material.alike and scene.bodies.lower == scene.bodies.upper

@@ -56,16 +56,16 @@ LuFactors = tuple[Array, NDArray[np.int32]]
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
 # 2,000 rows on a pad makes 22 bases then, as with any number of bytes beyond; with 40 MB it makes
 # 136.
-_MOST_BYTES = 80_000_000
+_MOST_BASE_BYTES = 80_000_000
 _FEWEST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
-_MOST_ROWS = 110
+_MOST_UPDATED_ROWS = 110
 # Bits of `_equation_bits` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_EQUATION_BITS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_EQUATION_BITS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
 # Rows in which a base may differ from one with factors for its values to be updates of those: of
 # 700 nodes updates cost less than factors up to there.
-_MOST_ROWS_APART = 300
+_MOST_ROWS_FROM_ORIGIN = 300
 # Sets of which `newton_correction` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _MOST_FACTORISED_SETS = 8
@@ -128,19 +128,19 @@ class _HeldEquations(NamedTuple):
 
     Attributes
     ----------
-    of_held
+    held_by_held
         factors of (k, k) displacements of held rows by forces of held rows
     free_by_held
         (n_free, k) displacements of free rows by forces of held rows
     """
 
-    of_held: LuFactors
+    held_by_held: LuFactors
     free_by_held: Array
 
     @property
     def nbytes(self) -> int:
         """Bytes of both matrices."""
-        return self.of_held[0].nbytes + self.free_by_held.nbytes
+        return self.held_by_held[0].nbytes + self.free_by_held.nbytes
 
 
 @dataclass(eq=False)
@@ -164,7 +164,7 @@ class _Base:
         solved for
     free_rows
         (n_free,) rows whose force is prescribed
-    place_in_held
+    position_in_held
         (2 n + 5,) of each row and load, -1 of those that are not among `held_rows`
     value_sources
         (3 + 4 n,) where each value of an interface state comes from: the 2 n + 3 responses, or
@@ -173,7 +173,7 @@ class _Base:
         of its own, factorised; None where it has an origin
     origin
         the base from whose responses its own are found
-    case_number
+    response_row_of_case
         (2 n + 5,) row of `responses` for the unit case of each row and load, -1 where that is
         not solved yet
     responses
@@ -192,11 +192,11 @@ class _Base:
     is_held: Mask
     held_rows: Indices
     free_rows: Indices
-    place_in_held: Indices
+    position_in_held: Indices
     value_sources: Indices
     equations: _HeldEquations | None
     origin: _Base | None
-    case_number: Indices
+    response_row_of_case: Indices
     responses: Array
     n_cases: int = 0
     sets_served: set[bytes] = field(default_factory=set)
@@ -692,7 +692,7 @@ class Systems:
         n_units = len(unit_cases)
         base_cases = np.concatenate([unit_cases, rows])
         self._solve_cases(base, base_cases)
-        base_responses = base.responses.take(base.case_number[base_cases], axis=0)
+        base_responses = base.responses.take(base.response_row_of_case[base_cases], axis=0)
         responses = np.zeros((n_units + len(right_sides), base_responses.shape[1]))
         responses[:n_units] = base_responses[:n_units]
         if not len(rows):
@@ -813,11 +813,11 @@ class Systems:
         forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
         forces_and_motions[base.free_rows, case_of_changes] = changes[base.free_rows]
         right_side = -self.matrix[base.held_rows] @ forces_and_motions
-        right_side[base.place_in_held[load_numbers[:2]], np.arange(2)] += 1.0
+        right_side[base.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
         is_of_node = base.held_rows < 2 * n
         right_side[is_of_node, case_of_changes] += changes[base.held_rows[is_of_node]]
         assert base.equations is not None  # for the type checker: it has no origin
-        forces_and_motions[base.held_rows] = _lu_solve(base.equations.of_held, right_side)
+        forces_and_motions[base.held_rows] = _lu_solve(base.equations.held_by_held, right_side)
         # So far q - (+-f) p stands where a node slides.
         forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
         displacements = self.matrix[: 2 * n] @ forces_and_motions
@@ -833,7 +833,8 @@ class Systems:
         those of the new states are to be computed from. Also whether each equation differs (2 n,).
 
         It is the base that served these states before, else the one that differs in the fewest
-        equations. If these are more than `_MOST_ROWS`, the new states become a base themselves.
+        equations. If these are more than `_MOST_UPDATED_ROWS`, the new states become a base
+        themselves.
 
         Raises
         ------
@@ -850,14 +851,14 @@ class Systems:
             (cached_base for cached_base in self._bases if key in cached_base.sets_served), None
         )
         if base is None:
-            base = self._nearest_base(self._bases, equation_bits, _MOST_ROWS)
+            base = self._nearest_base(self._bases, equation_bits, _MOST_UPDATED_ROWS)
         if base is None:
             row_states = np.concatenate([states, _sliding_where_open(states)])
             factorised_bases = [
                 cached_base for cached_base in self._bases if cached_base.origin is None
             ]
             origin = self._nearest_base(
-                factorised_bases, _equation_bits(row_states), _MOST_ROWS_APART
+                factorised_bases, _equation_bits(row_states), _MOST_ROWS_FROM_ORIGIN
             )
             base = self._new_base(row_states, origin)
         # The list is in order of use, as bases are dropped from its front. The origin, from which
@@ -904,8 +905,8 @@ class Systems:
         held_rows = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
         free_rows = (~is_held).nonzero()[0]
         signed_friction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
-        place_in_held = np.full(2 * n + 5, -1)
-        place_in_held[held_rows] = np.arange(len(held_rows))
+        position_in_held = np.full(2 * n + 5, -1)
+        position_in_held[held_rows] = np.arange(len(held_rows))
         # Values are picked by number from the 2 n + 3 responses followed by the 2 n prescribed
         # values. Where the displacement is prescribed (held) the response is the force.
         number_of_response = np.arange(2 * n)
@@ -925,11 +926,11 @@ class Systems:
             is_held=is_held,
             held_rows=held_rows,
             free_rows=free_rows,
-            place_in_held=place_in_held,
+            position_in_held=position_in_held,
             value_sources=np.concatenate(sources_in_order),
             equations=self._factorised(states, held_rows, free_rows) if origin is None else None,
             origin=origin,
-            case_number=np.full(2 * n + 5, -1),
+            response_row_of_case=np.full(2 * n + 5, -1),
             responses=np.empty((0, 2 * n + 3)),
         )
 
@@ -974,17 +975,17 @@ class Systems:
 
         `required_cases` are their numbers: i the normal equation of node i, n + i the tangential
         one, 2 n and above loads. Responses of neighbouring nodes are computed along with them,
-        since edges of contact and stick travel from node to node. Beyond `_MOST_BYTES` the bases
-        unused for longest are dropped, but for four.
+        since edges of contact and stick travel from node to node. Beyond `_MOST_BASE_BYTES` the
+        bases unused for longest are dropped, but for four.
         """
-        missing_cases = required_cases[base.case_number[required_cases] < 0]
+        missing_cases = required_cases[base.response_row_of_case[required_cases] < 0]
         if not len(missing_cases):
             return
         n = len(base.signed_friction)
         missing_rows = missing_cases[missing_cases < 2 * n]
         steps_to_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
         neighbours = np.add.outer(missing_rows, steps_to_neighbours).clip(0, 2 * n - 1)
-        unsolved_neighbours = neighbours[base.case_number[neighbours] < 0]
+        unsolved_neighbours = neighbours[base.response_row_of_case[neighbours] < 0]
         cases = np.union1d(unsolved_neighbours, missing_cases)
         if base.equations is not None:
             responses = self._responses_by_equations(base, base.equations, cases)
@@ -997,11 +998,11 @@ class Systems:
             base.responses = np.empty((int(_SPARE_ROOM * n_cases), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
         base.responses[base.n_cases : n_cases] = responses
-        base.case_number[cases] = np.arange(base.n_cases, n_cases)
+        base.response_row_of_case[cases] = np.arange(base.n_cases, n_cases)
         base.n_cases = n_cases
         while (
             len(self._bases) > _FEWEST_BASES
-            and sum(cached_base.nbytes for cached_base in self._bases) > _MOST_BYTES
+            and sum(cached_base.nbytes for cached_base in self._bases) > _MOST_BASE_BYTES
         ):
             self._bases.pop(0)
 
@@ -1015,14 +1016,14 @@ class Systems:
         A unit force that a free one prescribes displaces all nodes (`displacements_by_force`).
         Forces in the held ones follow from their displacements, then the free displacements:
 
-            of_held @ forces = prescribed displacements - displacements_by_force[held_rows]
+            held_by_held @ forces = prescribed displacements - displacements_by_force[held_rows]
             free displacements = free_by_held @ forces + displacements_by_force[free_rows]
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal_compliance)
-        place_in_held = base.place_in_held[cases]
-        is_held_case = place_in_held >= 0
+        position_in_held = base.position_in_held[cases]
+        is_held_case = position_in_held >= 0
         displacements_by_force = np.zeros((2 * n + 2, len(cases)))
         displacements_by_force[:, ~is_held_case] = self.matrix[:, cases[~is_held_case]]
         # A unit p of an open node: where it counts as sliding in the base, q = (+-f) p acts too.
@@ -1033,8 +1034,8 @@ class Systems:
             displacements_by_shear * base.signed_friction[open_nodes]
         )
         held_displacements = -displacements_by_force[base.held_rows]
-        held_displacements[place_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
-        forces = _lu_solve(equations.of_held, held_displacements)
+        held_displacements[position_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
+        forces = _lu_solve(equations.held_by_held, held_displacements)
         free_displacements = (
             equations.free_by_held @ forces + displacements_by_force[base.free_rows]
         )

@@ -29,16 +29,16 @@ class Task:
     scales: Scales
 
     @property
-    def has_plain_errors(self) -> bool:
+    def has_errors_of_low_order(self) -> bool:
         """Whether linear elements or a penalty layer make errors that are not of order 2."""
         return self.mesh.order == 1 or self.settings.method == "penalty"
 
     @property
-    def steps_by_kinks(self) -> bool:
+    def kinks_bound_step_error(self) -> bool:
         """Whether what kinks in increments add stands for the whole error of the steps: in records
         of like bodies, without bulk stress, tilt or layer.
         """
-        return is_plain_record(self.scene) and not self.has_plain_errors
+        return is_plain_record(self.scene) and not self.has_errors_of_low_order
 
     @property
     def element(self) -> float:

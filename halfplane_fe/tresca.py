@@ -33,7 +33,7 @@ class _NormalForces(NamedTuple):
 
 
 def pressure_at_known_shear(
-    systems: Systems, height: Array, load: float, is_closed: Mask, rounding: float
+    systems: Systems, initial_gap: Array, load: float, is_closed: Mask, round_off: float
 ) -> tuple[Array, float, Mask]:
     """Unilateral contact under a given normal `load`, the tangential forces being known: nodal
     normal forces p (n,), normal approach delta, and which nodes touch. Active-set method.
@@ -46,14 +46,14 @@ def pressure_at_known_shear(
     ----------
     systems
         compliances of the contact nodes
-    height
+    initial_gap
         (n,) initial gap, with what known tangential forces and displacement add to it
     load
         normal load that the nodal normal forces carry, as scaled as these: P minus what the known
         tangential forces carry on an inclined face
     is_closed
         (n,) nodes that are assumed to touch first
-    rounding
+    round_off
         size of a negative p or g that counts as round-off
 
     Raises
@@ -77,9 +77,9 @@ def pressure_at_known_shear(
     ...     springs,
     ...     None,
     ... )
-    >>> height, start = np.array([0.0, 1.0]), np.array([True, False])
+    >>> initial_gap, start = np.array([0.0, 1.0]), np.array([True, False])
     >>> pressure, approach, closed = pressure_at_known_shear(
-    ...     Systems(flat, Layer(zeros, zeros), 0.5), height, 3.0, start, 1e-12
+    ...     Systems(flat, Layer(zeros, zeros), 0.5), initial_gap, 3.0, start, 1e-12
     ... )
     >>> pressure.tolist(), approach, closed.tolist()  # approach 2, the second node meets after 1
     ([2.0, 1.0], 2.0, [True, True])
@@ -96,17 +96,17 @@ def pressure_at_known_shear(
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
         # p that closes the initial gaps without approach, and p per approach.
-        force_by_height, force_by_approach = solve(
+        force_by_gap, force_by_approach = solve(
             systems.normal_compliance[np.ix_(is_closed, is_closed)],
-            np.stack([-height[is_closed], n_y[is_closed]], axis=1),
+            np.stack([-initial_gap[is_closed], n_y[is_closed]], axis=1),
             assume_a="pos",
         ).T
-        approach = (load - n_y[is_closed] @ force_by_height) / (n_y[is_closed] @ force_by_approach)
-        pressure = np.zeros_like(height)
-        pressure[is_closed] = force_by_height + approach * force_by_approach
-        gap = height - n_y * approach + systems.normal_compliance @ pressure
+        approach = (load - n_y[is_closed] @ force_by_gap) / (n_y[is_closed] @ force_by_approach)
+        pressure = np.zeros_like(initial_gap)
+        pressure[is_closed] = force_by_gap + approach * force_by_approach
+        gap = initial_gap - n_y * approach + systems.normal_compliance @ pressure
         violation = np.where(is_closed, -pressure, -gap)
-        next_closed = np.where(violation > rounding, ~is_closed, is_closed)
+        next_closed = np.where(violation > round_off, ~is_closed, is_closed)
         return _NormalForces(pressure, float(approach)), violation, next_closed
 
     forces, is_closed = _forces_by_active_set(normal_step, is_closed)
@@ -114,7 +114,7 @@ def pressure_at_known_shear(
 
 
 def shear_at_known_pressure(
-    systems: Systems, pressure: Array, known_slip: Array, load: float | None, rounding: float
+    systems: Systems, pressure: Array, known_slip: Array, load: float | None, round_off: float
 ) -> tuple[Array, float, States]:
     """Friction at known normal forces (Tresca): nodal tangential forces q (n,), tangential
     displacement U, and the nodes' states open, stick or slip.
@@ -137,7 +137,7 @@ def shear_at_known_pressure(
         tilt
     load
         tangential load, scaled, below f times the sum of p; None where U = 0 is prescribed instead
-    rounding
+    round_off
         size of a violation that counts as round-off
 
     Raises
@@ -175,7 +175,7 @@ def shear_at_known_pressure(
         systems=systems,
         limit=limit,
         known_slip=known_slip,
-        rounding=rounding,
+        round_off=round_off,
         states=np.where(is_closed, STICK, OPEN).astype(np.int8),
     )
     if load is None:
@@ -208,7 +208,7 @@ class _ShearAtShift:
         (n,) f p of the nodes
     known_slip
         (n,) what is taken off the slip n_y U - T q, T the tangential compliance
-    rounding
+    round_off
         size of a violation that counts as round-off
     states
         (n,) states of friction of the last solve
@@ -217,7 +217,7 @@ class _ShearAtShift:
     systems: Systems
     limit: Array
     known_slip: Array
-    rounding: float
+    round_off: float
     states: States
 
     def __call__(self, shift: float) -> Array:
@@ -225,13 +225,13 @@ class _ShearAtShift:
         n_y = self.systems.interface.face_normals[1]
         known_slip = self.known_slip - n_y * shift
         shear, self.states = _shear_within_limits(
-            self.systems, self.limit, known_slip, self.states, self.rounding
+            self.systems, self.limit, known_slip, self.states, self.round_off
         )
         return shear
 
 
 def _shear_within_limits(
-    systems: Systems, limit: Array, known_slip: Array, states: States, rounding: float
+    systems: Systems, limit: Array, known_slip: Array, states: States, round_off: float
 ) -> tuple[Array, States]:
     """Friction with known limits |q| <= f p at a known tangential displacement (Tresca): nodal
     tangential forces q (n,) and the nodes' states open, stick or slip, scaled.
@@ -248,7 +248,7 @@ def _shear_within_limits(
         (n,) slip at the start of the increment minus the slip at its end that is not caused by q
     states
         (n,) at the start of the iteration; open nodes stay open
-    rounding
+    round_off
         size of a violation that counts as round-off
     """
 
@@ -276,7 +276,7 @@ def _shear_within_limits(
         violation[slips_back] = slip[slips_back]
         slip_states = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
         other_states = np.where(is_sticking, slip_states, STICK)
-        next_states = np.where(violation > rounding, other_states, states)
+        next_states = np.where(violation > round_off, other_states, states)
         return shear, violation, next_states.astype(np.int8)
 
     return _forces_by_active_set(friction_step, states)

@@ -613,7 +613,10 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     """
     if profile.kind != "flat_rounded":
         return 0.0
-    shares = [_BY_FLANK / flank.resolved_by**2 for flank in flanks(profile, half_width, element)]
+    shares = [
+        _BY_FLANK / flank.equivalent_hertz_elements**2
+        for flank in flanks(profile, half_width, element)
+    ]
     return min(max(shares, default=0.0), 1.0)
 
 

@@ -421,9 +421,9 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     On a layer, a body thinner than three quarters of its face, the contact is narrower than
     theory's. The limit is 10 there, and finite elements look at contacts below it.
     """
-    from halfplane_fe.supports import face_room
+    from halfplane_fe.supports import least_face_half_width
 
-    half_width_of_face = float(face_room(scene))
+    half_width_of_face = float(least_face_half_width(scene))
     heights = [
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
-from halfplane_fe.condensed_bodies import BODIES
+from halfplane_fe.condensed_bodies import BODY_CACHE
 from shared_runs import share
 
 # A shell that starts the tests in the background has Ctrl-C ignored, here and in every process
@@ -24,7 +24,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # Work counts are asserted: no condensed body may come from an earlier test. The tests of the cache
 # have caches of their own.
-BODIES.bound_bytes = 0
+BODY_CACHE.bound_bytes = 0
 share()
 
 IN_CI = os.environ.get("CI", "").lower() in {"1", "true"}

@@ -15,9 +15,9 @@ from hypothesis.extra.numpy import arrays
 
 import halfplane_fe
 from halfplane_fe import SolverSettings, scales, systems
-from halfplane_fe.contact import ContactProblem, nodal
+from halfplane_fe.contact import ContactProblem, nodal_values
 from halfplane_fe.elasticity import condense
-from halfplane_fe.energy import certificates, increment_energies
+from halfplane_fe.energy import increment_energies, law_violations
 from halfplane_fe.interface import Interface, couple
 from halfplane_fe.law import project, slip_sign, violations
 from halfplane_fe.mirror import is_mirrored
@@ -126,7 +126,7 @@ def problem(pair="like", layer=0.0, friction=FRICTION, max_iterations=100):
 
 def walk(contact, path=PATH):
     """States along a path, the untouched one first."""
-    states = [contact.at_rest()]
+    states = [contact.unloaded_state()]
     for time, loads in enumerate(path, start=1):
         states.append(contact.equilibrium(states[-1], float(time), loads)[0])
     return states
@@ -161,7 +161,7 @@ def test_the_same_history_gives_the_same_bits_whatever_was_tried_in_between(pair
     for name in ("pressure", "shear", "gap", "slip", "node_states"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(states[-1], name)[0] = 1
-    forgetful, _ = contact.equilibrium(contact.at_rest(), 6.0, PATH[-1])
+    forgetful, _ = contact.equilibrium(contact.unloaded_state(), 6.0, PATH[-1])
     assert np.abs(forgetful.shear - states[-1].shear).max() > 0.1 * np.abs(states[-1].shear).max()
     if pair == "like":
         np.testing.assert_allclose(forgetful.pressure, states[-1].pressure, atol=1e-12)
@@ -178,7 +178,7 @@ def test_every_law_holds_along_any_path(pair, path):
     states = walk(contact, path)
     mirrored = walk(contact, [(p, -q) for p, q in path])
     for before, after in itertools.pairwise(states):
-        assert max(certificates(contact, [before, after]).values()) < 1e-9
+        assert max(law_violations(contact, [before, after]).values()) < 1e-9
         energy = increment_energies(contact, [before, after], [after.node_states])
         assert energy.external == pytest.approx(energy.elastic + energy.interface, abs=1e-12)
         assert np.all(energy.dissipation >= 0)
@@ -201,7 +201,7 @@ def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
     contact = problem(layer=layer)
     states = walk(contact)
     for before, after in itertools.pairwise(states):
-        assert max(certificates(contact, [before, after]).values()) < 1e-9
+        assert max(law_violations(contact, [before, after]).values()) < 1e-9
     last = states[-1]
     sides = contact.interface
     bodies_gap = contact.initial_gap - last.approach + sides.normal_compliance @ last.pressure
@@ -216,7 +216,7 @@ def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
     # no second way out
     monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
     contact = problem(max_iterations=1)
-    pressed, _ = problem().equilibrium(contact.at_rest(), 1.0, (1.0, 0.0))
+    pressed, _ = problem().equilibrium(contact.unloaded_state(), 1.0, (1.0, 0.0))
     with pytest.raises(
         ConvergenceError,
         match=r"nodes still change state after \d+ iterations at time 2, normal load 1, tangential",
@@ -274,7 +274,7 @@ def residual(
     values = set_systems.value_derivatives(states, 2, rows, fixed).T @ [*loads, 1.0]
     faces = set_systems.interface
     n = len(states)
-    slip, p, q, gap = nodal(values)
+    slip, p, q, gap = nodal_values(values)
     approach, shift, tilt = values[:3]
     n_x, n_y = faces.face_normals
     coupling = np.zeros((n, n)) if faces.coupling is None else faces.coupling
@@ -315,7 +315,7 @@ def test_answers_of_a_base_are_updates_of_another_one_to_rounding(
 ) -> None:
     """As are those by factors of its own; of bases that are near enough one alone is factorised."""
     monkeypatch.setattr(systems, "_MOST_ROWS", 12)
-    monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
+    monkeypatch.setattr(systems, "_MOST_ROWS_FROM_ORIGIN", rows_apart)
     monkeypatch.setattr(systems, "_N_NEIGHBOURS", 2)
     set_systems = random_systems()
     for number, states in enumerate(sets(40)):
@@ -376,16 +376,18 @@ def test_bytes_kept_stay_within_the_bound(
     """Room for two bases or three, with their answers; none suffers."""
     n = 60
     base_bytes = 8 * (122**2 + 120 * (3 + 2 * n))  # of a base all of whose answers are there
-    monkeypatch.setattr(systems, "_MOST_BYTES", bound := 3 * base_bytes)
+    monkeypatch.setattr(systems, "_MOST_BASE_BYTES", bound := 3 * base_bytes)
     monkeypatch.setattr(systems, "_FEWEST_BASES", 2)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
-    monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
+    monkeypatch.setattr(systems, "_MOST_ROWS_FROM_ORIGIN", rows_apart)
     set_systems = random_systems(n=n)
     reached = []
     for states in sets(300, n, every):
         assert residual(set_systems, states, (1.0, 0.1), np.arange(2), np.ones(2)) < 1e-10
         equations = [base.equations for base in set_systems._bases if base.origin is None]
-        matrices = [matrix for each in equations for matrix in (each.of_held[0], each.free_by_held)]
+        matrices = [
+            matrix for each in equations for matrix in (each.held_by_held[0], each.free_by_held)
+        ]
         responses = [base.responses for base in set_systems._bases]
         reached.append(sum(array.nbytes for array in matrices + responses))
         # an origin stays as long as what has come from it

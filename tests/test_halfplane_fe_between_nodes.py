@@ -26,7 +26,7 @@ from halfplane_fe.between_nodes import (
     _shares_of_spacing,
     excess,
 )
-from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.contact import ContactProblem, InterfaceState, nodal_values
 from halfplane_fe.edges import Edges
 from halfplane_fe.mirror import half_interface
 from halfplane_fe.run import PathRun
@@ -56,7 +56,7 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
         size = scales._fitting_size(pair)
         problem = pair.problem(size, half_interface(pair.faces(size)), has_shear=False)
     loads = np.linspace(0.5, 1.0, 400)
-    states = [problem.at_rest()]
+    states = [problem.unloaded_state()]
     for load in loads:
         states.append(problem.equilibrium(states[-1], 0.0, (load, 0.0))[0])
     radius = pair.scene.profile.radius
@@ -76,7 +76,7 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
     for state in states:
         node = int(np.flatnonzero(state.is_closed)[-1])
         edge = Edge.of_contact(
-            problem, 1, node, state, nodal(problem.rates(state.node_states, 2)[0])
+            problem, 1, node, state, nodal_values(problem.rates(state.node_states, 2)[0])
         )
         chords.append(float(edge.dimensionless_excess(edge.fraction_passed())))
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
@@ -102,7 +102,7 @@ def test_the_loads_place_the_edge_of_hertz_contact_between_its_nodes(
     edges = []
     for state in states:
         node = int(np.flatnonzero(state.is_closed)[-1])
-        rates = nodal(problem.rates(state.node_states, 2)[0])
+        rates = nodal_values(problem.rates(state.node_states, 2)[0])
         edges.append(Edge.of_contact(problem, 1, node, state, rates))
     places = np.array([edge.place for edge in edges])
     of_unit_load = float(np.mean(places / np.sqrt(loads)))
@@ -386,7 +386,7 @@ def test_a_load_that_grows_from_contact_to_contact_is_even(
     found = []
     for state in states:
         last_closed = int(np.flatnonzero(state.is_closed)[-1])
-        by_load = nodal(problem.rates(state.node_states, len(state.loads))[0])
+        by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])
         edge = Edge.of_contact(problem, 1, last_closed, state, by_load)
         _, rates, _, _ = by_load
         unevenness = between_nodes._unevenness(edge, last_closed, state.pressure, rates)

@@ -18,7 +18,7 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, stress
 from halfplane_fe.contact import ContactProblem
-from halfplane_fe.elasticity import assemble, condense, uniform_stretch
+from halfplane_fe.elasticity import assemble, condense, displacement_by_unit_stress
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, half_disc, solid
 from scenes import (
     Block,
@@ -436,7 +436,7 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     )
     places = system.basis.doflocs
     x_dofs = np.isin(np.arange(system.basis.N), system.basis.get_dofs(elements=True).all(["u^1"]))
-    along, outward = uniform_stretch(STEEL, *places)
+    along, outward = displacement_by_unit_stress(STEEL, *places)
     np.testing.assert_allclose(outward, -0.3 / 0.7 * 0.91 / 2 * places[1], atol=1e-15)
     forces = system.stiffness @ np.where(x_dofs, along, outward)
     off = np.setdiff1d(np.arange(len(forces)), system.reaction_dofs.ravel())
@@ -450,7 +450,7 @@ def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
     condensed_body = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
     np.testing.assert_allclose(
         condensed_body.displacement_by_stress,
-        uniform_stretch(STEEL, condensed_body.x, 0 * condensed_body.x + 3.0),
+        displacement_by_unit_stress(STEEL, condensed_body.x, 0 * condensed_body.x + 3.0),
         atol=1e-10,
     )
 

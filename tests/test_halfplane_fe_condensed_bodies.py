@@ -51,8 +51,10 @@ def condensations(bodies: CondensedBodies, *inputs: Body) -> list[int]:
 def test_the_second_solve_condenses_nothing_states_it_and_answers_the_same_bits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(condensed_bodies.BODIES, "bound_bytes", LARGE)
-    monkeypatch.setattr(condensed_bodies.BODIES, "_cached", type(condensed_bodies.BODIES._cached)())
+    monkeypatch.setattr(condensed_bodies.BODY_CACHE, "bound_bytes", LARGE)
+    monkeypatch.setattr(
+        condensed_bodies.BODY_CACHE, "_cached", type(condensed_bodies.BODY_CACHE._cached)()
+    )
     settings = SolverSettings(steps_per_cycle=8, step_tolerance=np.inf)
     with made_again():
         first, second = (

@@ -260,7 +260,7 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     """
     problem, load = walking(0.8 - swing, 0.8 + swing)
     run = run_path(problem, load.path(), Pace(1.0, 8, np.inf), 6, lambda *_: None)
-    assert run.cycle_change[-1] < 1e-12
+    assert run.force_change_by_cycle[-1] < 1e-12
     assert run.states[-1].shift - run.states[run.cycle_starts[-1]].shift == pytest.approx(
         drift, abs=1e-9
     )
@@ -483,7 +483,7 @@ def test_increments_of_records_are_halved_for_what_kinks_add_alone(
     assert answer.record.energy["step_error"].sum() > 1e-3 * answer.dissipation
     exact = semi_analytic.solve(answer.scene).dissipation
     assert abs(answer.dissipation - exact) < answer.dissipation_uncertainty < 0.01 * exact
-    monkeypatch.setattr(Task, "steps_by_kinks", property(lambda _: False))
+    monkeypatch.setattr(Task, "kinks_bound_step_error", property(lambda _: False))
     by_bound = halfplane_fe.solve(answer.scene, MeshSettings.coarse(), scales=answer.scales)
     assert by_bound.work.counts[halved] > 50
     assert by_bound.dissipation == pytest.approx(answer.dissipation, rel=1e-6)
@@ -794,7 +794,7 @@ def solved(rows: int, most: int, repeats: bool = False) -> FiniteElementSolution
         record = np.vstack([record, [record[-1, 0] + 0.01, *record[0, 1:]]])
     load = TimeSeriesLoad(rows=record.tolist(), repeats=repeats)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(halfplane_fe.run, "MOST_INSTANTS", most)
+        patch.setattr(halfplane_fe.run, "MOST_COMPLETE_STATES", most)
         return halfplane_fe.solve(long_scene().vary(load=load, cycles=2), COARSE)
 
 

@@ -113,7 +113,7 @@ def test_uniform_tractions_pass_between_two_blocks(order, upper, share):
     contact = ContactProblem(interface, zero, 0.4, Layer(zero, zero))
     pressure = 1.5
     shear = share * 0.4 * 1.5
-    state, _ = contact.equilibrium(contact.at_rest(), 1.0, (pressure * BLOCK, shear * BLOCK))
+    state, _ = contact.equilibrium(contact.unloaded_state(), 1.0, (pressure * BLOCK, shear * BLOCK))
     weights = contact.interface.face_lengths
     np.testing.assert_allclose(weights.sum(), BLOCK, rtol=1e-14)
     np.testing.assert_allclose(state.pressure / weights, pressure, rtol=1e-11)
@@ -466,7 +466,7 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     # A sticking node has a slip of minus what the other boundaries do: the faces meet as they were
     # made, once the upper body has come back by the shift that is planted here.
     expected = PRESSURE * interface.face_lengths
-    rest = problem.at_rest()
+    rest = problem.unloaded_state()
     sticks = np.full(len(zero), SurfaceState.STICK, dtype=np.int8)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)

@@ -398,7 +398,7 @@ def test_slivers_do_no_harm_or_are_refused_and_many_increments_move_nothing():
 def test_without_shear_the_error_of_the_pressure_alone_asks_for_a_note():
     """At 8 elements q is off by 8 %, p by 3 %."""
     errors = [resolution._ExpectedErrors(1.0, has_shear=has_shear) for has_shear in (True, False)]
-    assert [error.call_for_note(8.0) for error in errors] == [True, False]
+    assert [error.needs_note(8.0) for error in errors] == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import halfplane_fe
 from halfplane_fe import check_admissible, scales
-from halfplane_fe.path import stretches, turning_points, zero_between
+from halfplane_fe.path import stretches, time_of_zero, turning_points
 from halfplane_fe.scales import largest_load
 from meshes import MeshSettings, solids
 from refusals import require_facts
@@ -58,14 +58,14 @@ def test_secants_find_a_zero_without_scipy_optimize(steepness, monkeypatch):
     def bent(time):
         return math.expm1(steepness * (time - 0.5)) if steepness else time - 0.5
 
-    assert zero_between(bent, 0.0, 1.0, 0.1, bent(0.0)) == pytest.approx(0.5, abs=1e-15)
+    assert time_of_zero(bent, 0.0, 1.0, 0.1, bent(0.0)) == pytest.approx(0.5, abs=1e-15)
 
 
 def test_where_secants_leave_the_range_a_bracket_finds_the_zero():
     def steep(time):
         return math.atan(20 * (time - 0.9))
 
-    assert zero_between(steep, 0.0, 1.0, 0.1, steep(0.0)) == pytest.approx(0.9, abs=1e-15)
+    assert time_of_zero(steep, 0.0, 1.0, 0.1, steep(0.0)) == pytest.approx(0.9, abs=1e-15)
 
 
 def test_a_load_that_rests_at_first_has_its_zero_later_or_not_at_all():
@@ -74,8 +74,8 @@ def test_a_load_that_rests_at_first_has_its_zero_later_or_not_at_all():
     def resting(time):
         return max(time - 0.5, 0.0) - 0.3
 
-    assert zero_between(resting, 0.0, 1.0, 0.4, resting(0.0)) == pytest.approx(0.8, abs=1e-14)
-    assert zero_between(lambda _: 1.0, 0.0, 1.0, 0.4, 1.0) == 1.0
+    assert time_of_zero(resting, 0.0, 1.0, 0.4, resting(0.0)) == pytest.approx(0.8, abs=1e-14)
+    assert time_of_zero(lambda _: 1.0, 0.0, 1.0, 0.4, 1.0) == 1.0
 
 
 @given(phase=st.floats(10, 170), friction=st.floats(0.3, 2), start=st.floats(0, TURN))

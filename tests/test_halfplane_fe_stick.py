@@ -155,7 +155,7 @@ def test_slip_beyond_the_permanent_stick_zone_places_its_ends_where_no_load_does
     name: str, mesh: MeshSettings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in (answers, answer_uncertainty):
-        monkeypatch.setattr(module, "zone_by_nodes", lambda _run: NO_ZONE)
+        monkeypatch.setattr(module, "permanent_stick_zone", lambda _run: NO_ZONE)
     answer = halfplane_fe.solve(name, mesh=mesh)
     expected = semi_analytic.solve(answer.scene, x=[0.0]).permanent_stick_half_width
     error = abs(answer.permanent_stick_half_width - expected)

@@ -18,7 +18,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
-from halfplane_fe.answer import _grows_within_cone, _with_creeping_ends, creeping_zone
+from halfplane_fe.answer import _sticks_in_full_by_loads, _with_creeping_ends, creeping_zone
 from halfplane_fe.answer_uncertainty import _nodes_to_edge, _share_of_flanks
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import (
@@ -285,8 +285,8 @@ def test_a_largest_pressure_that_bends_between_its_nodes_is_less_certain() -> No
 def test_half_planes_stick_in_full_while_p_grows_within_the_cone() -> None:
     loads = np.array([(0.0, 0.0), (1.0, 0.2), (2.0, 0.4), (1.5, 0.4), (2.5, 0.8), (3.0, 0.9)])
     sticks = [False, True, True, False, False, True]
-    assert _grows_within_cone(loads, friction=0.3).tolist() == sticks
-    assert _grows_within_cone(loads, friction=0.4).tolist()[4]
+    assert _sticks_in_full_by_loads(loads, friction=0.3).tolist() == sticks
+    assert _sticks_in_full_by_loads(loads, friction=0.4).tolist()[4]
 
 
 def test_bodies_stick_in_full_while_shear_at_both_edges_grows_less_than_f_times_the_pressure():

@@ -372,7 +372,7 @@ def test_the_figures_are_those_of_the_engines() -> None:
 def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(interface, "BODIES", CondensedBodies(10**9))
+    monkeypatch.setattr(interface, "BODY_CACHE", CondensedBodies(10**9))
     variant = partial(blocks, figures=["fe.dissipation", "error.permanent_stick_half_width"])
     solving._scales_of.cache_clear()
     three = variant(axes=[F | {"values": [0.9, 1.5, 3.0]}])
