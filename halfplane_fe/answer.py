@@ -266,7 +266,7 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
     """
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
-    return float(run.column("loop_work")[run.cycle_starts[-1] :].sum())
+    return float(run.values_of_increments("loop_work")[run.cycle_starts[-1] :].sum())
 
 
 def _arrays_of_stress_and_tilt(
@@ -532,8 +532,8 @@ def permanent_stick_zone(run: PathRun) -> StickZone:
     turning points of slip, scaled; `NO_ZONE` (all NaN) where the run failed or no cycle was
     completed.
     """
-    has_last_cycle = run.failure is None and bool(run.excess)
-    return run.excess[-1].stick_zone if has_last_cycle else NO_ZONE
+    has_last_cycle = run.failure is None and bool(run.edge_excess_by_cycle)
+    return run.edge_excess_by_cycle[-1].stick_zone if has_last_cycle else NO_ZONE
 
 
 def _hold_permanent_stick(
@@ -804,12 +804,14 @@ def record_of(
         return read_only_copy(np.concatenate([[0.0], reduced_values]), dtype)
 
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
-    energies = {name: run.column(name) for name in energy_names}
+    energies = {name: run.values_of_increments(name) for name in energy_names}
     column_names = list(run.increment_records[0]) if run.increment_records else []
     # "loop_work" and "kink_work" are works too, but for other uses: of Q dU, and of kinks in an
     # increment.
     names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
-    checks = {name: run.column(name) for name in column_names if name not in names_of_works}
+    checks = {
+        name: run.values_of_increments(name) for name in column_names if name not in names_of_works
+    }
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     checks["energy_balance"] = balance / largest_work

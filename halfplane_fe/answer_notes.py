@@ -153,6 +153,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     last_change = run.force_change_by_cycle[-1]  # over the largest nodal force
     work_unit = scales.load**2 / scales.modulus
     trend_of_work = run.trend  # limit that W tends to, and what is left of the way there
+    change_to_limit = trend_of_work.change_to_limit
     drift_text = ""
     if len(works) > 1 and last_work > 0:
         drift_text = f"; W changed by {1 - works[-2] / last_work:+.1e}"
@@ -162,17 +163,17 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
             f" nodal force away from its start (up to {LARGEST_CHANGE_OF_REPEAT:g} counts as the"
             f" same){drift_text}; give the scene more cycles"
         )
-    if np.isfinite(trend_of_work.limit) and trend_of_work.left and last_work > 0:
+    if np.isfinite(trend_of_work.limit) and change_to_limit and last_work > 0:
         yield (
             f"shakedown: W of the revolutions tends to {trend_of_work.limit * work_unit:.6g}"
             f" ({trend_of_work.kind} trend). That of revolution {len(works)} still differs from it"
-            f" by {abs(trend_of_work.left) / last_work:.1e} of W, which is in the uncertainty"
+            f" by {abs(change_to_limit) / last_work:.1e} of W, which is in the uncertainty"
         )
-    elif run.steady_from is not None and trend_of_work.left and last_work > 0:
+    elif run.steady_from is not None and change_to_limit and last_work > 0:
         yield (
             f"shakedown: revolution {len(works)} repeats to {last_change:.1e} of the largest nodal"
             f" force{drift_text}; no trend is clear, uncertainty"
-            f" {trend_of_work.left / last_work:.1e}"
+            f" {change_to_limit / last_work:.1e}"
         )
     if run.ratchets:
         shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift

@@ -95,23 +95,27 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
     edges_are_known = (
-        bool(run.excess) and not task.has_errors_of_low_order and not scene.unsymmetric
+        bool(run.edge_excess_by_cycle)
+        and not task.has_errors_of_low_order
+        and not scene.unsymmetric
     )
     # Slip of real bodies ends node by node: an edge without a place may stand all the same.
-    if edges_are_known and run.excess[-1].is_unplaced:
+    if edges_are_known and run.edge_excess_by_cycle[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
-    edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else None
+    edge_scatter = run.edge_excess_by_cycle[-1].rms / friction_unit if edges_are_known else None
     # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
     # that starts to slide and the last. Between unlike bodies half of the bound "step_error"
     # counts: nodes that start to slide change the pressure too.
     if task.kinks_bound_step_error:
-        step_uncertainty = _BENT_IN_RECORDS * run.column("kink_work")[first_increment:].sum()
+        step_uncertainty = (
+            _BENT_IN_RECORDS * run.values_of_increments("kink_work")[first_increment:].sum()
+        )
     elif edges_are_known and bodies_are_alike(scene):
-        step_uncertainty = _BENT * run.column("kink_work")[first_increment:].sum()
+        step_uncertainty = _BENT * run.values_of_increments("kink_work")[first_increment:].sum()
     else:
         share = _OF_BOUND if edges_are_known else 1.0
-        step_uncertainty = share * run.column("step_error")[first_increment:].sum()
+        step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
     return float(step_uncertainty) + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
@@ -132,7 +136,7 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     """
     if run.failure is not None:
         return math.nan
-    change_to_limit = float(np.nan_to_num(abs(run.trend.left)))
+    change_to_limit = float(np.nan_to_num(abs(run.trend.change_to_limit)))
     by_flanks = _share_of_flanks(task, run, arrays)
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
     work = max(float(work_of_nodes.sum()), 1e-300)
@@ -155,7 +159,7 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     under_load = np.flatnonzero(_under_load(scene, arrays))
     if scene.profile.kind != "flat_rounded" or not len(under_load):
         return 0.0
-    works = np.add.reduceat(run.column("dissipation"), run.stored_indices[:-1])
+    works = np.add.reduceat(run.values_of_increments("dissipation"), run.stored_indices[:-1])
     work_at_instants = np.maximum(np.append(0.0, works)[under_load], 0.0)
     if not work_at_instants.any():
         return 0.0

@@ -176,7 +176,10 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
         nodal_work_by_cycle=[
             work[images.node_of_half] * images.force_share for work in run.nodal_work_by_cycle
         ],
-        excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
+        edge_excess_by_cycle=[
+            excess._replace(stick_zone=excess.stick_zone.mirrored())
+            for excess in run.edge_excess_by_cycle
+        ],
         contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
         stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],
     )

@@ -1,8 +1,8 @@
 """Loads of a load path; instants at which its increments end, which are turning points and regular
 ones; refusal of paths with separation or gross sliding.
 
-A leg is a segment of the path, between two vertices or a whole curve. The loads are P and Q; where
-a path has bulk stress or tilt they are five: P, Q, sigma_lower, sigma_upper, and tilt or moment.
+A segment of the path lies between two vertices or is a whole curve. The loads are P and Q; where a
+path has bulk stress or tilt they are five: P, Q, sigma_lower, sigma_upper, and tilt or moment.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from scenes import (
 )
 from scenes.array_types import Array
 
-# Samples of a leg, at least, between which a rate is looked at for changes of sign. Two turning
+# Samples of a segment, at least, between which a rate is looked at for changes of sign. Two turning
 # points between neighbouring samples are both missed.
 _N_SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known
@@ -56,11 +56,11 @@ _ADVICE_ON_SLIDING = (
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of a leg between turning points, from the instant `start` on, with the instants at which
-    its regular increments end.
+    """Part of a segment of the load path between turning points, from the instant `start` on, with
+    the instants at which its regular increments end.
     """
 
-    leg: LoadSegment
+    segment: LoadSegment
     start: float
     ends: tuple[float, ...]
 
@@ -71,14 +71,15 @@ def has_bulk_stress(path: LoadPath) -> bool:
 
 
 class _Load(NamedTuple):
-    """One load of a leg: a linear combination of the two loads that a segment stores, with two
-    factors; 0 without a segment. Bulk stresses and tilt are stored in segments of their own.
+    """One load along a segment of the path: a linear combination of the two loads that a segment
+    stores, with two factors; 0 without a segment. Bulk stresses and tilt are stored in segments of
+    their own.
     """
 
     segment: LoadSegment | None
     combination: Combination
 
-    def at(self, time: float) -> float:
+    def value_at(self, time: float) -> float:
         """The load at an instant."""
         if self.segment is None:
             return 0.0
@@ -88,46 +89,48 @@ class _Load(NamedTuple):
         )
 
 
-def _loads_of_segment(leg: LoadSegment) -> tuple[_Load, ...]:
-    """The two or five loads of a leg."""
-    normal_load = _Load(leg, NORMAL_LOAD)
-    tangential_load = _Load(leg, TANGENTIAL_LOAD)
-    if leg.bulk is None and leg.tilt_and_moment is None:
+def _loads_of_segment(segment: LoadSegment) -> tuple[_Load, ...]:
+    """The two or five loads along a segment of the path."""
+    normal_load = _Load(segment, NORMAL_LOAD)
+    tangential_load = _Load(segment, TANGENTIAL_LOAD)
+    if segment.bulk is None and segment.tilt_and_moment is None:
         return normal_load, tangential_load
-    return (normal_load, tangential_load, *_bulk_and_tilt_loads(leg))
+    return (normal_load, tangential_load, *_bulk_and_tilt_loads(segment))
 
 
-def _bulk_and_tilt_loads(leg: LoadSegment) -> tuple[_Load, _Load, _Load]:
+def _bulk_and_tilt_loads(segment: LoadSegment) -> tuple[_Load, _Load, _Load]:
     """Bulk stress of the lower and of the upper body, and tilt or moment."""
-    bulk_lower = _Load(leg.bulk, NORMAL_LOAD)
-    bulk_upper = _Load(leg.bulk, TANGENTIAL_LOAD)
+    bulk_lower = _Load(segment.bulk, NORMAL_LOAD)
+    bulk_upper = _Load(segment.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
-    tilt_or_moment = _Load(leg.tilt_and_moment, Combination(1.0, 1.0))
+    tilt_or_moment = _Load(segment.tilt_and_moment, Combination(1.0, 1.0))
     return bulk_lower, bulk_upper, tilt_or_moment
 
 
-def is_straight(leg: LoadSegment) -> bool:
-    """Whether all loads of a leg are linear in time."""
-    return all(load.segment is None or load.segment.is_straight for load in _loads_of_segment(leg))
+def is_straight(segment: LoadSegment) -> bool:
+    """Whether all loads of a segment are linear in time."""
+    return all(
+        load.segment is None or load.segment.is_straight for load in _loads_of_segment(segment)
+    )
 
 
-def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
-    """The two or five loads of a leg at an instant."""
-    p, q = leg.loads(time)
-    if leg.bulk is None and leg.tilt_and_moment is None:
+def loads_of(segment: LoadSegment, time: float) -> tuple[float, ...]:
+    """The two or five loads of a segment at an instant."""
+    p, q = segment.loads(time)
+    if segment.bulk is None and segment.tilt_and_moment is None:
         return float(p), float(q)
-    return (float(p), float(q), *(load.at(time) for load in _bulk_and_tilt_loads(leg)))
+    return (float(p), float(q), *(load.value_at(time) for load in _bulk_and_tilt_loads(segment)))
 
 
-def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
-    """The two or five loads of a leg at an instant, each over its unit; there may be more units
+def scaled_loads(segment: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
+    """The two or five loads of a segment at an instant, each over its unit; there may be more units
     than loads.
     """
-    return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
+    return tuple(load / unit for load, unit in zip(loads_of(segment, time), units, strict=False))
 
 
 def turning_points_of_combination(
-    leg: LoadSegment, normal_weight: float, tangential_weight: float
+    segment: LoadSegment, normal_weight: float, tangential_weight: float
 ) -> set[float]:
     """Turning points of the combination w_P P + w_Q Q of the loads inside one segment of a load
     path: instants at which its rate of change is zero and changes sign.
@@ -137,16 +140,16 @@ def turning_points_of_combination(
 
     Parameters
     ----------
-    leg
+    segment
         segment of the load path
     normal_weight, tangential_weight
         w_P and w_Q
     """
-    times = sampled_times(leg, _N_SAMPLES)
+    times = sampled_times(segment, _N_SAMPLES)
 
     def rate(t: Array | float) -> Array:
         """w_P dP/dt + w_Q dQ/dt."""
-        rate_of_p, rate_of_q = leg.rates(t)
+        rate_of_p, rate_of_q = segment.rates(t)
         return np.asarray(normal_weight * rate_of_p + tangential_weight * rate_of_q)
 
     rates = rate(times)
@@ -217,38 +220,38 @@ def time_of_zero(
     return float(scipy.optimize.brentq(function, begin, end, xtol=1e-15, rtol=8.9e-16))
 
 
-def turning_points(leg: LoadSegment, friction: float) -> list[float]:
+def turning_points(segment: LoadSegment, friction: float) -> list[float]:
     """Instants inside one segment of a load path at which P, Q - f P, Q + f P, a bulk stress, tilt
     or moment turns round, ascending: there increments end, since slip starts or ends.
 
     `friction` is f. Instants closer than round-off to one another count once, those as close to an
     end of the segment not at all.
     """
-    all_times = turning_points_of_combination(leg, 1.0, 0.0)
-    all_times |= turning_points_of_combination(leg, -friction, 1.0)
-    all_times |= turning_points_of_combination(leg, friction, 1.0)
-    if leg.bulk is not None or leg.tilt_and_moment is not None:
-        for stress_or_tilt in _bulk_and_tilt_loads(leg):  # bulk stresses, and tilt or moment
+    all_times = turning_points_of_combination(segment, 1.0, 0.0)
+    all_times |= turning_points_of_combination(segment, -friction, 1.0)
+    all_times |= turning_points_of_combination(segment, friction, 1.0)
+    if segment.bulk is not None or segment.tilt_and_moment is not None:
+        for stress_or_tilt in _bulk_and_tilt_loads(segment):  # bulk stresses, and tilt or moment
             if stress_or_tilt.segment is not None:
                 all_times |= turning_points_of_combination(
                     stress_or_tilt.segment, *stress_or_tilt.combination
                 )
-    rounding = 1e-9 * (leg.end - leg.start)
+    rounding = 1e-9 * (segment.end - segment.start)
     separate_times: list[float] = []
     for time in sorted(all_times):
-        time_before = separate_times[-1] if separate_times else leg.start
-        if min(time - time_before, leg.end - time) > rounding:
+        time_before = separate_times[-1] if separate_times else segment.start
+        if min(time - time_before, segment.end - time) > rounding:
             separate_times.append(time)
     return separate_times
 
 
-def stretches(leg: LoadSegment, friction: float, n_increments: float) -> list[Stretch]:
+def stretches(segment: LoadSegment, friction: float, n_increments: float) -> list[Stretch]:
     """Cut one segment of a load path at its turning points into stretches, and each of these into
     increments of equal duration.
 
     Parameters
     ----------
-    leg
+    segment
         segment of the load path
     friction
         coefficient f: Q - f P and Q + f P have turning points too
@@ -256,14 +259,14 @@ def stretches(leg: LoadSegment, friction: float, n_increments: float) -> list[St
         of the whole segment; a stretch has a number in proportion to its duration, rounded up, and
         two at least
     """
-    stretches_of_leg = []
-    cut_times = [leg.start, *turning_points(leg, friction), leg.end]
+    stretches_of_segment = []
+    cut_times = [segment.start, *turning_points(segment, friction), segment.end]
     for start, end in itertools.pairwise(cut_times):
-        unrounded = n_increments * (end - start) / (leg.end - leg.start)
+        unrounded = n_increments * (end - start) / (segment.end - segment.start)
         n_of_stretch = max(2, int(np.ceil(unrounded)))
         ends_of_increments = np.linspace(start, end, n_of_stretch + 1)[1:]
-        stretches_of_leg.append(Stretch(leg, start, tuple(ends_of_increments)))
-    return stretches_of_leg
+        stretches_of_segment.append(Stretch(segment, start, tuple(ends_of_increments)))
+    return stretches_of_segment
 
 
 # Gauss points and weights on an increment: the rest of an ellipse's area is below round-off from 24
@@ -271,7 +274,7 @@ def stretches(leg: LoadSegment, friction: float, n_increments: float) -> list[St
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-def areas_between_path_and_chords(leg: LoadSegment, times: Array) -> Array | None:
+def areas_between_path_and_chords(segment: LoadSegment, times: Array) -> Array | None:
     """Areas that a curved load path encloses with its chords, in the plane of each pair of k loads,
     for each of m increments: (k, k, m) [unit of one load times that of the other].
 
@@ -283,14 +286,14 @@ def areas_between_path_and_chords(leg: LoadSegment, times: Array) -> Array | Non
 
     Parameters
     ----------
-    leg
+    segment
         segment of the load path
     times
         (m + 1,) ends of the increments
     """
-    if is_straight(leg):
+    if is_straight(segment):
         return None
-    loads = _loads_of_segment(leg)
+    loads = _loads_of_segment(segment)
     start = times[:-1, None]
     end = times[1:, None]
     half_duration = (end - start) / 2
@@ -338,9 +341,9 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     InputError
         For separation of a driven path.
     """
-    for leg in path.segments(1):
-        times = np.array([leg.start, *turning_points(leg, friction), leg.end])
-        normal_load, tangential_load = leg.loads(times)
+    for segment in path.segments(1):
+        times = np.array([segment.start, *turning_points(segment, friction), segment.end])
+        normal_load, tangential_load = segment.loads(times)
         is_after_start = times > path.start
         largest_load = float(np.abs(normal_load).max())
         is_separated = is_after_start & (normal_load <= _LEAST_LOAD_RATIO * largest_load)

@@ -47,11 +47,11 @@ LARGEST_CHANGE_OF_REPEAT = 5e-4
 _ROUNDING_OF_CHANGE = 1e-9
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 3e-3
-# Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has
-# 40,000 increments, which would take gigabytes. No scene of the library comes near.
+# Instants of a path of straight segments that keep pressure, shear and gap: a record of 2,000 rows
+# has 40,000 increments, which would take gigabytes. No scene of the library comes near.
 MOST_COMPLETE_STATES = 4000
-# Share of the first leg of the initial loading after which its line of action is read.
-_SHARE_OF_FIRST_LEG = 1e-3
+# Share of the first segment of the initial loading after which its line of action is read.
+_SHARE_OF_FIRST_SEGMENT = 1e-3
 # Increments whose energies are found together: few enough that the rates of their states are still
 # cached, which are what a path needs most memory for.
 _INCREMENTS_PER_BATCH = 32
@@ -80,7 +80,7 @@ class Trend:
     kind
         "steady" (the last two values are the same to round-off), "geometric", "algebraic", or
         "unclear": fewer than four values, or differences that do not fall
-    left
+    change_to_limit
         limit minus the last value; of an unclear one k |d_k|, which is a size without a sign,
         or NaN of a single value
     limit
@@ -88,25 +88,25 @@ class Trend:
     """
 
     kind: str
-    left: float
+    change_to_limit: float
     limit: float
 
 
 def trend(values: Sequence[float]) -> Trend:
     """How a quantity with one value a revolution goes on: steady, geometric or algebraic, with its
-    limit and what is left to it (limit minus last value), from its last four values.
+    limit and the change to it (limit minus last value), from its last four values.
 
     With d_k the last difference, r its ratio to the one before, m the power of the decay k^-m:
 
-        geometric   left = d_k r/(1 - r)
-        algebraic   left = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
+        geometric   change = d_k r/(1 - r)
+        algebraic   change = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
 
     Steady is where the last two values are equal to round-off. Where there are fewer than four
     values, or no such form fits, the trend is unclear, without a limit (`Trend`). `values` are k in
     number and start at the first revolution, since k counts revolutions.
 
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
-    ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
+    ('geometric', Trend(kind='geometric', change_to_limit=-0.0625, limit=1.0))
     """
     k = len(values)
     if k < 2:
@@ -124,19 +124,20 @@ def trend(values: Sequence[float]) -> Trend:
         return unclear
     # The ratio of a geometric series stays; that of an algebraic one rises towards 1.
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
-        left = last_difference * ratio / (1 - ratio)
-        return Trend("geometric", left, values[-1] + left)
+        change_to_limit = last_difference * ratio / (1 - ratio)
+        return Trend("geometric", change_to_limit, values[-1] + change_to_limit)
     power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
     power = min(power, _STEEPEST_POWER)
     if power < _SLOWEST_POWER:
         return unclear
-    left = last_difference / ((k / (k - 1)) ** power - 1)
-    return Trend("algebraic", left, values[-1] + left)
+    change_to_limit = last_difference / ((k / (k - 1)) ** power - 1)
+    return Trend("algebraic", change_to_limit, values[-1] + change_to_limit)
 
 
 def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     """Whether the contact ratchets: the tangential displacement U drifts by as much in each
-    revolution, instead of less and less. False after a single revolution.
+    revolution, instead of less and less (with a drift far above what its trend leaves). False after
+    a single revolution.
 
     Parameters
     ----------
@@ -151,9 +152,8 @@ def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     (True, False)
     """
     last_drift = abs(drifts[-1])
-    return last_drift > _LEAST_DRIFT * travel and last_drift > _DRIFT_RATIO_OF_RATCHETING * abs(
-        trend(drifts).left
-    )
+    largest_vanishing_drift = _DRIFT_RATIO_OF_RATCHETING * abs(trend(drifts).change_to_limit)
+    return last_drift > _LEAST_DRIFT * travel and last_drift > largest_vanishing_drift
 
 
 @dataclass(eq=False)
@@ -162,7 +162,7 @@ class _Thinning:
 
     Attributes
     ----------
-    number_of_end
+    end_number_of_state
         by index of a state at the end of a stretch (at a turning point, a vertex of a polygon or a
         row of a record): the number of such states before it
     index_of_largest_load
@@ -175,19 +175,19 @@ class _Thinning:
         the same of the ends
     """
 
-    number_of_end: dict[int, int] = field(default_factory=dict)
+    end_number_of_state: dict[int, int] = field(default_factory=dict)
     index_of_largest_load: int = 0
     n_stored: int = 1
     stride: int = 1
     stride_of_ends: int = 1
 
-    def keeps(self, index: int) -> bool:
+    def keeps_state(self, index: int) -> bool:
         """Whether the state of this index keeps its pressure, shear and gap by the strides."""
-        if index in self.number_of_end:
-            return self.number_of_end[index] % self.stride_of_ends == 0
+        if index in self.end_number_of_state:
+            return self.end_number_of_state[index] % self.stride_of_ends == 0
         return index % self.stride == 0
 
-    def can_double(self, n_states: int) -> bool:
+    def can_double_a_stride(self, n_states: int) -> bool:
         """Whether a stride can be doubled: whether states beside the first are kept."""
         return max(self.stride, self.stride_of_ends) < n_states
 
@@ -195,7 +195,7 @@ class _Thinning:
         """Keep half as many ends of stretches, or half as many of the states between them: at most
         three quarters of the stored states are ends.
         """
-        if 4 * len(self.number_of_end) > 3 * MOST_COMPLETE_STATES * self.stride_of_ends:
+        if 4 * len(self.end_number_of_state) > 3 * MOST_COMPLETE_STATES * self.stride_of_ends:
             self.stride_of_ends *= 2
         else:
             self.stride *= 2
@@ -229,7 +229,7 @@ class PathRun:
     nodal_work_by_cycle
         per revolution, (n,) friction work of each node; one for the whole path where it is not
         periodic
-    excess
+    edge_excess_by_cycle
         per revolution, the friction work that the mesh adds, since edges of contact and stick
         jump from node to node; with the permanent stick zone
     steady_from
@@ -256,7 +256,7 @@ class PathRun:
     nodal_work: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
     nodal_work_by_cycle: list[Array] = field(default_factory=list)
-    excess: list[Excess] = field(default_factory=list)
+    edge_excess_by_cycle: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
     force_change_by_cycle: list[float] = field(default_factory=list)
     contact_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
@@ -267,7 +267,7 @@ class PathRun:
     _thinning: _Thinning = field(default_factory=_Thinning)
     _first_of_stretch: int = 0
 
-    def column(self, name: str) -> Array:
+    def values_of_increments(self, name: str) -> Array:
         """One energy or admissibility check of all increments, (n_steps,); scaled."""
         if not self.increment_records:
             return np.zeros(0)
@@ -307,7 +307,7 @@ class PathRun:
         self,
         problem: ContactProblem,
         increments: Sequence[Increment],
-        leg: LoadSegment | None,
+        segment: LoadSegment | None,
         load_units: tuple[float, ...],
     ) -> None:
         """Append solved increments to the run, with their energies, admissibility checks and
@@ -319,19 +319,19 @@ class PathRun:
             the contact problem
         increments
             that follow the last state of the run
-        leg
+        segment
             the curved segment of the load path that they are on; None on straight ones, where the
             loads enclose no area with their chords
         load_units
-            (5,) what each load is divided by, see `Pace.units`
+            (5,) what each load is divided by, see `Pace.load_units`
         """
         if not increments:
             return
         states = [self.states[-1], *(increment.state for increment in increments)]
         enclosed_areas = None
-        if leg is not None:
+        if segment is not None:
             enclosed_areas = areas_between_path_and_chords(
-                leg, np.array([state.time for state in states])
+                segment, np.array([state.time for state in states])
             )
         if enclosed_areas is not None:
             units = load_units[: len(enclosed_areas)]
@@ -390,7 +390,7 @@ class PathRun:
             corrected_works = {name: record[name] * factor for name in ("dissipation", "loop_work")}
             self.increment_records[record_number] = record | corrected_works
         self.nodal_work_by_cycle.append(nodal_work * factor)
-        self.excess.append(edge_excess)
+        self.edge_excess_by_cycle.append(edge_excess)
 
     def _thin(self, first_index: int, last_index: int) -> None:
         """Free memory on a long path, at the end of a stretch from one state to another: take
@@ -400,7 +400,7 @@ class PathRun:
         too. The next increment starts from the last state, which stays complete.
         """
         thinning = self._thinning
-        thinning.number_of_end[last_index] = len(thinning.number_of_end)
+        thinning.end_number_of_state[last_index] = len(thinning.end_number_of_state)
         for index in range(first_index, last_index):
             largest_load = self.states[thinning.index_of_largest_load].normal_load
             if self.states[index].normal_load > largest_load:
@@ -408,7 +408,7 @@ class PathRun:
             if self._drop_forces_and_gap(index):
                 continue
             thinning.n_stored += 1
-            while thinning.n_stored > MOST_COMPLETE_STATES and thinning.can_double(
+            while thinning.n_stored > MOST_COMPLETE_STATES and thinning.can_double_a_stride(
                 len(self.states)
             ):
                 thinning.double_a_stride()
@@ -426,7 +426,7 @@ class PathRun:
         """
         if index in (0, self._thinning.index_of_largest_load, *self.cycle_starts[-2:]):
             return False
-        if self._thinning.keeps(index):
+        if self._thinning.keeps_state(index):
             return False
         state = self.states[index]
         up_to_slip = state.values[
@@ -442,41 +442,42 @@ class Pace:
 
     Attributes
     ----------
-    load
+    load_unit
         what P and Q are divided by
     steps_per_cycle
-        regular increments of one revolution, or of the longest leg of a polygon
+        regular increments of one revolution, or of the longest side of a polygon
     step_tolerance
         step error of a revolution over its dissipation that calls for shorter increments
-    half_width, modulus
-        units of length and of stress; with `load` those of bulk stress, tilt and moment follow
-    dissipation
-        expected friction work of a revolution, or of a path that does not repeat, over
-        P^2/E*; 0 if unknown
+    length_unit, stress_unit
+        half-width a and E*; with `load_unit` the units of bulk stress, tilt and moment follow
+    expected_dissipation
+        friction work of a revolution, or of a path that does not repeat, over P^2/E*; 0 if
+        unknown
     kinks_bound_error
         whether the step error is taken for the friction work that nodes add which start to slide
         within an increment, see `stepping.StepTolerance`
     """
 
-    load: float
+    load_unit: float
     steps_per_cycle: int
     step_tolerance: float
-    half_width: float = 1.0
-    modulus: float = 1.0
-    dissipation: float = 0.0
+    length_unit: float = 1.0
+    stress_unit: float = 1.0
+    expected_dissipation: float = 0.0
     kinks_bound_error: bool = False
 
-    def units(self, problem: ContactProblem) -> tuple[float, ...]:
+    def load_units(self, problem: ContactProblem) -> tuple[float, ...]:
         """What each load is divided by, (5,): P, Q, both bulk stresses, tilt or moment. Where the
         movement of an actuator stands in the place of P or Q, the unit is that of the movement.
         """
-        bulk_stress = self.load / self.half_width
-        tilt = bulk_stress / self.modulus
-        moment = self.load * self.half_width
+        bulk_stress = self.load_unit / self.length_unit
+        tilt = bulk_stress / self.stress_unit
+        moment = self.load_unit * self.length_unit
         tilt_or_moment = moment if problem.has_given_moment else tilt
-        movement = self.load / self.modulus
-        normal_unit = self.load if problem.actuators.normal_compliance is None else movement
-        tangential_unit = self.load if problem.actuators.tangential_compliance is None else movement
+        movement = self.load_unit / self.stress_unit
+        actuators = problem.actuators
+        normal_unit = self.load_unit if actuators.normal_compliance is None else movement
+        tangential_unit = self.load_unit if actuators.tangential_compliance is None else movement
         return (normal_unit, tangential_unit, bulk_stress, bulk_stress, tilt_or_moment)
 
 
@@ -515,9 +516,11 @@ def run_path(
     """
     # Thinned only where straight lines between the stored instants, on which theory is evaluated,
     # are the path itself, whichever instants are stored.
-    has_straight_legs = all(is_straight(leg) for leg in (*path.initial_loading, *path.cycle))
+    has_straight_segments = all(
+        is_straight(segment) for segment in (*path.initial_loading, *path.cycle)
+    )
     run = PathRun(
-        [_initial_state(problem, path, pace)], may_thin=has_straight_legs and not keep_all
+        [_initial_state(problem, path, pace)], may_thin=has_straight_segments and not keep_all
     )
     follower = _Follower(problem, run, pace, progress)
     try:
@@ -540,15 +543,18 @@ def run_path(
 
 
 def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
-    """Whether the last revolution ended as it started, and its friction work is closer to the limit
-    than its uncertainty, see `run_path`.
+    """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and its
+    friction work is closer to the limit of the series than its uncertainty.
+
+    `uncertainty` is a function from the run to that of the friction work. Where it is NaN, 5e-4 of
+    the work takes its place.
     """
     if run.force_change_by_cycle[-1] > LARGEST_CHANGE_OF_REPEAT:
         return False
     allowed_error = uncertainty(run)
     if np.isnan(allowed_error):
         allowed_error = LARGEST_CHANGE_OF_REPEAT * float(run.nodal_work.sum())
-    return abs(run.trend.left) <= allowed_error
+    return abs(run.trend.change_to_limit) <= allowed_error
 
 
 def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
@@ -557,12 +563,14 @@ def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> Inter
     Where the moment M is given, the line of action of P is at x = M/P of an instant soon after the
     start, since M = P = 0 at the start; at x = 0 where P is not positive there.
     """
-    leg = path.initial_loading[0]
-    load_units = pace.units(problem)
-    time_soon_after = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
-    normal_load, *_, moment = scaled_loads(leg, time_soon_after, load_units)
+    segment = path.initial_loading[0]
+    load_units = pace.load_units(problem)
+    time_soon_after = segment.start + _SHARE_OF_FIRST_SEGMENT * (segment.end - segment.start)
+    normal_load, *_, moment = scaled_loads(segment, time_soon_after, load_units)
     x_of_load = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
-    return problem.unloaded_state(path.start, scaled_loads(leg, path.start, load_units), x_of_load)
+    return problem.unloaded_state(
+        path.start, scaled_loads(segment, path.start, load_units), x_of_load
+    )
 
 
 @dataclass(eq=False)
@@ -586,13 +594,13 @@ class _Follower:
     pace: Pace
     progress: Progress
 
-    def follow_revolution(self, legs: tuple[LoadSegment, ...], number: int) -> None:
+    def follow_revolution(self, segments: tuple[LoadSegment, ...], number: int) -> None:
         """Solve one revolution, correct its friction work for the mesh, and compare its end with
         its start. `number` counts revolutions from 0.
         """
         start_of_cycle = self.run.states[-1]
         self.run.cycle_starts.append(len(self.run.iterations))
-        self.follow_segments(legs, self.pace.steps_per_cycle, f"revolution {number + 1}")
+        self.follow_segments(segments, self.pace.steps_per_cycle, f"revolution {number + 1}")
         states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
         self.run.close_cycle(excess(self.problem, states_of_cycle))
         change = _relative_change_of_forces(
@@ -601,30 +609,30 @@ class _Follower:
         self.run.force_change_by_cycle.append(change)
 
     def follow_segments(
-        self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
+        self, segments: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
     ) -> None:
         """Solve the increments along consecutive segments of the load path and append them to the
         run. What was solved before an error or Ctrl-C is appended too.
 
         Parameters
         ----------
-        legs
+        segments
             segments of the load path, each between two vertices or a whole curve
         n_increments_of_longest
             regular increments of the longest segment; shorter ones have fewer
         title
             of this part of the path, for reports of progress
         """
-        stretches_of_legs = self._stretches(legs, n_increments_of_longest)
-        n_stretches = len(stretches_of_legs)
-        load_units = self.pace.units(self.problem)
+        stretches_of_segments = self._stretches(segments, n_increments_of_longest)
+        n_stretches = len(stretches_of_segments)
+        load_units = self.pace.load_units(self.problem)
         self.run.nodal_work = np.zeros_like(self.problem.initial_gap)  # friction work of each node
-        tolerance = self._step_tolerance(duration=legs[-1].end - legs[0].start)
+        tolerance = self._step_tolerance(duration=segments[-1].end - segments[0].start)
         batch = _Batch(self.problem, self.run, load_units)
         try:
-            for number, stretch in enumerate(stretches_of_legs):
-                self._report(number, n_stretches, title)
-                batch.begin_stretch(stretch)
+            for number, stretch in enumerate(stretches_of_segments):
+                self._report_progress(number, n_stretches, title)
+                batch.start_stretch(stretch)
                 try:
                     for increment in increments_along(
                         self.problem, batch.last_state, stretch, load_units, tolerance
@@ -634,7 +642,7 @@ class _Follower:
                     batch.end_stretch()
         finally:
             batch.move_to_run()
-        self._report(n_stretches, n_stretches, title)
+        self._report_progress(n_stretches, n_stretches, title)
 
     def _step_tolerance(self, duration: float) -> StepTolerance:
         """Step error that is tolerated per unit of time: a share of the friction work of a
@@ -646,7 +654,7 @@ class _Follower:
         )
 
     def _stretches(
-        self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float
+        self, segments: tuple[LoadSegment, ...], n_increments_of_longest: float
     ) -> list[Stretch]:
         """Cut segments of the load path at their turning points, each part with the instants at
         which its regular increments end. Shorter segments have fewer increments, in proportion to
@@ -655,15 +663,15 @@ class _Follower:
         # Where U is given, U turns round, and not Q - f P.
         tangential_load_given = self.problem.actuators.tangential_compliance is None
         friction = self.problem.friction if tangential_load_given else 0.0
-        longest_duration = max(leg.end - leg.start for leg in legs)
-        stretches_of_legs: list[Stretch] = []
-        for leg in legs:
-            relative_duration = (leg.end - leg.start) / longest_duration
+        longest_duration = max(segment.end - segment.start for segment in segments)
+        stretches_of_segments: list[Stretch] = []
+        for segment in segments:
+            relative_duration = (segment.end - segment.start) / longest_duration
             n_increments = n_increments_of_longest * relative_duration
-            stretches_of_legs += stretches(leg, friction, n_increments)
-        return stretches_of_legs
+            stretches_of_segments += stretches(segment, friction, n_increments)
+        return stretches_of_segments
 
-    def _report(self, n_done: int, n_stretches: int, title: str) -> None:
+    def _report_progress(self, n_done: int, n_stretches: int, title: str) -> None:
         """Tell `progress` how many stretches are done, and the work so far."""
         n_steps = len(self.run.iterations)
         iterations = self.problem.work_counts["contact iterations"]
@@ -683,7 +691,7 @@ class _Batch:
         the contact problem, and the run that they are appended to
     load_units
         (5,) what each load is divided by
-    curved_leg
+    curved_segment
         the curved segment that they are of; None on straight ones
     increments
         not in the run yet
@@ -694,7 +702,7 @@ class _Batch:
     problem: ContactProblem
     run: PathRun
     load_units: tuple[float, ...]
-    curved_leg: LoadSegment | None = None
+    curved_segment: LoadSegment | None = None
     increments: list[Increment] = field(default_factory=list)
     ends_of_stretches: list[int] = field(default_factory=list)
 
@@ -703,14 +711,14 @@ class _Batch:
         """State at the end of the last increment, from which the next one starts."""
         return self.increments[-1].state if self.increments else self.run.states[-1]
 
-    def begin_stretch(self, stretch: Stretch) -> None:
+    def start_stretch(self, stretch: Stretch) -> None:
         """Begin a part of the load path between turning points. Increments of another segment are
         moved into the run first, if that or this one is curved.
         """
-        curved_leg = None if is_straight(stretch.leg) else stretch.leg
-        if curved_leg is not self.curved_leg:
+        curved_segment = None if is_straight(stretch.segment) else stretch.segment
+        if curved_segment is not self.curved_segment:
             self.move_to_run()
-            self.curved_leg = curved_leg
+            self.curved_segment = curved_segment
 
     def add(self, increment: Increment) -> None:
         """Add a solved increment; a full batch is moved into the run."""
@@ -729,7 +737,7 @@ class _Batch:
         # Emptied first: an error or Ctrl-C within `append` must not have them appended twice.
         self.increments = []
         self.ends_of_stretches = []
-        self.run.append(self.problem, increments, self.curved_leg, self.load_units)
+        self.run.append(self.problem, increments, self.curved_segment, self.load_units)
         self.run.end_stretches(ends_of_stretches)
 
 
@@ -743,7 +751,9 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
     """
     friction_squared = max(friction**2, 1e-300)  # without friction there is no step error
     expected_work = (
-        float(run.nodal_work_by_cycle[-1].sum()) if run.nodal_work_by_cycle else pace.dissipation
+        float(run.nodal_work_by_cycle[-1].sum())
+        if run.nodal_work_by_cycle
+        else pace.expected_dissipation
     )
     power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / friction_squared, 1e-300)))
     return float(max(power_of_two, _LEAST_DISSIPATION) * friction_squared)

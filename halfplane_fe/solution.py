@@ -410,12 +410,12 @@ def _solve_path(
     if faces.as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
-        load=task.scales.load,
+        load_unit=task.scales.load,
         steps_per_cycle=task.settings.steps_per_cycle,
         step_tolerance=task.settings.step_tolerance,
-        half_width=task.scales.half_width,
-        modulus=task.scales.modulus,
-        dissipation=expected_dissipation,
+        length_unit=task.scales.half_width,
+        stress_unit=task.scales.modulus,
+        expected_dissipation=expected_dissipation,
         kinks_bound_error=task.kinks_bound_step_error,
     )
     candidates = (

@@ -163,10 +163,10 @@ def increments_along(
 
     @cache
     def loads_at(time: float) -> tuple[float, ...]:
-        return scaled_loads(stretch.leg, time, units)
+        return scaled_loads(stretch.segment, time, units)
 
-    # Along a straight leg slip that falls at its end falls from its start on: none is lost.
-    is_curved = not is_straight(stretch.leg)
+    # Along a straight segment slip that falls at its end falls from its start on: none is lost.
+    is_curved = not is_straight(stretch.segment)
     regular_duration = stretch.ends[0] - stretch.start
     shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:

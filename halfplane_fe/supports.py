@@ -29,7 +29,7 @@ def check_bulk_stress(scene: Scene) -> None:
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
     stress_histories = [
-        leg.bulk for leg in prescribed_path(scene).segments(1) if leg.bulk is not None
+        segment.bulk for segment in prescribed_path(scene).segments(1) if segment.bulk is not None
     ]
     for body_number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
@@ -79,8 +79,8 @@ def check_supports(scene: Scene) -> None:
 def has_tangential_load(scene: Scene) -> bool:
     """Whether a tangential load other than 0 is on the path, or a movement in its place."""
     return any(
-        np.any(leg.loads(sampled_times(leg, _N_INSTANTS))[1] != 0)
-        for leg in prescribed_path(scene).segments(1)
+        np.any(segment.loads(sampled_times(segment, _N_INSTANTS))[1] != 0)
+        for segment in prescribed_path(scene).segments(1)
     )
 
 

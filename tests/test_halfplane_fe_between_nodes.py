@@ -140,14 +140,14 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
     scatter = []
     for run, square, unit in at_many_places(name):
         work = float(run.nodal_work_by_cycle[-1].sum()) * unit
-        excess = run.excess[-1]
+        excess = run.edge_excess_by_cycle[-1]
         assert excess.edges == 2  # of stick and of contact, on the half that is solved
-        assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
-            work, rel=1e-12
-        )
-        assert run.column("loop_work")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
-            work, rel=1e-9
-        )
+        assert run.values_of_increments("dissipation")[
+            run.cycle_starts[-1] :
+        ].sum() * unit == pytest.approx(work, rel=1e-12)
+        assert run.values_of_increments("loop_work")[
+            run.cycle_starts[-1] :
+        ].sum() * unit == pytest.approx(work, rel=1e-9)
         before.append(((work + excess.value * unit) / exact - 1) / square)
         after.append((work / exact - 1) / square)
         scatter.append(excess.rms * unit / exact / square)
@@ -164,7 +164,7 @@ def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone()
             excesses.append(excess(problem, states))
             return excesses[-1]
 
-        with mock.patch("halfplane_fe.run.excess", spy):
+        with mock.patch("halfplane_fe.run.edge_excess_by_cycle", spy):
             halfplane_fe.solve("cattaneo-mindlin", **options)
         return [record.edges for record in excesses]
 
@@ -195,7 +195,7 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
         close_cycle(run, edge_excess)
 
     with (
-        mock.patch("halfplane_fe.run.excess", excess_of),
+        mock.patch("halfplane_fe.run.edge_excess_by_cycle", excess_of),
         mock.patch.object(PathRun, "close_cycle", closing),
     ):
         answer = halfplane_fe.solve("hertz-paper", MeshSettings.coarse())
@@ -292,7 +292,7 @@ def work_with_and_without(scene: Scene, edge_element_size: float) -> tuple[float
         return excesses[-1]
 
     mesh = MeshSettings(edge_element_size=edge_element_size)
-    with mock.patch("halfplane_fe.run.excess", spy):
+    with mock.patch("halfplane_fe.run.edge_excess_by_cycle", spy):
         answer = halfplane_fe.solve(scene, mesh)
     unit = answer.scales.load**2 / answer.scales.modulus
     return answer.dissipation, answer.dissipation + excesses[-1].value * unit

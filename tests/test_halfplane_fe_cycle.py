@@ -187,13 +187,13 @@ def test_the_trend_of_a_series_and_what_is_left_of_it(name, count):
     assert forecast.kind == kind
     if kind == "unclear":
         assert np.isnan(forecast.limit)
-        assert forecast.left == pytest.approx(count * abs(values[-1] - values[-2]))
+        assert forecast.change_to_limit == pytest.approx(count * abs(values[-1] - values[-2]))
     else:
         left = limit - values[-1]
-        assert forecast.left == pytest.approx(left, rel=0.04, abs=1e-15)
+        assert forecast.change_to_limit == pytest.approx(left, rel=0.04, abs=1e-15)
         assert forecast.limit == pytest.approx(limit, abs=0.04 * abs(left) + 1e-15)
     assert trend(values[: known - 1]).kind == "unclear"
-    assert np.isnan(trend(values[:1]).left)
+    assert np.isnan(trend(values[:1]).change_to_limit)
 
 
 @pytest.mark.parametrize(
@@ -267,7 +267,9 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
     assert run.ratchets == (drift > 0)
     work = run.nodal_work_by_cycle[-1].sum()
-    assert work == pytest.approx(run.column("loop_work")[run.cycle_starts[-1] :].sum(), abs=1e-9)
+    assert work == pytest.approx(
+        run.values_of_increments("loop_work")[run.cycle_starts[-1] :].sum(), abs=1e-9
+    )
     assert (work > 0) == (drift > 0)
 
 
