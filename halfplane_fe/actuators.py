@@ -35,9 +35,19 @@ class Actuators(NamedTuple):
     tangential_compliance: float | None = None
 
     @property
+    def prescribe_approach(self) -> bool:
+        """Whether a movement stands in the place of P."""
+        return self.normal_compliance is not None
+
+    @property
+    def prescribe_displacement(self) -> bool:
+        """Whether a movement stands in the place of Q."""
+        return self.tangential_compliance is not None
+
+    @property
     def prescribe_movements(self) -> bool:
-        """Whether any load is a movement."""
-        return self.normal_compliance is not None or self.tangential_compliance is not None
+        """Whether a movement stands in the place of P or of Q."""
+        return self.prescribe_approach or self.prescribe_displacement
 
 
 LOADS_ARE_GIVEN = Actuators()

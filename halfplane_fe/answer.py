@@ -79,10 +79,12 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     states = [run.states[index] for index in run.stored_indices]
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
-    weights = problem.interface.face_lengths * scales.half_width
+    face_lengths = problem.interface.face_lengths * scales.half_width
     # (n_cycles, n) friction work of each node in each load cycle
-    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(weights)) * work_unit
-    work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
+    cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
+    work_per_area = (
+        cycle_works[-1] / face_lengths if len(cycle_works) else np.zeros_like(face_lengths)
+    )
     # (n_steps, n) open, stick or slip at all instants, stored or not
     surface_states = reported_states(problem, run.states, run.cycle_starts)
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
@@ -245,15 +247,17 @@ def _nodal_arrays(
     """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
     (n_instants, n); slip has the elastic slip of a penalty layer in it.
     """
-    weights = problem.interface.face_lengths * scales.half_width  # length of the face of each node
+    face_lengths = (
+        problem.interface.face_lengths * scales.half_width
+    )  # length of the face of each node
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
     shear = np.stack([state.shear for state in states])
     if problem.layer.tangential_compliance.any():
         slip += problem.layer.tangential_compliance * shear
     # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
-    np.multiply(pressure, scales.load / weights, out=pressure)
-    np.multiply(shear, scales.load / weights, out=shear)
+    np.multiply(pressure, scales.load / face_lengths, out=pressure)
+    np.multiply(shear, scales.load / face_lengths, out=shear)
     np.multiply(slip, scales.load / scales.modulus, out=slip)
     for values in (pressure, shear, slip):
         values.flags.writeable = False
@@ -390,7 +394,7 @@ def _edges_at_instants(
     scene
         whether it is symmetric
     """
-    weights = problem.interface.face_lengths
+    face_lengths = problem.interface.face_lengths
     _, normal_force, tangential_force, gap = nodal_values(
         np.stack([state.values for state in states])
     )
@@ -399,8 +403,8 @@ def _edges_at_instants(
     )  # as the law of friction left them
     answer = NodalAnswer(
         x=problem.interface.x,
-        pressure=normal_force / weights,
-        shear=tangential_force / weights,
+        pressure=normal_force / face_lengths,
+        shear=tangential_force / face_lengths,
         # Open nodes carry nothing: the layer does not count in their gap.
         gap=gap,
         is_closed=states_by_law != OPEN,

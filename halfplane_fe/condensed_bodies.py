@@ -20,7 +20,7 @@ from halfplane_fe.elasticity import CondensedBody, condense
 from meshes import BodyMesh
 from scenes import Elastic
 
-# What `work` counts a body that was condensed before in this process under.
+# Name in the counts of work of a body that was condensed before in this process.
 CACHED = "condensations from the cache"
 
 

@@ -216,10 +216,10 @@ class ContactProblem:
     max_iterations
         of one increment
     trial_weights
-        weights r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the
-        way to the answer, not the answer. In two dimensions a nodal force moves its node by
-        O(1/E*) against its neighbours however fine the mesh, so 1 is natural. Of
-        augmented_lagrangian they are the penalty
+        r_n, r_t of gap and slip in the trial tractions, one or (n,) each; they set the way to the
+        answer, not the answer. In two dimensions a nodal force moves its node by O(1/E*) against
+        its neighbours however fine the mesh, so 1 is natural. Of augmented_lagrangian they are the
+        penalty
     has_given_moment
         whether the fifth load is the moment, so that the tilt follows from it, instead of the tilt
     work_counts
@@ -333,7 +333,7 @@ class ContactProblem:
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
         undeformed_gap = self.initial_gap + gap_offset
         approach = float((undeformed_gap / self.interface.face_normals[1]).min())
-        shift = loads[1] if self.actuators.tangential_compliance is not None else 0.0
+        shift = loads[1] if self.actuators.prescribe_displacement else 0.0
         gap_by_approach, slip_by_approach = self.interface.gap_and_slip_by_motion(approach, shift)
         gap = undeformed_gap + gap_by_approach
         slip = slip_offset + slip_by_approach
@@ -341,7 +341,7 @@ class ContactProblem:
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
-        load_or_position = approach if self.actuators.normal_compliance is not None else 0.0
+        load_or_position = approach if self.actuators.prescribe_approach else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
         return self._state(time, loads_at_rest, read_only_copy(values), states)
 
@@ -412,14 +412,14 @@ class ContactProblem:
         state = None
         iterations = 0
         if expected is not None and not np.array_equal(expected, start.node_states):
-            state, iterations, n_changing = self._active_set(start, time, loads, expected)
+            state, iterations, n_changing = self._solve_by_active_set(start, time, loads, expected)
         if state is None:
-            state, more_iterations, n_changing = self._active_set(
+            state, more_iterations, n_changing = self._solve_by_active_set(
                 start, time, loads, start.node_states
             )
             iterations += more_iterations
         if state is None and (self.has_shear or self.has_given_moment):
-            state, turns, n_changing = self._alternating(start, time, loads)
+            state, turns, n_changing = self._alternate_pressure_and_shear(start, time, loads)
             iterations += turns
         self.work_counts["contact iterations"] += iterations
         if state is None:
@@ -432,10 +432,10 @@ class ContactProblem:
     def _loads_in_words(self, loads: tuple[float, ...]) -> str:
         """The two loads, normal and tangential, with their names, for a message."""
         names = [
-            "normal load" if self.actuators.normal_compliance is None else "approach",
-            "tangential load"
-            if self.actuators.tangential_compliance is None
-            else "tangential displacement",
+            "approach" if self.actuators.prescribe_approach else "normal load",
+            "tangential displacement"
+            if self.actuators.prescribe_displacement
+            else "tangential load",
         ]
         values = ", ".join(f"{name} {load:.6g}" for name, load in zip(names, loads, strict=False))
         return f"{values} (over the largest normal load, or that over E*)"
@@ -623,7 +623,7 @@ class ContactProblem:
         self._latest_change = _ChangeByStates(start, states_key, value_changes)
         return value_changes
 
-    def _active_set(
+    def _solve_by_active_set(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> _Outcome:
         """One increment by the active-set method (semismooth Newton): solve for the values with
@@ -662,16 +662,16 @@ class ContactProblem:
             return _Outcome(None, max(len(states_chosen), 1), n_changing)
         return _Outcome(None, self.max_iterations, n_changing)
 
-    def _alternating(
+    def _alternate_pressure_and_shear(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> _Outcome:
         """One increment from `start` to `time` and `loads`, by turns: pressure at known shear, then
         shear at known pressure. It serves where the active-set method goes round in circles.
 
         Both problems are convex, and coupling times friction is small, so that the turns converge.
-        As soon as the node states that they give obey the law in the full system too, its solution
-        is taken. Like materials need one turn. Where actuators prescribe movements, P and Q are
-        those of the turn before.
+        Each turn gives states of the nodes. As soon as the solution of all equations for these
+        states obeys the laws of contact and friction, it is taken. Like materials need one turn.
+        Where actuators prescribe movements, P and Q are those of the turn before.
         """
         self.work_counts["alternating solves"] += 1
         systems = self._systems
@@ -713,7 +713,7 @@ class ContactProblem:
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
             # Without a sticking node the full system is singular, unless an actuator holds it.
-            if not np.any(states == STICK) and self.actuators.tangential_compliance is None:
+            if not np.any(states == STICK) and not self.actuators.prescribe_displacement:
                 continue
             state = self.state_following(start, time, loads, states)
             resultants = state.resultants or resultants
@@ -722,7 +722,7 @@ class ContactProblem:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
 
-    def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
+    def _states_by_law(self, solved: InterfaceState, start: InterfaceState) -> States:
         """States (n,) that the laws of contact and friction give the nodes by trial forces: open,
         stick, slip forward or reverse.
 
@@ -735,15 +735,15 @@ class ContactProblem:
 
         Parameters
         ----------
-        answer
+        solved
             solution of an increment for the node states in it
         start
             the state before the increment
         """
-        states = answer.node_states
+        states = solved.node_states
         # What the equations of these states set to zero is zero (`state_following`): weighted, its
         # rounding would look like a force.
-        slip, pressure, shear, gap = nodal_values(answer.values)
+        slip, pressure, shear, gap = nodal_values(solved.values)
         slip_increment = slip - start.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap

@@ -131,7 +131,7 @@ class _Increments(NamedTuple):
             load_changes=np.diff([state.loads for state in states], axis=0),
         )
 
-    def at(self, numbers: Indices) -> _Increments:
+    def subset(self, numbers: Indices) -> _Increments:
         """The increments of these numbers."""
         return _Increments._make(values[numbers] for values in self)
 
@@ -243,7 +243,7 @@ def increment_energies(
     share_before = np.ones(len(sense))  # of each increment, in which the states before hold
     numbers_with_onsets = np.flatnonzero(_is_slip_onset(states_before, states_after).any(axis=1))
     if len(numbers_with_onsets):
-        work_with_onsets = _work_with_onsets(problem, increments.at(numbers_with_onsets))
+        work_with_onsets = _work_with_onsets(problem, increments.subset(numbers_with_onsets))
         dissipation[numbers_with_onsets] = work_with_onsets.dissipation
         kink_work[numbers_with_onsets] = work_with_onsets.kink_work
         share_before[numbers_with_onsets] = work_with_onsets.mean_onset
@@ -583,5 +583,5 @@ def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) ->
     if problem.has_given_moment:
         moment = problem.interface.moment(pressure, shear)
         imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
-    normal_load = loads[:, 0] if problem.actuators.normal_compliance is None else normal_resultant
+    normal_load = normal_resultant if problem.actuators.prescribe_approach else loads[:, 0]
     return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}

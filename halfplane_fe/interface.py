@@ -62,7 +62,7 @@ class Interface:
         (n, n) N, gap by p, and T, minus slip by q [length per force per thickness]
     coupling
         (n, n) K, slip by p, or None where it is exactly zero
-    nearest
+    nearest_x_and_gap
         x and initial distance where the faces are nearest to each other [length]
     gap_and_slip_per_stress_and_tilt
         (2, n, 3) G and S: gap and slip, without contact forces, by a unit of bulk stress in the
@@ -82,7 +82,7 @@ class Interface:
     normal_compliance: Array
     tangential_compliance: Array
     coupling: Array | None
-    nearest: tuple[float, float] = (0.0, 0.0)
+    nearest_x_and_gap: tuple[float, float] = (0.0, 0.0)
     has_odd_shear: bool = False
     gap_and_slip_per_stress_and_tilt: Array | None = None
 
@@ -112,7 +112,10 @@ class Interface:
             normal_compliance=read_only_copy(self.normal_compliance / compliance),
             tangential_compliance=read_only_copy(self.tangential_compliance / compliance),
             coupling=coupling,
-            nearest=(self.nearest[0] / length, self.nearest[1] / length),
+            nearest_x_and_gap=(
+                self.nearest_x_and_gap[0] / length,
+                self.nearest_x_and_gap[1] / length,
+            ),
             gap_and_slip_per_stress_and_tilt=gap_and_slip_per_stress_and_tilt,
         )
 
@@ -133,11 +136,11 @@ class Interface:
         return normal_force, 0 * tangential_force if self.has_odd_shear else tangential_force
 
     def work_per_stress_and_tilt(self, pressure: Array, shear: Array) -> Array:
-        """Work of nodal forces p and q (..., n) on the unit offsets, F = S q - G p, (..., 3): per
-        unit of bulk stress in the lower and in the upper body, and of tilt, where it is minus the
-        moment M. Zeros (3,) where there are no offsets.
+        """Work of nodal forces p and q (..., n) in the gap G and the slip S that bulk stress and
+        tilt cause, F = S q - G p, (..., 3): per unit of bulk stress in the lower and in the upper
+        body, and of tilt, where it is minus the moment M. Zeros (3,) where none of these may act.
 
-        For the bulk stress of a lower half-plane it is -(1/E') sum x q.
+        For the bulk stress of a lower half-plane it is -(1/E') sum x q, E' = E/(1 - nu^2).
         """
         if self.gap_and_slip_per_stress_and_tilt is None:
             return np.zeros(3)
@@ -148,7 +151,7 @@ class Interface:
 
     def moment(self, pressure: Array, shear: Array) -> Array:
         """Moment M (...) of nodal forces p and q (..., n) about x = 0, in the sense of the load M:
-        minus their work per unit of tilt. Zero where there are no offsets.
+        minus their work per unit of tilt. Zero where neither bulk stress nor tilt may act.
         """
         work_per_unit_of_tilt = self.work_per_stress_and_tilt(pressure, shear)[..., 2]
         return np.asarray(-work_per_unit_of_tilt)
@@ -240,7 +243,7 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
         normal_compliance=read_only_copy(compliance_of_both[:n_nodes, :n_nodes]),
         tangential_compliance=read_only_copy(compliance_of_both[n_nodes:, n_nodes:]),
         coupling=read_only_copy(coupling) if coupling.any() else None,
-        nearest=mortar_sides.nearest,
+        nearest_x_and_gap=mortar_sides.nearest_x_and_gap,
         gap_and_slip_per_stress_and_tilt=read_only_copy(np.stack(gap_and_slip_by_load, axis=-1)),
     )
 
@@ -589,7 +592,7 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     """
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
-    x, smallest_gap = interface.nearest  # negative where the faces overlap
+    x, smallest_gap = interface.nearest_x_and_gap  # negative where the faces overlap
     overlap = -smallest_gap
     overlap_by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
     overlap_by_rounding = _ROUNDING * float(np.ptp(interface.x))

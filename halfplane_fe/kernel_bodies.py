@@ -122,7 +122,7 @@ class CurvatureJumpKernels:
     radius: float
     material: Elastic
 
-    def kernels(self, x: Array, s: Array) -> KernelValues:
+    def kernels_at(self, x: Array, s: Array) -> KernelValues:
         """Singular part of the displacements at places x (n,) of the face by unit forces at s (m,),
         (n, m) each [1 / stress].
 
@@ -212,7 +212,7 @@ class FaceKernels:
     along_by_pressure: Array
     jump_kernels: CurvatureJumpKernels | None = None
 
-    def at(self, x: Array, s: Array) -> KernelValues:
+    def kernels_at(self, x: Array, s: Array) -> KernelValues:
         """Displacements of the face at places x (n,) by unit forces at s (m,), minus those of a
         half-plane: k_nn, k_tt and k_tn, (n, m) each [1 / stress].
         """
@@ -226,7 +226,7 @@ class FaceKernels:
         )
         if self.jump_kernels is None:
             return smooth_kernels
-        singular_kernels = self.jump_kernels.kernels(x, s)
+        singular_kernels = self.jump_kernels.kernels_at(x, s)
         return KernelValues(
             *(
                 smooth_kernel + singular_kernel
@@ -281,7 +281,7 @@ def fitted_kernels(
         largest i + j
     """
     if jump_kernels is not None:
-        singular_kernels = jump_kernels.kernels(kernels.x, kernels.x_of_forces)
+        singular_kernels = jump_kernels.kernels_at(kernels.x, kernels.x_of_forces)
         kernels = kernels._replace(
             inward_by_pressure=kernels.inward_by_pressure - singular_kernels.inward_by_pressure,
             along_by_shear=kernels.along_by_shear - singular_kernels.along_by_shear,
@@ -421,7 +421,7 @@ class KernelPair:
             if body is None:
                 continue
             kernels: FaceKernels = getattr(body, mesh)
-            body_values = kernels.at(x, x)
+            body_values = kernels.kernels_at(x, x)
             normal = normal + body_values.inward_by_pressure
             tangential = tangential + body_values.along_by_shear
             if self.lower is not self.upper:

@@ -60,7 +60,7 @@ class Mortar:
         (2, n) weighted mean of n; the tangent is (n_y, -n_x)
     gap
         (n,) weighted initial distance along n [length]
-    nearest
+    nearest_x_and_gap
         x and distance where the sides are nearest to each other, of all points of integration
         [length]
     lower, upper
@@ -72,7 +72,7 @@ class Mortar:
     face_lengths: Array
     face_normals: Array
     gap: Array
-    nearest: tuple[float, float]
+    nearest_x_and_gap: tuple[float, float]
     lower: Array
     upper: Array
 
@@ -162,7 +162,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
         face_normals=np.stack([integrals_with_duals(component) for component in unit_normal])
         / dual_integrals,
         gap=integrals_with_duals(distance_along_normal) / dual_integrals,
-        nearest=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
+        nearest_x_and_gap=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
         lower=mean_displacement(lower, lower_at_points),
         upper=mean_displacement(upper, upper_at_points),
     )

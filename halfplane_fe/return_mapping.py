@@ -133,7 +133,7 @@ class ReturnMapping:
             systems = self._systems_at_penalty(penalty_number, penalty_compliance)
             iteration = _Iteration(self, systems, penalty_compliance, start)
             try:
-                has_converged = iteration.converges(most_steps)
+                has_converged = iteration.run_to_convergence(most_steps)
             except SingularSet:
                 has_converged = False
             newton_steps += iteration.newton_steps
@@ -228,7 +228,7 @@ class _Iteration:
         self._slip_at_start = self._slip.copy()
         self._latest_states = self.start.states
 
-    def converges(self, most_steps: int) -> bool:
+    def run_to_convergence(self, most_steps: int) -> bool:
         """Run both loops of the augmented Lagrangian from the start of the increment, and return
         whether they converge. The result is left in `self.values`.
 
@@ -297,8 +297,7 @@ class _Iteration:
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
         # Then no stick is needed to balance Q.
         may_slide_freely = (
-            self.problem.interface.has_odd_shear
-            or self.problem.actuators.tangential_compliance is not None
+            self.problem.interface.has_odd_shear or self.problem.actuators.prescribe_displacement
         )
         if self.problem.has_shear and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (

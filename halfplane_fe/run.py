@@ -476,8 +476,8 @@ class Pace:
         tilt_or_moment = moment if problem.has_given_moment else tilt
         movement = self.load_unit / self.stress_unit
         actuators = problem.actuators
-        normal_unit = self.load_unit if actuators.normal_compliance is None else movement
-        tangential_unit = self.load_unit if actuators.tangential_compliance is None else movement
+        normal_unit = movement if actuators.prescribe_approach else self.load_unit
+        tangential_unit = movement if actuators.prescribe_displacement else self.load_unit
         return (normal_unit, tangential_unit, bulk_stress, bulk_stress, tilt_or_moment)
 
 
@@ -661,8 +661,8 @@ class _Follower:
         their duration.
         """
         # Where U is given, U turns round, and not Q - f P.
-        tangential_load_given = self.problem.actuators.tangential_compliance is None
-        friction = self.problem.friction if tangential_load_given else 0.0
+        is_displacement_given = self.problem.actuators.prescribe_displacement
+        friction = 0.0 if is_displacement_given else self.problem.friction
         longest_duration = max(segment.end - segment.start for segment in segments)
         stretches_of_segments: list[Stretch] = []
         for segment in segments:

@@ -281,7 +281,9 @@ def _solve(
     condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
     stopwatch.end_stage("condensation")
     meshed_interface = couple(*condensed_bodies)
-    interfaces = _Faces(meshed_interface, without_mesh_error(meshed_interface, meshed_scene))
+    interfaces = _FaceCompliances(
+        meshed_interface, without_mesh_error(meshed_interface, meshed_scene)
+    )
     if by_kernels:
         kernels = kernel_pair(
             scene, float(np.abs(meshed_interface.x).max()), datum_length, work_counts
@@ -364,22 +366,33 @@ def _with_closed_cycle(
     )
 
 
-class _Faces(NamedTuple):
+class _FaceCompliances(NamedTuple):
     """Contact compliance of both bodies, as their meshes give it, and without the error that the
-    mesh adds between nearby nodes: `corrected`, None where that error cannot be told apart.
+    mesh adds between nearby nodes: `corrected_interface`, None where that error cannot be told
+    apart.
     """
 
-    as_meshed: Interface
-    corrected: Interface | None
+    interface_as_meshed: Interface
+    corrected_interface: Interface | None
 
-    def with_kernels(self, kernels: KernelPair) -> _Faces:
+    def with_kernels(self, kernels: KernelPair) -> _FaceCompliances:
         """These, of half-planes, with the compliance that the size of the bodies adds."""
-        corrected = None if self.corrected is None else kernels.interface_of_bodies(self.corrected)
-        return _Faces(kernels.interface_of_bodies(self.as_meshed), corrected)
+        corrected_interface = (
+            None
+            if self.corrected_interface is None
+            else kernels.interface_of_bodies(self.corrected_interface)
+        )
+        return _FaceCompliances(
+            kernels.interface_of_bodies(self.interface_as_meshed), corrected_interface
+        )
 
 
 def _solve_path(
-    task: Task, faces: _Faces, datum_length: float, work_counts: Counter[str], report: Progress
+    task: Task,
+    faces: _FaceCompliances,
+    datum_length: float,
+    work_counts: Counter[str],
+    report: Progress,
 ) -> tuple[ContactProblem, PathRun]:
     """Follow the load path of a scene on its meshed bodies; returned are the contact problem on the
     whole faces and the run along the path, which may have failed.
@@ -407,7 +420,7 @@ def _solve_path(
     # increments are costly, and records, which have many, are spared that. Elsewhere short
     # increments also place the fitted edges more accurately.
     expected_dissipation = 0.0
-    if faces.as_meshed.coupling is not None or is_record(scene):
+    if faces.interface_as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load_unit=task.scales.load,
@@ -419,7 +432,9 @@ def _solve_path(
         kinks_bound_error=task.kinks_bound_step_error,
     )
     candidates = (
-        (faces.as_meshed,) if faces.corrected is None else (faces.corrected, faces.as_meshed)
+        (faces.interface_as_meshed,)
+        if faces.corrected_interface is None
+        else (faces.corrected_interface, faces.interface_as_meshed)
     )
     for interface in candidates:
         problem = _contact_problem(task, interface, datum_length, work_counts)
@@ -439,9 +454,9 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
-    if interface is faces.corrected:
+    if interface is faces.corrected_interface:
         work_counts[CORRECTED_FACES] += 1
-    elif faces.corrected is not None:
+    elif faces.corrected_interface is not None:
         work_counts[REPEATED_RUNS] += 1
     return problem, run_at_all_nodes(run, interface) if is_half else run
 

@@ -78,7 +78,7 @@ class StepTolerance:
 
     Attributes
     ----------
-    rate
+    error_rate
         the largest error of an increment over its duration, scaled
     kinks_bound_error
         whether the error of an increment is at most the friction work by kinks of pressure and
@@ -86,7 +86,7 @@ class StepTolerance:
         pressure does not depend on what slides. Else it is the bound of `energy.step_errors`
     """
 
-    rate: float
+    error_rate: float
     kinks_bound_error: bool = False
 
 
@@ -134,9 +134,10 @@ def increments_along(
 
     A stretch is a part of the path between turning points of the loads, with the instants at which
     its regular increments end. Increments end earlier where a node touches or lets go, so that no
-    node is closed for a part of an increment only. They also end where a stroke of slip ends: under
-    prescribed movements, and on curved paths. An increment that does not converge, or whose step
-    error is above the tolerance, is halved.
+    node is closed for a part of an increment only. They also end where a stroke of slip (in one
+    direction) ends: under prescribed movements, and on curved paths. An increment that does not
+    converge, or whose step error is above the tolerance, is halved. The step error is a bound of
+    the error that the finite increment makes in the friction work.
 
     The shortest increments are accepted with a larger step error, and counted. Between unlike
     bodies halving may not lessen the error: the interface jumps from one solution to another, and
@@ -145,7 +146,7 @@ def increments_along(
     Parameters
     ----------
     problem
-        the contact problem, scaled; what is done is added to the counts in its `work`
+        the contact problem, scaled; what is done is added to its `work_counts`
     state
         from which the first increment starts
     stretch
@@ -165,7 +166,7 @@ def increments_along(
     def loads_at(time: float) -> tuple[float, ...]:
         return scaled_loads(stretch.segment, time, units)
 
-    # Along a straight segment slip that falls at its end falls from its start on: none is lost.
+    # Along a straight segment slip that falls at the end falls from the start on: none is lost.
     is_curved = not is_straight(stretch.segment)
     regular_duration = stretch.ends[0] - stretch.start
     shortest_duration = _SHORTEST_SHARE * regular_duration
@@ -282,7 +283,7 @@ def _end_of_lost_slip(
     loads_at
         function of an instant: the scaled loads
     tolerance
-        of the step error
+        of the step error: a part of its `error_rate` times the duration is the work that may be lost
     """
     end = increment.state.time
     directions = slip_sign(start.node_states)
@@ -305,11 +306,11 @@ def _end_of_lost_slip(
     counted_slip = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
     lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
     lost_work = problem.friction * start.pressure * lost_slip
-    allowed_loss = _LOST_WORK_ALLOWED * tolerance.rate * (end - start.time)
+    allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start.time)
     if not lost_work.sum() > allowed_loss:
         return end
-    weights = np.where(lost_work > 0, directions * start.pressure, 0.0)
-    return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ weights)
+    pressure_of_losing_nodes = np.where(lost_work > 0, directions * start.pressure, 0.0)
+    return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ pressure_of_losing_nodes)
 
 
 @dataclass
@@ -319,9 +320,9 @@ class _ErrorControl:
     Attributes
     ----------
     problem
-        the contact problem, in whose `work` refused increments are counted
+        the contact problem, in whose `work_counts` refused increments are counted
     tolerance
-        of the step error
+        of the step error: a part of its `error_rate` times the duration is the work that may be lost
     shortest_duration
         increments up to that duration are not halved
     refused_start, refused_error
@@ -351,7 +352,7 @@ class _ErrorControl:
             Where the interface jumps too often on the path.
         """
         duration = increment.state.time - start.time
-        allowed_error = self.tolerance.rate * duration
+        allowed_error = self.tolerance.error_rate * duration
         work_error = increment.step_error
         if not work_error > allowed_error:
             return True
@@ -368,13 +369,13 @@ class _ErrorControl:
             and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
         ):
             self._count_jump(start.time)
-        work = self.problem.work_counts
+        work_counts = self.problem.work_counts
         if duration > self.shortest_duration and not self.has_jumped:
             self.refused_start = start.time
             self.refused_error = work_error
-            work["increments halved, step error"] += 1
+            work_counts["increments halved, step error"] += 1
             return False
-        work["increments above the step tolerance"] += 1
+        work_counts["increments above the step tolerance"] += 1
         return True
 
     def _count_jump(self, time: float) -> None:

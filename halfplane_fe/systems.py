@@ -261,23 +261,23 @@ class _NestedCompliance:
     ----------
     compliance
         (n, n) C
-    inverse
+    inverse_factor
         (n, n) X = L^-1 of C = L L^T
     unit_motion_forces
         (n, n) in row k - 1 the forces at the first k nodes that displace each of these by 1
     unit_motion_displacements
         (n, n) in row k - 1 the displacements of all nodes by these forces
-    stiffness
+    load_per_motion
         (n,) sum of these forces: load per rigid motion where the first k nodes are held
     """
 
     def __init__(self, compliance: Array, factor: Array) -> None:
         self.compliance = compliance
-        self.inverse = np.ascontiguousarray(dtrtri(factor, lower=1)[0])
-        sum_of_row = self.inverse.sum(axis=1)[:, None]
-        self.unit_motion_forces = np.cumsum(self.inverse * sum_of_row, axis=0)
+        self.inverse_factor = np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+        sum_of_row = self.inverse_factor.sum(axis=1)[:, None]
+        self.unit_motion_forces = np.cumsum(self.inverse_factor * sum_of_row, axis=0)
         self.unit_motion_displacements = np.cumsum(factor.T * sum_of_row, axis=0)
-        self.stiffness = self.unit_motion_forces.sum(axis=1)
+        self.load_per_motion = self.unit_motion_forces.sum(axis=1)
 
     def forces_and_displacements(
         self,
@@ -293,7 +293,7 @@ class _NestedCompliance:
 
         Forces at r = 0 are found first, then those of the rigid motion: both add up to the load.
         C = L L^T, so that the inverse of the leading k x k block of C is X_k^T X_k, X_k being the
-        leading block of L^-1 (`inverse`), for every k.
+        leading block of L^-1 (`inverse_factor`), for every k.
 
         Parameters
         ----------
@@ -334,20 +334,20 @@ class _NestedCompliance:
             # X_k^T X_k times these displacements, by blocks of rows of X_k.
             for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
                 n_columns = min(row_end, n_held)
-                block = self.inverse[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
+                block = self.inverse_factor[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
                 forces[:n_columns] += block.T @ (block @ displacements_by_held_forces[:n_columns])
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
-            motion_by_known_values = -forces.sum(axis=0) / self.stiffness[n_held - 1]
+            motion_by_known_values = -forces.sum(axis=0) / self.load_per_motion[n_held - 1]
         load = load_or_movement
         if actuator_compliance is not None:
-            movement_per_load = 1 / self.stiffness[n_held - 1] + actuator_compliance
+            movement_per_load = 1 / self.load_per_motion[n_held - 1] + actuator_compliance
             if not movement_per_load > 0:
                 raise InputError(
                     "rig.datum_length: the contact moves against its load where the displacement is"
                     " prescribed, so that no load follows from it: state a longer distance"
                 )
             load = (load_or_movement - motion_by_known_values) / movement_per_load
-        rigid_motion = load / self.stiffness[n_held - 1] + motion_by_known_values
+        rigid_motion = load / self.load_per_motion[n_held - 1] + motion_by_known_values
         forces[:n_held] += np.multiply.outer(
             self.unit_motion_forces[n_held - 1, :n_held], rigid_motion
         )
@@ -376,7 +376,7 @@ class Systems:
         compliances of actuators whose movements stand in the place of loads
     normal_compliance, tangential_compliance
         (n, n) compliances of interface and layer together, gap by p and -slip by q
-    matrix
+    contact_matrix
         of the equations, see `_assembled_matrix`
 
     Raises
@@ -421,9 +421,9 @@ class Systems:
             ) from reason
         self._displacement_is_zero = faces.has_odd_shear or not self.has_shear
         self._displacement_needs_no_stick = (
-            self._displacement_is_zero or self.actuators.tangential_compliance is not None
+            self._displacement_is_zero or self.actuators.prescribe_displacement
         )
-        self.matrix = self._assembled_matrix()
+        self.contact_matrix = self._assembled_matrix()
         # Sets of node states with cached responses; the one used last comes last.
         self._bases: list[_Base] = []
         # Sets with factors of their own, from `newton_correction`, by the bytes of their states.
@@ -812,7 +812,7 @@ class Systems:
         forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
         forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
         forces_and_motions[base.free_rows, case_of_changes] = changes[base.free_rows]
-        right_side = -self.matrix[base.held_rows] @ forces_and_motions
+        right_side = -self.contact_matrix[base.held_rows] @ forces_and_motions
         right_side[base.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
         is_of_node = base.held_rows < 2 * n
         right_side[is_of_node, case_of_changes] += changes[base.held_rows[is_of_node]]
@@ -820,7 +820,7 @@ class Systems:
         forces_and_motions[base.held_rows] = _lu_solve(base.equations.held_by_held, right_side)
         # So far q - (+-f) p stands where a node slides.
         forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
-        displacements = self.matrix[: 2 * n] @ forces_and_motions
+        displacements = self.contact_matrix[: 2 * n] @ forces_and_motions
         values = np.empty((n_loads + 1, 3 + 4 * n))
         values[:, :3] = forces_and_motions[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
         values[:, 3 : 3 + n] = displacements[n:].T  # slip
@@ -960,8 +960,8 @@ class Systems:
 
         def displacements_by_held_forces(rows: Indices) -> Array:
             """(len(rows), k) displacements in some rows by unit forces in the k held ones."""
-            displacements = self.matrix[np.ix_(rows, held_rows)]
-            displacements_by_shear = self.matrix[np.ix_(rows, columns_of_shear)]
+            displacements = self.contact_matrix[np.ix_(rows, held_rows)]
+            displacements_by_shear = self.contact_matrix[np.ix_(rows, columns_of_shear)]
             displacements[:, places_of_pressure] += displacements_by_shear * signed_friction
             return displacements
 
@@ -1025,11 +1025,11 @@ class Systems:
         position_in_held = base.position_in_held[cases]
         is_held_case = position_in_held >= 0
         displacements_by_force = np.zeros((2 * n + 2, len(cases)))
-        displacements_by_force[:, ~is_held_case] = self.matrix[:, cases[~is_held_case]]
+        displacements_by_force[:, ~is_held_case] = self.contact_matrix[:, cases[~is_held_case]]
         # A unit p of an open node: where it counts as sliding in the base, q = (+-f) p acts too.
         has_unit_pressure = ~is_held_case & (cases < n)
         open_nodes = cases[has_unit_pressure]
-        displacements_by_shear = self.matrix[:, n + open_nodes]
+        displacements_by_shear = self.contact_matrix[:, n + open_nodes]
         displacements_by_force[:, has_unit_pressure] += (
             displacements_by_shear * base.signed_friction[open_nodes]
         )

@@ -214,7 +214,9 @@ def test_penalty_is_the_law_with_a_layer_between_the_faces(layer):
 
 def test_too_few_iterations_raise_with_instant_loads_and_count(monkeypatch):
     # no second way out
-    monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
+    monkeypatch.setattr(
+        ContactProblem, "_alternate_pressure_and_shear", lambda self, *rest: (None, 1, 1)
+    )
     contact = problem(max_iterations=1)
     pressed, _ = problem().equilibrium(contact.unloaded_state(), 1.0, (1.0, 0.0))
     with pytest.raises(

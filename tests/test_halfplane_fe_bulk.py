@@ -393,12 +393,12 @@ def test_the_tilt_under_a_moment_is_found_without_newtons_iteration_too(
         )
     )
     newton = solved(question)
-    active_set = ContactProblem._active_set
+    active_set = ContactProblem._solve_by_active_set
 
     def none(self: ContactProblem, states: np.ndarray, *rest: Any) -> Any:
         return (None, 1, 0) if self.has_shear else active_set(self, states, *rest)
 
-    monkeypatch.setattr(ContactProblem, "_active_set", none)
+    monkeypatch.setattr(ContactProblem, "_solve_by_active_set", none)
     halves = halfplane_fe.solve(question, FEW, REGULAR)
     assert halves.work.counts["alternating solves"] > 0
     for name in ("tilt", "contact_edges", "tangential_displacement"):

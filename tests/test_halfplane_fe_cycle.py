@@ -614,7 +614,7 @@ def test_what_events_leave_of_a_force_does_not_stay_missing_from_the_load() -> N
     )
 
 
-NEWTON = ContactProblem._active_set
+NEWTON = ContactProblem._solve_by_active_set
 
 
 def no_newton(self: ContactProblem, states: np.ndarray, *rest: object) -> object:
@@ -633,7 +633,7 @@ def test_the_convex_halves_give_newtons_answer(monkeypatch: pytest.MonkeyPatch) 
     ):
         newton = halfplane_fe.solve(scene, MODEST, settings)
         with monkeypatch.context() as patch:
-            patch.setattr(ContactProblem, "_active_set", no_newton)
+            patch.setattr(ContactProblem, "_solve_by_active_set", no_newton)
             halves = halfplane_fe.solve(scene, MODEST, settings)
         assert halves.work.counts["alternating solves"] > 0
         assert halves.dissipation == pytest.approx(newton.dissipation, rel=limit)
@@ -677,15 +677,17 @@ def test_solve_raises_and_keeps_the_steps_solved_so_far(monkeypatch):
     """Sets of nodes that never agree from some instant on: what was solved is kept, and says
     that.
     """
-    active_set = ContactProblem._active_set
+    active_set = ContactProblem._solve_by_active_set
 
     def gives_up(self, history, time, loads, states):
         return (None, 2, 3) if time > 3 else active_set(self, history, time, loads, states)
 
     scene = load_scene("hertz-paper")
     scales = halfplane_fe.solve(scene, COARSE, SolverSettings(steps_per_cycle=8)).scales
-    monkeypatch.setattr(ContactProblem, "_active_set", gives_up)
-    monkeypatch.setattr(ContactProblem, "_alternating", lambda self, *rest: (None, 1, 1))
+    monkeypatch.setattr(ContactProblem, "_solve_by_active_set", gives_up)
+    monkeypatch.setattr(
+        ContactProblem, "_alternate_pressure_and_shear", lambda self, *rest: (None, 1, 1)
+    )
     with pytest.raises(
         ConvergenceError, match=r"after \d+ iterations at time .* normal load .* tangential load"
     ) as caught:

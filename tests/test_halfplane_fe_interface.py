@@ -433,8 +433,8 @@ def test_a_uniform_distance_is_found_along_the_normal(line, order):
     plain = mortar(lower, upper)
     lifted = mortar(lower, dataclasses.replace(upper, y=upper.y + 0.01))
     np.testing.assert_allclose(lifted.gap - plain.gap, 0.01 * lifted.face_normals[1], rtol=1e-11)
-    assert lifted.nearest[1] <= 0.01
-    assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest[1] < -0.008
+    assert lifted.nearest_x_and_gap[1] <= 0.01
+    assert mortar(lower, dataclasses.replace(upper, y=upper.y - 0.01)).nearest_x_and_gap[1] < -0.008
 
 
 HELD = [case(line, rest, "hydrostatic") for line in LINES for rest in one_line(line)]

@@ -278,8 +278,8 @@ def smooth_largest_pressure(solution: ContactSolution) -> float:
 def test_kernels_of_a_jump_of_curvature_have_their_limit_at_the_force() -> None:
     jump_kernels = CurvatureJumpKernels(0.5, 10.0, STEEL)
     x = np.array([-0.8, 0.2, 0.7])
-    at_force = jump_kernels.kernels(x, x)
-    beside = jump_kernels.kernels(x, x + 1e-6)
+    at_force = jump_kernels.kernels_at(x, x)
+    beside = jump_kernels.kernels_at(x, x + 1e-6)
     for kernel, kernel_beside in zip(at_force, beside, strict=True):
         np.testing.assert_allclose(np.diag(kernel), np.diag(kernel_beside), rtol=1e-4, atol=1e-12)
 

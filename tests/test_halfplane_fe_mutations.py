@@ -126,7 +126,9 @@ def solve_broken(problem):
     after nine seconds, without an answer too.
     """
     try:
-        with mock.patch.object(ContactProblem, "_alternating", return_value=(None, 1, 1)):
+        with mock.patch.object(
+            ContactProblem, "_alternate_pressure_and_shear", return_value=(None, 1, 1)
+        ):
             return halfplane_fe.solve(
                 problem.scene, COARSE, replace(FEW_STEPS, step_tolerance=np.inf)
             )
