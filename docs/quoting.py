@@ -64,7 +64,7 @@ def paper_values(examples: Paper) -> dict[str, str]:
     statement_rows = statements(examples)
     misprint_rows = misprints(examples)
     numbers = {
-        f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}"
+        f"permanent stick, {case.scene.name}": f"{case.permanent_stick_half_width:.4f}"
         for case in (examples.hertz_case, examples.rounded_case)
     }
     for row in statement_rows:

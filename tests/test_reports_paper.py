@@ -25,8 +25,8 @@ from reports.studies.paper.statements import statements_on_cycle, statements_on_
 from reports.studies.paper.tables import (
     AGREEMENT_TOLERANCE,
     LEAST_MISPRINT_ERROR,
-    judge_number,
-    proves,
+    is_misprint_proven,
+    verdict_of_number,
 )
 from scenes import InputError, load_scene
 
@@ -221,13 +221,14 @@ def test_nothing_is_left_out(report: PaperReport) -> None:
 
 
 def test_judges_can_say_no() -> None:
-    assert [judge_number(value, 0.73, 2) for value in (0.7349, 0.7351, 0.76)] == [
+    assert [verdict_of_number(value, 0.73, 2) for value in (0.7349, 0.7351, 0.76)] == [
         "confirmed",
         "refined",
         "contradicted",
     ]
     assert not any(
-        proves(*errors) for errors in ((1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5))
+        is_misprint_proven(*errors)
+        for errors in ((1e-8, 0.5), (0.0, 1e-4), (math.nan, 0.5), (math.inf, 0.5))
     )
 
 

@@ -47,7 +47,7 @@ class Case:
     scene: Scene
 
     @property
-    def load(self) -> EllipseLoad:
+    def load_ellipse(self) -> EllipseLoad:
         """The ellipse."""
         load = self.scene.load
         if not isinstance(load, EllipseLoad):
@@ -69,12 +69,12 @@ class Case:
     @property
     def unit_load(self) -> float:
         """P0/3 [force per thickness]; unit of scaled loads."""
-        return self.load.mean_normal_load / 3
+        return self.load_ellipse.mean_normal_load / 3
 
     @property
     def unit_length(self) -> float:
         """a0 = a(P0) [length], the contact half-width at the mean load; unit of scaled lengths."""
-        return float(self.contact.half_width(self.load.mean_normal_load))
+        return float(self.contact.half_width(self.load_ellipse.mean_normal_load))
 
     @property
     def compliance(self) -> float:
@@ -89,7 +89,7 @@ class Case:
     @property
     def unit_work(self) -> float:
         """A f^2 P0^2 [energy per thickness], the unit of a cycle's dissipation."""
-        return self.compliance * (self.friction * self.load.mean_normal_load) ** 2
+        return self.compliance * (self.friction * self.load_ellipse.mean_normal_load) ** 2
 
     def scaled_half_width(self, load: ArrayLike) -> Array:
         """a(P)/a0 from normal loads P [force per thickness]."""
@@ -136,7 +136,7 @@ class Case:
         """Contact half-width over a0 at the event that the paper calls by a letter."""
         return float(self.scaled_half_width(self.events[letter].normal_load))
 
-    def loads(self, time: ArrayLike) -> tuple[Array, Array]:
+    def scaled_loads(self, time: ArrayLike) -> tuple[Array, Array]:
         """P and Q over P0/3 at instants of the load path."""
         normal_load, tangential_load = self.scene.load.path().at(time)
         return normal_load / self.unit_load, tangential_load / self.unit_load
@@ -153,15 +153,17 @@ class Case:
         return self.solve(fields=("loop_work",), steady=True)
 
     @property
-    def stick_edge(self) -> float:
+    def permanent_stick_half_width(self) -> float:
         """Half-width of the permanent stick zone over a0."""
         return self.steady_cycle.permanent_stick_half_width / self.unit_length
 
     @property
-    def outer_edge(self) -> float:
+    def largest_half_width(self) -> float:
         """Largest contact half-width over a0."""
         return float(
-            self.scaled_half_width(self.load.mean_normal_load + self.load.normal_amplitude)
+            self.scaled_half_width(
+                self.load_ellipse.mean_normal_load + self.load_ellipse.normal_amplitude
+            )
         )
 
     @cached_property
@@ -214,7 +216,11 @@ class Case:
             "material": self.scene.material,
             "friction_coefficient": self.friction,
         }
-        return contact_arguments | {name: getattr(self.load, name) for name in load_names} | changes
+        return (
+            contact_arguments
+            | {name: getattr(self.load_ellipse, name) for name in load_names}
+            | changes
+        )
 
     def circle_arguments(
         self, friction: ArrayLike, ratio: ArrayLike, **changes: Any
@@ -252,7 +258,7 @@ class Case:
         return Case(
             self.scene.vary(
                 profile={"radius": radius},
-                load={name: 10 * getattr(self.load, name) for name in load_names},
+                load={name: 10 * getattr(self.load_ellipse, name) for name in load_names},
             )
         )
 
@@ -277,7 +283,7 @@ class Formulas:
 
     def loads(self, t: ArrayLike) -> tuple[Array, Array]:
         """P and Q, equations (3) and (4)."""
-        load = self.case.load
+        load = self.case.load_ellipse
         time = np.asarray(t, dtype=float)
         normal_load = load.mean_normal_load + load.normal_amplitude * np.cos(time)
         shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(
@@ -287,7 +293,7 @@ class Formulas:
 
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
         """dP/dt and dQ/dt."""
-        load = self.case.load
+        load = self.case.load_ellipse
         time = np.asarray(t, dtype=float)
         normal_rate = -load.normal_amplitude * np.sin(time)
         tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase_radians)
@@ -341,7 +347,8 @@ class Formulas:
         def slope_on_ellipse(normal_loads: Array) -> tuple[Array, Array]:
             """dQ/dP and d2Q/dP2 at normal loads of the rising half of the ellipse."""
             time = 2 * math.pi - np.arccos(
-                (normal_loads - case.load.mean_normal_load) / case.load.normal_amplitude
+                (normal_loads - case.load_ellipse.mean_normal_load)
+                / case.load_ellipse.normal_amplitude
             )
             rate_of_p, rate_of_q = self.rates(time)
             # rates are sines of time: a quarter turn later they are what their derivatives are now

@@ -22,7 +22,7 @@ from reports.studies.paper.cases import (
     Sweep,
     sum_over_phases,
 )
-from reports.studies.paper.tables import WORDS, fill_in
+from reports.studies.paper.tables import PAPER_WORDS, fill_in
 from scenes import SurfaceState
 from scenes.array_types import Array
 from semi_analytic import PeakBatch
@@ -122,7 +122,7 @@ def _plate(
     those in the caption. `table` has the columns of its CSV file. The panels stand in so many
     `columns`. The legend has each labelled curve and band once, and the further `keys`.
     """
-    figure_words = next(row for row in WORDS["figure"] if row["key"] == name)
+    figure_words = next(row for row in PAPER_WORDS["figure"] if row["key"] == name)
     legend: dict[str, Key] = {}
     for panel in panels:
         for mark in panel.marks:
@@ -266,13 +266,13 @@ def _figure_2(case: Case) -> Plate:
     marks: list[Mark] = [
         _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
         _line(loads_on_limit, -friction * loads_on_limit, "", "faint dash fine"),
-        _line(*case.loads(initial_times), "initial loading, parabola OA", "c1 dashdot"),
+        _line(*case.scaled_loads(initial_times), "initial loading, parabola OA", "c1 dashdot"),
         _line([p_z, p_e], [q_z, q_e], "gradient f through E and G", "c0 solid fine"),
         _line([p_g, p_j], [q_g, q_j], "", "c0 solid fine"),
         _line([p_t, p_g], [q_t, q_g], "gradient −f through G", "c2 dot"),
         *_text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
         *_text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
-        _line(*case.loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),
+        _line(*case.scaled_loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),
         *_letters_around_ellipse(case, loads_at),
         *_text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True),
     ]
@@ -298,7 +298,7 @@ def _letters_around_ellipse(case: Case, loads_at: Mapping[str, Array]) -> Iterat
     for letter in LETTERS:
         p, q = loads_at[letter][:2].round(6).tolist()
         letters_at_point.setdefault((p, q), []).append(letter)
-    mean_q = case.load.mean_tangential_load / case.unit_load
+    mean_q = case.load_ellipse.mean_tangential_load / case.unit_load
     for (p, q), letters in letters_at_point.items():
         vector_from_centre = np.array([p - 3.0, q - mean_q])
         outward_direction = vector_from_centre / np.hypot(*vector_from_centre)
@@ -389,7 +389,7 @@ class Zones:
             upper_line = np.where(slips, self.contact_edge, np.nan)
             yield Band(x, lower_line, upper_line, css, label + label_end)
 
-    def at(self, is_kept: NDArray[np.bool_]) -> Zones:
+    def at_instants(self, is_kept: NDArray[np.bool_]) -> Zones:
         """The zones at those instants alone for which the mask (n,) is true."""
         return Zones(*(getattr(self, field.name)[is_kept] for field in fields(self)))
 
@@ -400,7 +400,7 @@ class Zones:
             "c / a(P0)": self.stick_edge,
             "direction of slip": self.direction,
         }
-        return {x_head: x, "t": self.time, "P / (P0/3)": case.loads(self.time)[0], **edges}
+        return {x_head: x, "t": self.time, "P / (P0/3)": case.scaled_loads(self.time)[0], **edges}
 
 
 def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91) -> Zones:
@@ -457,7 +457,7 @@ def _figure_4a(case: Case) -> Plate:
     ]
     # P turns at C, F and K, which are no slip events: so many instants are near enough to them.
     zones = _zones(case, slip_events, 181)
-    normal_load = case.loads(zones.time)[0]
+    normal_load = case.scaled_loads(zones.time)[0]
     path_of_p = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(normal_load)))])
     path_at = {
         letter: float(np.interp(case.time_of(letter), zones.time, path_of_p))
@@ -525,7 +525,7 @@ def _bands_from(start_time: float, case: Case) -> list[Band]:
     zones = _zones(case, [*first_revolution[:-1], *second_revolution])
     angles = np.degrees(zones.time - start_time)
     is_shown = (angles >= 0) & (angles <= 360)
-    shown_zones = zones.at(is_shown)
+    shown_zones = zones.at_instants(is_shown)
     shown_angles = angles[is_shown]
     label_end = f", f = {case.friction:g}"
     stick_band = Band(
@@ -686,8 +686,8 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     slip, which lie between events. `case` is the paper's ellipse of loads on one profile, `peak`
     the place and value of the largest W(x).
     """
-    stick_edge = case.stick_edge
-    contact_edge = case.outer_edge
+    stick_edge = case.permanent_stick_half_width
+    contact_edge = case.largest_half_width
     peak_fraction = float(peak.fraction)
     # points closer together at both edges
     fractions = (1 - np.cos(np.linspace(0, np.pi, 241))) / 2

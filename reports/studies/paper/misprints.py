@@ -24,7 +24,7 @@ from reports.studies.paper.cases import (
     sliding_limit,
     sum_over_phases,
 )
-from reports.studies.paper.tables import AGREEMENT_TOLERANCE, VerdictAndNumbers, proves
+from reports.studies.paper.tables import AGREEMENT_TOLERANCE, VerdictAndNumbers, is_misprint_proven
 from scenes import PolygonLoad
 from scenes.array_types import Array
 
@@ -64,7 +64,10 @@ def _proof(
         "right": _relative_error(mended_value, engine_value),
         "printed": _relative_error(printed_value, engine_value),
     }
-    return proves(errors["right"], errors["printed"]) and also_holds, {**errors, **numbers}
+    return is_misprint_proven(errors["right"], errors["printed"]) and also_holds, {
+        **errors,
+        **numbers,
+    }
 
 
 # -------------------------------------------------------------------- loads, friction and tractions
@@ -106,9 +109,9 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
     numbers = {
         "with B": half_width_with_b,
         "with G": half_width_with_g,
-        "permanent stick": case.stick_edge,
+        "permanent stick": case.permanent_stick_half_width,
     }
-    return _proof(half_width_with_g, half_width_with_b, case.stick_edge, numbers)
+    return _proof(half_width_with_g, half_width_with_b, case.permanent_stick_half_width, numbers)
 
 
 def _order_of_j_and_k(case: Case) -> VerdictAndNumbers:
@@ -142,7 +145,7 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
 
     def work_with_half(load_name: str) -> float:
         """Dissipation of a cycle as the closed integral of Q dU, when a load is halved."""
-        changes = {load_name: getattr(case.load, load_name) / 2}
+        changes = {load_name: getattr(case.load_ellipse, load_name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
 
     return _proof(
@@ -184,7 +187,7 @@ def _event_of_least_load(case: Case) -> VerdictAndNumbers:
     `case` is the paper's ellipse of loads on one profile.
     """
     events = case.events
-    normal_loads, tangential_loads = case.loads(case.cycle_times(3601))
+    normal_loads, tangential_loads = case.scaled_loads(case.cycle_times(3601))
     least_p = float(normal_loads.min())
     least_q = float(tangential_loads.min())
     numbers = {f"P at {letter}": events[letter].normal_load / case.unit_load for letter in "HF"}
@@ -231,7 +234,7 @@ def _corrective_load(
 
     `case` gives profile and normal load; Q is `share_of_limit` times f P.
     """
-    normal_load = case.load.mean_normal_load
+    normal_load = case.load_ellipse.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
     scene = case.scene.vary(
         load=PolygonLoad(initial_loading=((normal_load, 0.0), (normal_load, tangential_load))),
@@ -254,7 +257,9 @@ def _corrective_load(
         "printed": error_with(tangential_load - normal_load),
         "sign turned only": error_with(normal_load - tangential_load),
     }
-    return proves(errors["right"], min(errors["printed"], errors["sign turned only"])), errors
+    return is_misprint_proven(
+        errors["right"], min(errors["printed"], errors["sign turned only"])
+    ), errors
 
 
 def _sliding_condition(case: Case) -> VerdictAndNumbers:
@@ -285,7 +290,7 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
     slides_above = slides(friction, mended_limit * (1 + margin))
     mended_error = margin if (slides_below & ~slides_above).all() else math.nan
     printed_error = float(np.min(np.abs(printed_limit / mended_limit - 1)[limits_differ]))
-    return sliding_share == 1 and proves(mended_error, printed_error), {
+    return sliding_share == 1 and is_misprint_proven(mended_error, printed_error), {
         "right": mended_error,
         "printed": printed_error,
         # at friction[4] = 1 and friction[1] = 0.4
@@ -308,7 +313,7 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
 
     `case` is the paper's ellipse of loads on this profile.
     """
-    mean_load = case.load.mean_normal_load
+    mean_load = case.load_ellipse.mean_normal_load
     profile = case.scene.profile.model_dump()
     flat_half_length = profile["flat_half_length"]
     radius = profile["radius"]
@@ -594,7 +599,7 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     numbers |= {f"power with the {reading}": power for reading, power in powers.items()}
     numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
     grows_alike = abs(powers["slope"] - power_of_engine) <= AGREEMENT_TOLERANCE
-    return proves(error_of_slope, least_error_of_gaps) and grows_alike, numbers
+    return is_misprint_proven(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 
 
 def _slip_after_j(case: Case) -> float:
@@ -667,7 +672,7 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
         "right": max(abs(ratio - 1) for ratio in ratios.values()),
         "printed": min(abs(ratio - 1) for ratio in printed_ratios.values()),
     }
-    return proves(errors["right"], errors["printed"]), errors | {
+    return is_misprint_proven(errors["right"], errors["printed"]), errors | {
         f"factor at f = {friction}": ratio for friction, ratio in printed_ratios.items()
     }
 
@@ -799,7 +804,13 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
     )
     power_of_work = math.log10(large_solution.dissipation / solution.dissipation)
     # W(x) has corners at the contact half-widths of the events: the integral in parts between them.
-    corners = sorted({case.stick_edge, case.outer_edge, *map(case.half_width_at, "FGHIJ")})
+    corners = sorted(
+        {
+            case.permanent_stick_half_width,
+            case.largest_half_width,
+            *map(case.half_width_at, "FGHIJ"),
+        }
+    )
     parts_of_work = (
         integral(lambda x: sum_over_phases(case.density_of_phases(x)), begin, end)
         for begin, end in pairwise(corners)

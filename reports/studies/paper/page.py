@@ -17,13 +17,13 @@ from reports.studies.paper.figures import all_figures
 from reports.studies.paper.misprints import prove_misprints
 from reports.studies.paper.statements import judge_statements
 from reports.studies.paper.tables import (
-    WORDS,
+    PAPER_WORDS,
     Misprint,
     Statement,
     Verdict,
     as_columns,
     proven_in_words,
-    row,
+    table_row,
 )
 
 AUTHORS = "Davies, Barber and Hills"
@@ -52,7 +52,9 @@ def statements(examples: Paper) -> tuple[Statement, ...]:
     `examples` are the paper's two profiles, with their solutions.
     """
     verdict_of = judge_statements(examples)
-    return tuple(row(Statement, words, verdict_of[words["key"]]) for words in WORDS["statement"])
+    return tuple(
+        table_row(Statement, words, verdict_of[words["key"]]) for words in PAPER_WORDS["statement"]
+    )
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
@@ -60,7 +62,9 @@ def misprints(examples: Paper) -> tuple[Misprint, ...]:
     `examples` are the paper's two profiles, with their solutions.
     """
     proof_of = prove_misprints(examples)
-    return tuple(row(Misprint, words, proof_of[words["key"]]) for words in WORDS["misprint"])
+    return tuple(
+        table_row(Misprint, words, proof_of[words["key"]]) for words in PAPER_WORDS["misprint"]
+    )
 
 
 def tally(rows: Sequence[Statement]) -> dict[str, int]:

@@ -24,7 +24,12 @@ from reports.studies.paper.cases import (
     Sweep,
     sum_over_phases,
 )
-from reports.studies.paper.tables import AGREEMENT_TOLERANCE, VerdictAndNumbers, judge, judge_number
+from reports.studies.paper.tables import (
+    AGREEMENT_TOLERANCE,
+    VerdictAndNumbers,
+    verdict_of_condition,
+    verdict_of_number,
+)
 from scenes import SurfaceState
 from scenes.array_types import Array
 from semi_analytic.friction_work import slip_times
@@ -92,7 +97,7 @@ def _shear_in_stick(case: Case) -> VerdictAndNumbers:
 
     error_in_stick = max(error_at(case.time_of("A")), error_at(case.time_of("B")))
     error_in_slip = error_at((case.time_of("B") + case.time_of("C")) / 2)
-    verdict = judge(
+    verdict = verdict_of_condition(
         max(error_in_stick, error_in_slip) <= AGREEMENT_TOLERANCE,
         nearly=error_in_stick <= AGREEMENT_TOLERANCE,
     )
@@ -127,7 +132,9 @@ def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
         shear_by_6 = formulas.shear_of_full_stick(x, load_at_y) + case.friction * pressure_since_y
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
     largest_error = max(errors.values())
-    return judge(largest_error <= AGREEMENT_TOLERANCE), errors | {"largest error": largest_error}
+    return verdict_of_condition(largest_error <= AGREEMENT_TOLERANCE), errors | {
+        "largest error": largest_error
+    }
 
 
 def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
@@ -161,7 +168,9 @@ def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
         shear_by_7 = formulas.shear_of_full_stick(x, load_at_z) + case.friction * sum_of_pressures
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
     largest_error = max(errors.values())
-    return judge(largest_error <= AGREEMENT_TOLERANCE), errors | {"largest error": largest_error}
+    return verdict_of_condition(largest_error <= AGREEMENT_TOLERANCE), errors | {
+        "largest error": largest_error
+    }
 
 
 def _rest_at_e(case: Case) -> VerdictAndNumbers:
@@ -195,7 +204,7 @@ def _rest_at_e(case: Case) -> VerdictAndNumbers:
         "slip after": 1 - stick_ratio_after,
         "speed before": largest_speed_ratio,
     }
-    return judge(comes_to_rest), numbers
+    return verdict_of_condition(comes_to_rest), numbers
 
 
 def _residual_tractions(case: Case) -> VerdictAndNumbers:
@@ -235,7 +244,7 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
     )
     slip_is_as_stated = largest_of_zeros <= _ROUNDING_ERROR < slip_numbers["slip beyond a(P_Z)"]
     centre_is_free = abs(centre_over_z) <= _ROUNDING_ERROR
-    return judge(slip_is_as_stated and centre_is_free, nearly=slip_is_as_stated), {
+    return verdict_of_condition(slip_is_as_stated and centre_is_free, nearly=slip_is_as_stated), {
         "a(P_Z)/a0": float(half_width_z),
         "a(P_T)/a0": float(half_width_t),
         **slip_numbers,
@@ -314,24 +323,29 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     reverse_duration = (time_of["G"] - time_of["E"]) / revolution
     return {
         "stick from G to I": (
-            judge(slip_width_in_stick.max() <= _ROUNDING_ERROR < slip_width_in_slip.min()),
+            verdict_of_condition(
+                slip_width_in_stick.max() <= _ROUNDING_ERROR < slip_width_in_slip.min()
+            ),
             numbers_of_stick,
         ),
         "transient slip": (
-            judge(stick_edge_at_e < case.stick_edge),
-            {"first cycle": stick_edge_at_e, "steady": case.stick_edge},
+            verdict_of_condition(stick_edge_at_e < case.permanent_stick_half_width),
+            {"first cycle": stick_edge_at_e, "steady": case.permanent_stick_half_width},
         ),
         "slip advances from B to E": _advance_of_slip(case, time_of["B"], time_of["E"]),
         "slip as deep forward as in reverse": (
-            judge(abs(stick_edge_at_m - stick_edge_at_g) <= _ROUNDING_ERROR),
+            verdict_of_condition(abs(stick_edge_at_m - stick_edge_at_g) <= _ROUNDING_ERROR),
             {"forward": stick_edge_at_m, "reverse": stick_edge_at_g},
         ),
         "longer in forward slip": (
-            judge(forward_duration > reverse_duration),
+            verdict_of_condition(forward_duration > reverse_duration),
             {"forward": forward_duration, "reverse": reverse_duration},
         ),
         "forward slip is slower": slip_speed(case),
-        "permanent stick": (judge_number(case.stick_edge, 0.73, 2), {"a(P_T)/a0": case.stick_edge}),
+        "permanent stick": (
+            verdict_of_number(case.permanent_stick_half_width, 0.73, 2),
+            {"a(P_T)/a0": case.permanent_stick_half_width},
+        ),
         "no net displacement": _net_slip_of_cycle(case),
         **{f"history of x = {x}": _point_history(case, x) for x in POINTS},
         "one-way slip": one_way_slip(case),
@@ -347,7 +361,9 @@ def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
     times = case.time_of("G") + np.linspace(0.0, 2 * math.pi, 361)
     slip = case.solve(time=times, x=POINTS, fields=("slip",)).slip
     relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
-    return judge(relative_net_slip <= _ROUNDING_ERROR), {"net over largest": relative_net_slip}
+    return verdict_of_condition(relative_net_slip <= _ROUNDING_ERROR), {
+        "net over largest": relative_net_slip
+    }
 
 
 def _slip_zone_width(case: Case, start_time: float, end_time: float) -> Array:
@@ -371,7 +387,7 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> VerdictA
     least_fall = float(np.min(-np.diff(stick_half_widths)))
     contact_at_b = case.half_width_at("B")
     contact_at_c = case.half_width_at("C")
-    return judge(least_fall > 0 and contact_at_c > contact_at_b), {
+    return verdict_of_condition(least_fall > 0 and contact_at_c > contact_at_b), {
         "least fall of c in a step": least_fall,
         "c at B": float(stick_half_widths[0]),
         "c at E": float(stick_half_widths[-1]),
@@ -426,7 +442,7 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
         "time forward": duration["forward"] / (2 * math.pi),
         "time reverse": duration["reverse"] / (2 * math.pi),
     }
-    verdict = judge(
+    verdict = verdict_of_condition(
         ratio_in_slip < 1 - _ROUNDING_ERROR, nearly=ratio_over_phases < 1 - _ROUNDING_ERROR
     )
     return verdict, numbers
@@ -453,7 +469,7 @@ def _point_history(case: Case, x: float) -> VerdictAndNumbers:
         "runs": len(state_names),
         "history": ", ".join(state_names).replace("open", "separation"),
     }
-    return judge(letters in stated_sequences), numbers
+    return verdict_of_condition(letters in stated_sequences), numbers
 
 
 def _sequence(states: Sequence[str]) -> list[str]:
@@ -474,8 +490,8 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
     also have the largest contact half-width over a0 at the events E and G, between which reverse
     slip lasts. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
     """
-    lower_bound = case.stick_edge
-    upper_bound = case.outer_edge
+    lower_bound = case.permanent_stick_half_width
+    upper_bound = case.largest_half_width
     for _ in range(5):
         x = np.linspace(lower_bound, upper_bound, 101)
         last_index = np.flatnonzero(case.density_of_phases(x)["EG"] > 0)[-1]
@@ -483,7 +499,7 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
         upper_bound = float(x[last_index + 1])
     edge = (lower_bound + upper_bound) / 2
     largest_half_width = max(case.half_width_at("E"), case.half_width_at("G"))
-    return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
+    return verdict_of_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
 
 
 # ------------------------------------------------------------------- other loads, the other profile
@@ -522,7 +538,7 @@ def friction_delays_slip(case: Case) -> VerdictAndNumbers:
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]
-    return judge(is_onset_later and is_later["G"], nearly=is_onset_later), shifts
+    return verdict_of_condition(is_onset_later and is_later["G"], nearly=is_onset_later), shifts
 
 
 def sliding_coefficients(case: Case) -> VerdictAndNumbers:
@@ -534,7 +550,7 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
     (verdict, numbers).
     """
     frictions = np.array(FRICTIONS)
-    mean_shear = case.load.mean_tangential_load
+    mean_shear = case.load_ellipse.mean_tangential_load
     arguments = case.batch_arguments(
         friction_coefficient=frictions, mean_tangential_load=mean_shear * np.array([[1.0], [0.0]])
     )
@@ -548,7 +564,9 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
         "Q0": mean_shear / case.unit_load,
         "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean_shear]),
     }
-    verdict = judge(not slides_with_mean_shear.any(), nearly=not slides_without_mean_shear.any())
+    verdict = verdict_of_condition(
+        not slides_with_mean_shear.any(), nearly=not slides_without_mean_shear.any()
+    )
     return verdict, numbers
 
 
@@ -562,7 +580,7 @@ def no_effect_of_mean_shear(case: Case) -> VerdictAndNumbers:
         for force in (-1.0, 0.0, 0.5)
     ]
     changes = _changes(case, changed_cases)
-    return judge(max(changes.values()) <= _ROUNDING_ERROR), changes
+    return verdict_of_condition(max(changes.values()) <= _ROUNDING_ERROR), changes
 
 
 def forgotten_loading(case: Case) -> VerdictAndNumbers:
@@ -592,11 +610,15 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
             for changed_case in changed_cases
         )
 
-    change_inside = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
-    change_outside = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
+    change_inside = change_of_shear(np.linspace(0, case.permanent_stick_half_width * 0.999, 50))
+    change_outside = change_of_shear(
+        np.linspace(case.permanent_stick_half_width * 1.001, case.largest_half_width, 50)
+    )
     is_forgotten = max(changes.values()) <= _ROUNDING_ERROR and change_outside <= _ROUNDING_ERROR
     shear_changes = {"change of q inside": change_inside, "change of q outside": change_outside}
-    return judge(is_forgotten and change_inside > _ROUNDING_ERROR), changes | shear_changes
+    return verdict_of_condition(
+        is_forgotten and change_inside > _ROUNDING_ERROR
+    ), changes | shear_changes
 
 
 def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndNumbers]:
@@ -606,15 +628,15 @@ def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndN
     """
     # without load the contact is as wide as the flat
     flat_half_width = float(rounded_case.scaled_half_width(0.0))
-    hertz_band = hertz_case.outer_edge - hertz_case.stick_edge
-    rounded_band = rounded_case.outer_edge - rounded_case.stick_edge
+    hertz_band = hertz_case.largest_half_width - hertz_case.permanent_stick_half_width
+    rounded_band = rounded_case.largest_half_width - rounded_case.permanent_stick_half_width
     return {
         "slip in the radii": (
-            judge(rounded_case.stick_edge > flat_half_width),
-            {"a(P_T)/a0": rounded_case.stick_edge, "b/a0": flat_half_width},
+            verdict_of_condition(rounded_case.permanent_stick_half_width > flat_half_width),
+            {"a(P_T)/a0": rounded_case.permanent_stick_half_width, "b/a0": flat_half_width},
         ),
         "narrow bands": (
-            judge(rounded_band < hertz_band),
+            verdict_of_condition(rounded_band < hertz_band),
             {"hertz": hertz_band, "flat and rounded": rounded_band},
         ),
     }
@@ -654,8 +676,8 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
     forward_share = float(batch.forward / batch.value)
     shares = {"share of forward slip": forward_share, "share of reverse slip": 1 - forward_share}
 
-    stick_edge = case.stick_edge
-    contact_edge = case.outer_edge
+    stick_edge = case.permanent_stick_half_width
+    contact_edge = case.largest_half_width
     zone_width = contact_edge - stick_edge
     # over the width of the slip zone from the stick edge on: two in the stick zone, two in the slip
     # zone
@@ -685,20 +707,23 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
     exponent_at_edge = exponent(contact_edge, -1.0)
     return {
         "most work in forward slip": (
-            judge(forward_share > 0.75, nearly=forward_share > 0.5),
+            verdict_of_condition(forward_share > 0.75, nearly=forward_share > 0.5),
             shares,
         ),
-        "no work at the ends": (judge(density_in_stick == 0 and end_ratio < 1e-6), numbers_at_ends),
+        "no work at the ends": (
+            verdict_of_condition(density_in_stick == 0 and end_ratio < 1e-6),
+            numbers_at_ends,
+        ),
         "slope at the stick edge": (
-            judge(exponent_at_stick > 1 + _EXPONENT_TOLERANCE),
+            verdict_of_condition(exponent_at_stick > 1 + _EXPONENT_TOLERANCE),
             {"exponent": exponent_at_stick},
         ),
         "slope at the outer edge": (
-            judge(abs(exponent_at_edge - 1) <= _EXPONENT_TOLERANCE),
+            verdict_of_condition(abs(exponent_at_edge - 1) <= _EXPONENT_TOLERANCE),
             {"exponent": exponent_at_edge},
         ),
         "root at the outer edge": (
-            judge(
+            verdict_of_condition(
                 abs(exponent_at_edge - 0.5) <= _EXPONENT_TOLERANCE,
                 nearly=abs(exponent_at_edge - 0.5) <= 0.1,
             ),
@@ -735,7 +760,7 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
         fraction = float(peak.fraction)
         numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.unit_length}
-        verdict = judge(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
+        verdict = verdict_of_condition(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
         statements[f"place of the peak, {profile_name}"] = (verdict, numbers)
     fractions = {}
     for profile_name, sweep in zip(_PROFILE_NAMES, paper.sweeps, strict=True):
@@ -743,7 +768,10 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
         fractions[f"{profile_name}, far"] = float(sweep.peak_fraction[0, -1])
     as_stated = all(0.6 < fraction < 0.65 for fraction in fractions.values())
     nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions.values())
-    statements["place of the peak, all loads"] = (judge(as_stated, nearly_as_stated), fractions)
+    statements["place of the peak, all loads"] = (
+        verdict_of_condition(as_stated, nearly_as_stated),
+        fractions,
+    )
     return statements
 
 
@@ -782,19 +810,19 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
     best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
     return {
         "global dissipation before sliding": (
-            judge(largest_rise["work"] < 0),
+            verdict_of_condition(largest_rise["work"] < 0),
             {"largest step": largest_rise["work"]},
         ),
         "peak before sliding": (
-            judge(largest_rise["peak"] < 0),
+            verdict_of_condition(largest_rise["peak"] < 0),
             {"largest step": largest_rise["peak"]},
         ),
         "work falls faster than its peak": (
-            judge(least_gap > 0),
+            verdict_of_condition(least_gap > 0),
             falls | {"least gap of exponents": least_gap},
         ),
         "best designs close to sliding": (
-            judge(best_columns == {0}),
+            verdict_of_condition(best_columns == {0}),
             {"near": float(merits[0][0, 0]), "far": float(merits[0][0, -1])},
         ),
     }
@@ -822,16 +850,16 @@ def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
     )
     return {
         "five times the energy": (
-            judge_number(quotient_of_works, 5, 0, slack=0.2),
+            verdict_of_number(quotient_of_works, 5, 0, slack=0.2),
             {"quotient of work": quotient_of_works} | _span(rounded_sweep.work / hertz_sweep.work),
         ),
         "eight times the peak": (
-            judge_number(quotient_of_peaks, 8, 0, slack=0.2),
+            verdict_of_number(quotient_of_peaks, 8, 0, slack=0.2),
             {"quotient of peaks": quotient_of_peaks} | _span(rounded_sweep.peak / hertz_sweep.peak),
         ),
         # the merit is work over peak
         "figure of merit": (
-            judge(quotient_of_works < quotient_of_peaks),
+            verdict_of_condition(quotient_of_works < quotient_of_peaks),
             {
                 "quotient of merits": quotient_of_works / quotient_of_peaks,
                 "five over eight": 5 / 8,
@@ -878,4 +906,4 @@ def _dependence_of_the_peak(paper: Paper) -> VerdictAndNumbers:
         "place of the outer one": float(peak_fractions[column_before_jump + 1]),
     }
     is_true = bool(np.all(rounded_falls < hertz_falls)) and share_of_weaker_falls == 1
-    return judge(is_true), numbers
+    return verdict_of_condition(is_true), numbers

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 AGREEMENT_TOLERANCE = 1e-9
 # Relative error from which a formula as printed disagrees with the engine.
 LEAST_MISPRINT_ERROR = 1e-3
-WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(
+PAPER_WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(
     Path(__file__).with_name("paper.toml").read_text(encoding="utf-8")
 )
 _PROVEN = {True: "yes", False: "no", None: "by reading"}
@@ -80,7 +80,7 @@ def fill_in(text: str, values: Mapping[str, Any]) -> str:
     return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", formatted_value, text)
 
 
-def row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNumbers) -> Row:
+def table_row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNumbers) -> Row:
     """A row of the statements or the misprints (`kind`): `words` are those of paper.toml by key,
     whose "text" is filled in with the numbers of the judgement.
     """
@@ -92,10 +92,10 @@ def row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNumbers)
     return kind(*cells)
 
 
-def judge(holds: bool, nearly: bool = False) -> Verdict:
+def verdict_of_condition(holds: bool, nearly: bool = False) -> Verdict:
     """Confirmed if it holds, refined if it nearly does, else contradicted.
 
-    >>> judge(False, nearly=True).value
+    >>> verdict_of_condition(False, nearly=True).value
     'refined'
     """
     if holds:
@@ -103,19 +103,21 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
     return Verdict.REFINED if nearly else Verdict.CONTRADICTED
 
 
-def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
+def verdict_of_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
     """Verdict on a number that the paper prints: "confirmed" if `computed` rounds to `printed` at
     `digits` decimals, "refined" if the relative difference is at most `slack`, else "contradicted".
 
     >>> (
-    ...     judge_number(0.72705, 0.73, 2).value,
-    ...     judge_number(0.8742, 0.88, 2).value,
-    ...     judge_number(0.557, 5.0, 0).value,
+    ...     verdict_of_number(0.72705, 0.73, 2).value,
+    ...     verdict_of_number(0.8742, 0.88, 2).value,
+    ...     verdict_of_number(0.557, 5.0, 0).value,
     ... )
     ('confirmed', 'refined', 'contradicted')
     """
     rounds_to_printed = round(computed, digits) == printed
-    return judge(rounds_to_printed, nearly=abs(computed - printed) <= slack * abs(printed))
+    return verdict_of_condition(
+        rounds_to_printed, nearly=abs(computed - printed) <= slack * abs(printed)
+    )
 
 
 def _small(value: float) -> str:
@@ -127,19 +129,23 @@ def _small(value: float) -> str:
     return "0" if value == 0 else f"{value:.0e}"
 
 
-def proves(mended_error: float, printed_error: float) -> bool:
+def is_misprint_proven(mended_error: float, printed_error: float) -> bool:
     """Whether the relative errors of the mended and the printed formula prove a misprint.
 
-    >>> proves(1e-12, 0.5), proves(1e-5, 0.5), proves(1e-12, 1e-6)
+    >>> (
+    ...     is_misprint_proven(1e-12, 0.5),
+    ...     is_misprint_proven(1e-5, 0.5),
+    ...     is_misprint_proven(1e-12, 1e-6),
+    ... )
     (True, False, False)
     """
     # not <=: a printed formula without a real value (NaN) counts as an error too
     return bool(mended_error <= AGREEMENT_TOLERANCE and not printed_error <= LEAST_MISPRINT_ERROR)
 
 
-def proven_in_words(row: Misprint) -> str:
+def proven_in_words(table_row: Misprint) -> str:
     """Yes, no, or by reading."""
-    return _PROVEN[row.proven]
+    return _PROVEN[table_row.proven]
 
 
 def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict[str, list[str]]:
@@ -147,7 +153,7 @@ def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict
     heads = {"key": key, "words": "the paper", "values": "numbers"}
     columns = {}
     for field in fields(rows[0]):
-        cells = [_cell(getattr(row, field.name)) for row in rows]
+        cells = [_cell(getattr(table_row, field.name)) for table_row in rows]
         columns[heads.get(field.name, field.name)] = cells
     return columns
 
