@@ -146,7 +146,7 @@ def swept(
     starting included.
     """
     from reports.studies.sweep.running import prepare, solve_waiting_points
-    from reports.studies.sweep.store import rows_with_figures
+    from reports.studies.sweep.store import solved_rows_of
     from reports.studies.sweep.study import study_of
 
     with tempfile.TemporaryDirectory() as folder:
@@ -155,7 +155,7 @@ def swept(
             study_of(study | {"axes": list(axes)}, "benchmark"), Path(folder) / "out"
         )
         checked = time.perf_counter()
-        rows = rows_with_figures(solve_waiting_points(prepared, workers=workers))
+        rows = solved_rows_of(solve_waiting_points(prepared, workers=workers))
         return rows, checked - begun, time.perf_counter() - checked
 
 

@@ -24,7 +24,7 @@ from reports.scoring.against import stored_solution
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read_result
 from reports.scoring.solution import solution_of_surface, theory_of_whole_path
-from reports.studies.sweep.store import canonical, checksum, read_index
+from reports.studies.sweep.store import canonical_json, checksum, read_index
 from reports.studies.sweep.study import load_study, study_of
 from scenes import InputError, Scene, load_scene, scene_text
 from scenes.profiles import FitKind
@@ -410,7 +410,7 @@ def good_files(name: str, folder: Path) -> list[bytes]:
             }
             stored = {
                 "format": "halfplane sweep 1",
-                "sha256": checksum(canonical(answer)),
+                "sha256": checksum(canonical_json(answer)),
                 "result": answer,
             }
             return [json.dumps(stored).encode()]

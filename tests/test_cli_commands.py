@@ -520,7 +520,7 @@ def test_the_answers_of_the_other_commands(
     assert (code, f"\n{answer['nodes']}, " in deck) == (0, True)
 
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
-    monkeypatch.setattr("reports.studies.sweep.running.workers_of", lambda **_: Bench())
+    monkeypatch.setattr("reports.studies.sweep.running.worker_pool", lambda **_: Bench())
     code, answer = answer_to("sweep", "study.toml", "--workers", "1", "--quiet")
     assert (code, answer["points"]) == (0, {"done": 2, "failed": 0, "waiting": 0, "total": 2})
     assert (tmp_path / answer["file"]).read_text(encoding="utf-8").count("\n") == 3

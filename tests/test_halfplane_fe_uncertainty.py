@@ -658,7 +658,9 @@ def test_flanks_count_by_the_work_that_is_done_on_them() -> None:
         "contact_half_width": half_widths,
     }
     run: Any = SimpleNamespace(
-        stored_indices=[0, 1, 2], column=lambda _name: np.array([9.0, 1.0]), failure=None
+        stored_indices=[0, 1, 2],
+        values_of_increments=lambda _name: np.array([9.0, 1.0]),
+        failure=None,
     )
     task: Any = SimpleNamespace(
         scene=scene, element=0.01, scales=SimpleNamespace(half_width=float(flat))

@@ -16,19 +16,19 @@ import semi_analytic
 from reports.folder import replace_text
 from reports.studies.maps import errors, pages
 from reports.studies.maps.errors import (
-    LEVELS,
+    ERROR_LEVELS,
     QUANTITIES,
-    Distance,
+    LeastHeight,
     Row,
     Way,
     compute_missing_rows,
-    distances_in,
-    distances_of,
+    least_heights_in,
+    least_heights_of,
     points_of,
-    row_of,
+    row_at_place,
     rows_in,
     table_of,
-    table_of_distances,
+    table_of_heights,
 )
 from reports.studies.maps.families import KINDS, Kind, Place
 from reports.studies.maps.pages import PUBLISHED, Tables
@@ -83,28 +83,28 @@ def test_half_width_at_the_mean_load_is_1_and_the_height_is_that_of_the_body(nam
 # ----------------------------------------------------------------------------- tables and distances
 def test_heights_are_where_the_error_is_the_level(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the larger friction, and the ends of the map where there is no such height."""
-    monkeypatch.setattr(errors, "row_of", of_square_law)
+    monkeypatch.setattr(errors, "row_at_place", of_square_law)
     errors._row_by_kernels.cache_clear()
     kind = KINDS["block"]
     rows = [of_square_law(kind, place, "kernels") for place in kind.places(kind.heights)]
-    distances = distances_of(kind, rows, silent)
+    least_heights = least_heights_of(kind, rows, silent)
     errors._row_by_kernels.cache_clear()
-    assert len(distances) == len(kind.widths) * 3 * len(LEVELS)
-    for distance in distances:
+    assert len(least_heights) == len(kind.widths) * 3 * len(ERROR_LEVELS)
+    for distance in least_heights:
         height = 2 * math.sqrt(0.9 / distance.level)
         expected = height if height > kind.heights[0] else 0.0
         assert distance.height == pytest.approx(expected, rel=5e-3)
     never = [row._replace(errors=dict.fromkeys(QUANTITIES, Estimate(0.5, 0.0))) for row in rows]
-    assert {distance.height for distance in distances_of(kind, never, silent)} == {math.inf}
+    assert {distance.height for distance in least_heights_of(kind, never, silent)} == {math.inf}
     unknown = dict.fromkeys(QUANTITIES, Estimate(math.nan, math.nan))
     small = dict.fromkeys(QUANTITIES, Estimate(1e-3, 0.0))
     lowest_unknown = [
         row._replace(errors=unknown if row.place.height == kind.heights[0] else small)
         for row in rows
     ]
-    distances = distances_of(kind, lowest_unknown, silent)
-    assert {distance.height for distance in distances} == {kind.heights[1]}
-    assert {distance.quantity for distance in distances_of(KINDS["pad"], [], silent)} == {
+    least_heights = least_heights_of(kind, lowest_unknown, silent)
+    assert {distance.height for distance in least_heights} == {kind.heights[1]}
+    assert {distance.quantity for distance in least_heights_of(KINDS["pad"], [], silent)} == {
         "dissipation",
         "peak_pressure",
     }
@@ -127,7 +127,7 @@ def test_tables_come_back_and_what_they_hold_is_not_computed_again(
         asked.append((place, way))
         return of_square_law(kind, place, way)
 
-    monkeypatch.setattr(errors, "row_of", counted)
+    monkeypatch.setattr(errors, "row_at_place", counted)
     assert compute_missing_rows(kind, table, silent)
     assert asked == points[half:]
     assert not compute_missing_rows(kind, table, silent)
@@ -137,9 +137,12 @@ def test_tables_come_back_and_what_they_hold_is_not_computed_again(
         assert row[:2] == before[:2]
         for quantity in QUANTITIES:
             assert row.errors[quantity] == pytest.approx(before.errors[quantity], rel=1e-5)
-    distances = [Distance(2.0, "dissipation", 0.01, math.inf), Distance(1.0, "x", 0.1, 5.25)]
-    replace_text(tmp_path / "heights.csv", table_of_distances(distances))
-    assert distances_in(tmp_path / "heights.csv") == distances
+    least_heights = [
+        LeastHeight(2.0, "dissipation", 0.01, math.inf),
+        LeastHeight(1.0, "x", 0.1, 5.25),
+    ]
+    replace_text(tmp_path / "heights.csv", table_of_heights(least_heights))
+    assert least_heights_in(tmp_path / "heights.csv") == least_heights
 
 
 def test_a_table_that_is_none_is_refused(tmp_path: Path) -> None:
@@ -148,7 +151,7 @@ def test_a_table_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no table of a map"):
         rows_in(table)
     with pytest.raises(InputError, match="no table of heights"):
-        distances_in(table)
+        least_heights_in(table)
     with pytest.raises(InputError, match="no map has its tables here"):
         pages.write(tmp_path / "nowhere")
 
@@ -212,7 +215,7 @@ def test_the_ways_agree_within_what_they_state(name: str, way: Way) -> None:
 @pytest.mark.parametrize("name", KINDS)
 def test_heights_lie_between_the_points_that_they_part(name: str) -> None:
     tables = MAPS[name]
-    for width, quantity, level, height in tables.distances:
+    for width, quantity, level, height in tables.least_heights:
         for row in tables.rows:
             if row.way == "kernels" and row.place.width == width and row.place.height > height:
                 assert abs(row.errors[quantity].value) <= level
@@ -226,7 +229,7 @@ def test_points_are_computed_again(name: str) -> None:
     for row in tables.rows:
         if row.place != place:
             continue
-        again = row_of(tables.kind, place, row.way)
+        again = row_at_place(tables.kind, place, row.way)
         for quantity, stored in row.errors.items():
             fresh = again.errors[quantity]
             assert math.isnan(stored.value) == math.isnan(fresh.value)
@@ -238,10 +241,10 @@ def test_points_are_computed_again(name: str) -> None:
 @pytest.mark.parametrize("name", KINDS)
 def test_a_height_is_that_of_the_kernel_solve(name: str) -> None:
     tables = MAPS[name]
-    found = next(row for row in tables.distances if 0 < row.height < math.inf)
+    found = next(row for row in tables.least_heights if 0 < row.height < math.inf)
     sizes = [
         abs(
-            row_of(tables.kind, Place(found.height, found.width, friction), "kernels")
+            row_at_place(tables.kind, Place(found.height, found.width, friction), "kernels")
             .errors[found.quantity]
             .value
         )

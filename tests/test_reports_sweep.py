@@ -38,18 +38,26 @@ from reports.charts.plate import stacks
 from reports.cli import main
 from reports.comparison import compare
 from reports.studies.sweep import running, solving
-from reports.studies.sweep.page import draw_figures, state_of, table_in_words, write_page
-from reports.studies.sweep.running import Processes, prepare, run, workers_of
+from reports.studies.sweep.page import draw_figures, sweep_state, table_in_words, write_page
+from reports.studies.sweep.running import Processes, prepare, run, worker_pool
 from reports.studies.sweep.solving import code_versions, solve_task
 from reports.studies.sweep.store import (
-    STATUS,
+    STATUS_COLUMNS,
     PlannedPoint,
     Store,
     StoreError,
     read_index,
-    rows_with_figures,
+    solved_rows_of,
 )
-from reports.studies.sweep.study import Axis, Study, evaluate, expand, grid, load_study, study_of
+from reports.studies.sweep.study import (
+    Axis,
+    Study,
+    grid_points,
+    load_study,
+    points_of_study,
+    study_of,
+    value_of_expression,
+)
 from scenes import ConvergenceError, InputError, load_scene
 from scenes.files import source_digest
 from semi_analytic.elasticity import composite_modulus
@@ -102,10 +110,10 @@ def test_values_of_axes() -> None:
         point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).settings()
     ]
     assert steps == pytest.approx([2, 4, 8, 16, 32], rel=1e-15)
-    product = grid([axis(values=[1, 2]), axis(name="b", values=["x", "y"])])
+    product = grid_points([axis(values=[1, 2]), axis(name="b", values=["x", "y"])])
     assert [tuple(point.values()) for point in product] == [(1, "x"), (1, "y"), (2, "x"), (2, "y")]
     pairs = axis(name="", names=["base", "sides"], pairs=[["fixed", "free"], ["rollers", "guided"]])
-    assert list(grid([pairs])) == [
+    assert list(grid_points([pairs])) == [
         {"base": "fixed", "sides": "free"},
         {"base": "rollers", "sides": "guided"},
     ]
@@ -131,9 +139,11 @@ REFUSED_ARITHMETIC = (
 
 @pytest.mark.parametrize("text", REFUSED_ARITHMETIC)
 def test_arithmetic_and_nothing_else(text: str) -> None:
-    assert evaluate("-2**2 + sqrt(a)*max(1, b)/4", {"a": 16.0, "b": 3}) == pytest.approx(-1.0)
+    assert value_of_expression("-2**2 + sqrt(a)*max(1, b)/4", {"a": 16.0, "b": 3}) == pytest.approx(
+        -1.0
+    )
     with pytest.raises(InputError):
-        evaluate(text, {"a": 1.0, "c": "word"})
+        value_of_expression(text, {"a": 1.0, "c": "word"})
 
 
 def moved(key: str, *values: Any) -> dict[str, Any]:
@@ -180,7 +190,7 @@ def moved(key: str, *values: Any) -> dict[str, Any]:
 )
 def test_a_wrong_study_is_refused(changes: dict[str, Any], facts: list[str]) -> None:
     with refused_for(*facts):
-        expand(study(**changes))
+        points_of_study(study(**changes))
 
 
 def test_a_study_file_finds_its_scene_beside_it_and_comes_back_from_its_own_json(
@@ -209,7 +219,7 @@ def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
     ]
     derived = {"k": "1000/r", "profile.radius": "r", "load.mean_normal_load": "90*k"}
     settings = {"mesh.element_size": 0.1, "load.initial_loading": "straight"}
-    [point] = expand(
+    [point] = points_of_study(
         study(
             **BLOCKS_FE | {"scene": "hertz-paper"},
             axes=axes,
@@ -230,17 +240,17 @@ def test_axes_set_and_derived_reach_the_scene_and_the_settings() -> None:
 
 def test_a_key_of_one_material_is_that_of_both_bodies() -> None:
     axes = [{"key": "material.young_modulus", "values": [7e4]}]
-    [point] = expand(study(axes=axes, set={"material.poisson_ratio": 0.2}))
+    [point] = points_of_study(study(axes=axes, set={"material.poisson_ratio": 0.2}))
     material = point.question.scene.material
     assert (material.upper.young_modulus, material.lower.young_modulus) == (7e4, 7e4)
     assert (material.upper.poisson_ratio, material.lower.poisson_ratio) == (0.2, 0.2)
     with refused_for("material.lower.young_module"):
-        expand(study(axes=[axes[0] | {"key": "material.young_module"}]))
+        points_of_study(study(axes=[axes[0] | {"key": "material.young_module"}]))
 
 
 def test_an_address_is_of_what_numbers_depend_on(monkeypatch: pytest.MonkeyPatch) -> None:
     def address(**changes: Any) -> str:
-        return expand(study(**changes))[0].address
+        return points_of_study(study(**changes))[0].address
 
     plain = address()
     of_both = partial(address, engines=["exact", "fe"])
@@ -295,7 +305,7 @@ def test_a_module_that_is_missing_has_no_digest(name: str) -> None:
 
 
 def task(of: Study, **changes: Any) -> str:
-    points = [point.question.as_json() for point in expand(of)]
+    points = [point.question.as_json() for point in points_of_study(of)]
     return json.dumps({"versions": code_versions(), "points": points} | changes)
 
 
@@ -327,7 +337,7 @@ def test_the_finite_elements_of_a_rig_are_swept() -> None:
 
 def test_what_is_not_known_of_a_rig_is_refused_in_a_sentence() -> None:
     with refused_for("stick_edge", "each finds loads of its own", "error. before"):
-        expand(study(**RIG, figures=["stick_edge"]))
+        points_of_study(study(**RIG, figures=["stick_edge"]))
 
 
 def test_the_approach_of_a_rig_leaves_nothing_to_share() -> None:
@@ -382,7 +392,7 @@ def test_points_that_share_their_bodies_condense_them_once_and_answer_as_if_alon
     assert [answer["record"]["counts"]["condensations"] for answer in together] == [1, 0, 0]
     [alone] = answers(middle)
     assert together[1]["figures"] == alone["figures"]
-    assert expand(three)[1].address == expand(middle)[0].address
+    assert points_of_study(three)[1].address == points_of_study(middle)[0].address
     [with_its_own_mesh] = answers(variant(axes=[F | {"values": [1.5]}], share_condensations=False))
     # The coarse run of the group dissipates nothing: what a point states of its W must not come
     # from it.
@@ -544,7 +554,7 @@ def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
     """Runs seven points into `out`, by a pool."""
 
     def go(pool: Bench | None = None, folder: str = "out", **changes: Any) -> pd.DataFrame:
-        monkeypatch.setattr(running, "workers_of", lambda **_: pool or Bench())
+        monkeypatch.setattr(running, "worker_pool", lambda **_: pool or Bench())
         return run(study(**SEVEN | changes), tmp_path / folder)
 
     return go
@@ -552,7 +562,7 @@ def sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sweep:
 
 def values(folder: Path) -> dict[float, float]:
     """Friction -> dissipation of every row; a point that is there twice fails."""
-    table = rows_with_figures(read_index(folder))
+    table = solved_rows_of(read_index(folder))
     assert table["address"].is_unique
     return dict(zip(table["f"].tolist(), table["exact.dissipation"].tolist(), strict=True))
 
@@ -562,7 +572,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a sweep that nothing happened to: each result is that of its point."""
     folder = tmp_path_factory.mktemp("truth") / "truth"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "workers_of", lambda **_: Bench())
+        patch.setattr(running, "worker_pool", lambda **_: Bench())
         run(study(**SEVEN), folder)
     assert len(values(folder)) == 7
     for friction, work in values(folder).items():
@@ -672,7 +682,7 @@ def test_a_failed_point_is_a_row_with_its_reason(
     monkeypatch.setattr(solving, "evaluate", evaluate)
     table = sweep()
     assert table["reason"][table["status"] == "failed"].tolist() == ["ArithmeticError: no root"]
-    assert len(rows_with_figures(table)) == 6
+    assert len(solved_rows_of(table)) == 6
 
 
 def test_tasks_hold_each_point_once_and_leave_every_worker_some_until_the_end(
@@ -747,7 +757,7 @@ def test_a_full_disk_is_a_sentence_and_loses_nothing(
             raise OSError(number, os.strerror(number))
         real(handle)
 
-    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
+    monkeypatch.setattr(running, "worker_pool", lambda **_: Bench())
     monkeypatch.setattr(os, "fsync", fsync)
     assert main(["sweep", str(tmp_path / "study.json"), "--out", str(out), "--quiet"]) == 2
     facts = ("no room left on the disk", "3 of 7 points are stored", "halfplane sweep")
@@ -787,12 +797,12 @@ def store(tmp_path: Path) -> Store:
 def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
     store: Store,
 ) -> None:
-    assert state_of(store)["seconds_left"] is None  # nothing waits
+    assert sweep_state(store)["seconds_left"] is None  # nothing waits
     planned = [PlannedPoint(number, f"{number:064x}", {"f": number}) for number in range(8)]
     store.write_plan({"title": "t"}, planned)
     for number in range(3):
         os.utime(store.path(f"{number:064x}"), (0, 1000 + 10 * number))
-    state = state_of(store)
+    state = sweep_state(store)
     assert state["points"] == {"done": 3, "failed": 0, "waiting": 5, "total": 8}
     assert state["seconds_left"] == pytest.approx(5 * 10)
 
@@ -809,7 +819,7 @@ def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
 )
 def test_options_that_do_not_fit_are_refused(options: dict[str, Any], facts: list[str]) -> None:
     with refused_for(*facts):
-        workers_of(**options)
+        worker_pool(**options)
 
 
 def test_workers_hear_no_ctrl_c_from_birth() -> None:
@@ -856,7 +866,7 @@ def test_ctrl_c_in_a_round_ends_the_sweep_after_it_with_its_workers_gone(sweep: 
 def test_neglected_coupling_is_noted_in_store_table_and_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(running, "workers_of", lambda **_: Bench())
+    monkeypatch.setattr(running, "worker_pool", lambda **_: Bench())
     axes = [F | {"key": "material.lower.young_modulus", "values": [7e4, 210e3]}]
     (tmp_path / "study.json").write_text(json.dumps(PAPER | {"axes": axes}), encoding="utf-8")
     note = (
@@ -1008,9 +1018,9 @@ def same(home: Path, name: str, study: str = "study") -> None:
     """All points are there, once, with the figures of the undisturbed sweep, in the results and in
     index.csv.
     """
-    columns = [name for name in read_index(home / name).columns if name not in STATUS]
+    columns = [name for name in read_index(home / name).columns if name not in STATUS_COLUMNS]
     rows, true_rows = (
-        rows_with_figures(read_index(home / folder))[columns].values.tolist()
+        solved_rows_of(read_index(home / folder))[columns].values.tolist()
         for folder in (name, f"true-{study}")
     )
     assert len(columns) == 4
@@ -1259,7 +1269,7 @@ def test_a_local_cluster_has_tls_of_its_own_and_no_dashboard(
     monkeypatch.setattr(distributed, "LocalCluster", cluster)
     for _ in range(2):
         with pytest.raises(InputError, match="enough"):
-            workers_of("dask", workers=1).start()
+            worker_pool("dask", workers=1).start()
     security = options_of_dask["security"]
     assert security.require_encryption
     assert "BEGIN CERTIFICATE" in security.tls_scheduler_cert == security.tls_ca_file

@@ -44,7 +44,7 @@ from reports.page.writing import code_commit, draw
 from reports.studies.sweep import running
 from reports.studies.sweep.page import write_page
 from reports.studies.sweep.store import PlannedPoint, Store
-from reports.studies.sweep.study import expand, study_of
+from reports.studies.sweep.study import points_of_study, study_of
 from scenes import InputError, Scene, load_scene, scene_names
 from test_reports_sweep import Bench
 from test_reports_synthetic import EVIL, SCRIPT, cattaneo_mindlin, evil, with_fields
@@ -323,14 +323,14 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     }
     study = study_of(content | {"axes": [axis, words]}, "evil")
     store = Store(home / "sweep")
-    points = expand(study)
+    points = points_of_study(study)
     store.prepare()
     store.write_plan(
         json.loads(study.model_dump_json()),
         [PlannedPoint(p.number, p.address, p.coordinates) for p in points],
     )
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(running, "workers_of", lambda **_: Bench())
+        patch.setattr(running, "worker_pool", lambda **_: Bench())
         running.run(study, store.folder)
     store.write(
         {

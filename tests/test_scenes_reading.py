@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from refusals import refused_for, require_facts
 from reports.measured import read_as_by_key
-from reports.studies.sweep.study import expand, load_study, study_of
+from reports.studies.sweep.study import load_study, points_of_study, study_of
 from scenes import (
     Block,
     Bodies,
@@ -441,7 +441,7 @@ def test_the_page_of_the_limits_is_there_and_an_axis_of_a_sweep_is_answered_by_i
     assert "\n## What is neglected\n" in (DOCS / "theory.md").read_text(encoding="utf-8")
     axes = [{"name": "s", "key": "wear.rate", "values": [1.0, 2.0]}]
     with refused_for("no wear", "wear is not modelled"):
-        expand(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
+        points_of_study(study_of({"scene": "hertz-paper", "axes": axes}, "here"))
 
 
 # ---------------------------------------------------------------------------- tables beside a scene

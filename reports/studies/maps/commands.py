@@ -31,9 +31,9 @@ def make_map(name: str, options: Options) -> Answer:
     from reports.studies.maps import pages
     from reports.studies.maps.errors import (
         compute_missing_rows,
-        distances_of,
+        least_heights_of,
         rows_in,
-        table_of_distances,
+        table_of_heights,
     )
     from reports.studies.maps.families import KINDS, kind_named
 
@@ -51,8 +51,8 @@ def make_map(name: str, options: Options) -> Answer:
             with stages.stage(kind.title, "points") as report:
                 has_new_rows = compute_missing_rows(kind, file_of_errors, report)
                 if has_new_rows or not file_of_heights.exists():
-                    distances = distances_of(kind, rows_in(file_of_errors), report)
-                    replace_text(file_of_heights, table_of_distances(distances))
+                    least_heights = least_heights_of(kind, rows_in(file_of_errors), report)
+                    replace_text(file_of_heights, table_of_heights(least_heights))
     pages.write(folder)
     page = str(folder / "README.md")
     tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
@@ -65,7 +65,8 @@ def make_map(name: str, options: Options) -> Answer:
 
     def content() -> dict[str, Any]:
         heights = {
-            tables.kind.name: [row._asdict() for row in tables.distances] for tables in tables_shown
+            tables.kind.name: [row._asdict() for row in tables.least_heights]
+            for tables in tables_shown
         }
         return {"passed": True, "heights": heights, "page": page}
 
@@ -144,7 +145,9 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     def content() -> dict[str, Any]:
         return {
             **_shared_content(advice, "corrected theory", advice_in_words(advice)),
-            "parts": {cause: _pair(share) for cause, share in advice.parts.items()},
+            "parts": {
+                cause: _change_and_uncertainty(share) for cause, share in advice.parts.items()
+            },
             "left_out": advice.neglected_part,
             "declined": "; ".join(
                 filter(None, (advice.reason_for_size_alone, advice.refusal_of_kernels))
@@ -220,13 +223,16 @@ def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> di
         "limit": advice.limit,
         "verdict": advice.verdict,
         "changes": {
-            name: {"theory": change.theory_value, **_pair(change.relative_change)}
+            name: {
+                "theory": change.theory_value,
+                **_change_and_uncertainty(change.relative_change),
+            }
             for name, change in advice.changes.items()
         },
     }
 
 
-def _pair(estimate: Estimate) -> dict[str, float]:
+def _change_and_uncertainty(estimate: Estimate) -> dict[str, float]:
     return {"change": estimate.value, "uncertainty": estimate.uncertainty}
 
 

@@ -2,8 +2,9 @@
 numbers of the bodies (corrected theory), by their kernels, and by finite elements, which check
 both.
 
-The tables of the maps hold a row a point and a way. The distances are the least heights from which
-the kernel solve is within 1, 5 and 10 % of theory, found by a root finder on |error| = level.
+The tables of the maps hold a row a point and a way of solving the bodies. Least heights are those
+from which the kernel solve is within 1, 5 and 10 % of theory, found by a root finder on |error| =
+level.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from reports.studies.maps.families import KINDS, Kind, Place
 from scenes import Estimate, InputError, Scene
 
 Way = Literal["numbers", "kernels", "elements"]
-Report = Callable[[int, int, str], None]
+ProgressReport = Callable[[int, int, str], None]
 QUANTITIES = {
     "dissipation": "dissipation W",
     "peak_pressure": "largest pressure p0",
@@ -36,11 +37,15 @@ QUANTITIES = {
     "edge_tension": "largest edge tension",
 }
 """Errors of a row, and their words."""
-OF_DESIGNERS = {"dissipation": "W", "peak_pressure": "p0", "edge_tension": "edge tension"}
+QUANTITIES_WITH_HEIGHTS = {
+    "dissipation": "W",
+    "peak_pressure": "p0",
+    "edge_tension": "edge tension",
+}
 """Errors that heights are looked for of, and their short words."""
-LEVELS = (0.01, 0.05, 0.1)
+ERROR_LEVELS = (0.01, 0.05, 0.1)
 """Errors of theory up to which the heights are looked for."""
-MESH = MeshSettings(element_size=1 / 16, edge_element_size=1 / 64)
+MESH_OF_MAPS = MeshSettings(element_size=1 / 16, edge_element_size=1 / 64)
 """Of the kernel solve: beside the default mesh, which the finite elements have, W within 3e-4, the
 edge tension within 6e-3.
 """
@@ -62,7 +67,7 @@ class Row(NamedTuple):
     errors: dict[str, Estimate]
 
 
-def row_of(kind: Kind, place: Place, way: Way) -> Row:
+def row_at_place(kind: Kind, place: Place, way: Way) -> Row:
     """The errors of half-plane theory (bodies/theory − 1) at one point of a map of bodies:
     dissipation, largest pressure and others.
 
@@ -95,7 +100,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
     """On the mesh of the maps, or on the default one where that leaves the edge tension uncertain:
     a single instant that few nodes see is then taken for the largest.
     """
-    changes = changes_of(halfplane_fe.solve(scene, MESH, bodies="kernel"))
+    changes = changes_of(halfplane_fe.solve(scene, MESH_OF_MAPS, bodies="kernel"))
     tension = changes.get("edge_tension")
     if tension is None or tension.relative_change.uncertainty <= _LARGEST_UNCERTAINTY:
         return changes
@@ -111,7 +116,7 @@ def _errors(changes: Mapping[str, Change]) -> dict[str, Estimate]:
 
 
 # ------------------------------------------------------------------------------------------- tables
-_KEYS = ("way", "height", "width", "friction")
+_KEY_COLUMNS = ("way", "height", "width", "friction")
 
 
 def points_of(kind: Kind) -> list[tuple[Place, Way]]:
@@ -130,7 +135,7 @@ def points_of(kind: Kind) -> list[tuple[Place, Way]]:
 def table_of(rows: Sequence[Row]) -> str:
     """The rows as CSV, six digits."""
     columns: dict[str, list[str]] = {"way": [row.way for row in rows]}
-    for coordinate in _KEYS[1:]:
+    for coordinate in _KEY_COLUMNS[1:]:
         columns[coordinate] = [f"{getattr(row.place, coordinate):g}" for row in rows]
     for quantity in QUANTITIES:
         for part in Estimate._fields:
@@ -167,11 +172,11 @@ def _row_of_record(record: dict[str, Any]) -> Row:
         quantity: Estimate(float(record[quantity]), float(record[f"{quantity}_uncertainty"]))
         for quantity in QUANTITIES
     }
-    place = Place(*(float(record[coordinate]) for coordinate in _KEYS[1:]))
+    place = Place(*(float(record[coordinate]) for coordinate in _KEY_COLUMNS[1:]))
     return Row(record["way"], place, errors)
 
 
-def compute_missing_rows(kind: Kind, table: Path, report: Report) -> bool:
+def compute_missing_rows(kind: Kind, table: Path, report: ProgressReport) -> bool:
     """Compute the rows that the table of a map still lacks, and write the table after each. Returns
     whether any row was computed.
 
@@ -190,14 +195,14 @@ def compute_missing_rows(kind: Kind, table: Path, report: Report) -> bool:
     missing_points = [point for point in points if point not in rows]
     for number, (place, way) in enumerate(missing_points, start=1):
         report(number, len(missing_points), f"{kind.title}, {way}")
-        rows[place, way] = row_of(kind, place, way)
+        rows[place, way] = row_at_place(kind, place, way)
         rows_so_far = [rows[point] for point in points if point in rows]
         replace_text(table, table_of(rows_so_far))
     return bool(missing_points)
 
 
-# ---------------------------------------------------------------------------------------- distances
-class Distance(NamedTuple):
+# ------------------------------------------------------------------------------------ least heights
+class LeastHeight(NamedTuple):
     """From which height on theory is within a level.
 
     Attributes
@@ -213,7 +218,7 @@ class Distance(NamedTuple):
     height: float
 
 
-def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
+def least_heights_of(kind: Kind, rows: Sequence[Row], report: ProgressReport) -> list[LeastHeight]:
     """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 %, for
     every width and quantity of a map. Each is the largest of those for the map's friction
     coefficients. Theory is compared with half-planes to which the bodies' compliance is added
@@ -228,16 +233,16 @@ def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distan
     report
         called with (number, how many, text)
     """
-    quantities = list(OF_DESIGNERS)
+    quantities = list(QUANTITIES_WITH_HEIGHTS)
     if kind.is_curved:
         quantities.remove("edge_tension")
     combinations = [
         (width, quantity, level)
         for width in kind.widths
         for quantity in quantities
-        for level in LEVELS
+        for level in ERROR_LEVELS
     ]
-    distances = []
+    least_heights = []
     for number, (width, quantity, level) in enumerate(combinations, start=1):
         report(number, len(combinations), f"{kind.title}: heights")
         heights = []
@@ -246,8 +251,8 @@ def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distan
                 row for row in rows if row.way == "kernels" and row.place[1:] == (width, friction)
             ]
             heights.append(_least_height(kind, rows_of_line, quantity, level))
-        distances.append(Distance(width, quantity, level, max(heights)))
-    return distances
+        least_heights.append(LeastHeight(width, quantity, level, max(heights)))
+    return least_heights
 
 
 def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level: float) -> float:
@@ -298,13 +303,13 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
 
 @lru_cache(maxsize=256)
 def _row_by_kernels(name: str, place: Place) -> Row:
-    return row_of(KINDS[name], place, "kernels")
+    return row_at_place(KINDS[name], place, "kernels")
 
 
-def table_of_distances(distances: Sequence[Distance]) -> str:
+def table_of_heights(least_heights: Sequence[LeastHeight]) -> str:
     """Distances as CSV."""
     columns: dict[str, list[str]] = {
-        name: [_cell(getattr(row, name)) for row in distances] for name in Distance._fields
+        name: [_cell(getattr(row, name)) for row in least_heights] for name in LeastHeight._fields
     }
     return table_text(columns)
 
@@ -313,12 +318,14 @@ def _cell(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
-def distances_in(table: Path) -> list[Distance]:
-    """The distances of a table; none where it is not there."""
+def least_heights_in(table: Path) -> list[LeastHeight]:
+    """The least heights of a table; none where the file is not there. InputError for a file that is
+    no such table.
+    """
     if not table.exists():
         return []
     try:
         records = pd.read_csv(table).to_dict("records")
-        return [Distance(**record) for record in records]
+        return [LeastHeight(**record) for record in records]
     except (OSError, ValueError, TypeError) as reason:
         raise InputError(f"{table}: this is no table of heights: {reason}") from reason

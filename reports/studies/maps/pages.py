@@ -14,20 +14,20 @@ from reports.charts.templating import markdown_table
 from reports.comparison.why import in_percent, percent_of
 from reports.folder import MANIFEST, results_folder, usable_folder
 from reports.studies.maps.errors import (
-    LEVELS,
-    OF_DESIGNERS,
+    ERROR_LEVELS,
     QUANTITIES,
-    Distance,
+    QUANTITIES_WITH_HEIGHTS,
+    LeastHeight,
     Row,
     Way,
-    distances_in,
+    least_heights_in,
     rows_in,
 )
 from reports.studies.maps.families import KINDS, Kind, Place
-from reports.studies.sweep.page import bars
+from reports.studies.sweep.page import bar_curve
 from scenes import Estimate, InputError
 
-HEADS_OF_HEIGHTS = ("kind", "width/height", *OF_DESIGNERS.values())
+HEADS_OF_HEIGHTS = ("kind", "width/height", *QUANTITIES_WITH_HEIGHTS.values())
 PUBLISHED = Path(__file__).parents[2] / "published" / "maps"
 # Errors below this are not drawn [%]: less than the uncertainty of finite elements.
 _LEAST_DRAWN = 0.03
@@ -53,7 +53,7 @@ class Tables(NamedTuple):
 
     kind: Kind
     rows: list[Row]
-    distances: list[Distance]
+    least_heights: list[LeastHeight]
 
 
 def table_names(kind: Kind) -> tuple[str, str]:
@@ -81,7 +81,7 @@ def stored_maps(folder: Path) -> list[Tables]:
         file_of_errors, file_of_heights = (folder / name for name in table_names(kind))
         if not (file_of_errors.exists() and file_of_heights.exists()):
             continue
-        tables = Tables(kind, rows_in(file_of_errors), distances_in(file_of_heights))
+        tables = Tables(kind, rows_in(file_of_errors), least_heights_in(file_of_heights))
         solved_places = _errors_by_place(tables.rows, "kernels").keys()
         if solved_places and _errors_by_place(tables.rows, "elements").keys() <= solved_places:
             maps.append(tables)
@@ -175,7 +175,7 @@ def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
         width_in_words = f"{tables.kind.width_words} " if tables.kind.is_flat_pad else ""
         for width in tables.kind.widths:
             cells = [tables.kind.name, f"{width_in_words}{width:g}"]
-            cells += [_heights(tables, width, quantity) for quantity in OF_DESIGNERS]
+            cells += [_heights(tables, width, quantity) for quantity in QUANTITIES_WITH_HEIGHTS]
             rows.append(cells)
     return rows
 
@@ -183,13 +183,13 @@ def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
 def _heights(tables: Tables, width: float, quantity: str) -> str:
     """The heights of a quantity at all levels, in their order."""
     heights = {
-        distance.level: distance.height
-        for distance in tables.distances
-        if distance.width == width and distance.quantity == quantity
+        least_height.level: least_height.height
+        for least_height in tables.least_heights
+        if least_height.width == width and least_height.quantity == quantity
     }
     if not heights:
         return "–"
-    return "; ".join(_height(tables.kind, heights[level]) for level in LEVELS)
+    return "; ".join(_height(tables.kind, heights[level]) for level in ERROR_LEVELS)
 
 
 def _height(kind: Kind, height: float) -> str:
@@ -272,7 +272,7 @@ def _panel(
         log=True,
         ticks=tuple(zip(ticks, labels(ticks), strict=True)),
     )
-    marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in LEVELS]
+    marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in ERROR_LEVELS]
     for (width, friction), (colour_number, line_style) in line_looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
         marks += _marks_of_line(rows_of_line, quantity, colour_number, line_style)
@@ -316,5 +316,5 @@ def _marks_of_line(
             np.array([max(error_in_percent - uncertainty, _LEAST_DRAWN)]),
             np.array([error_in_percent + uncertainty]),
         )
-        yield bars(np.array([row.place.height]), *ends_of_bar, f"c{colour_number}")
+        yield bar_curve(np.array([row.place.height]), *ends_of_bar, f"c{colour_number}")
         yield Dot(row.place.height, error_in_percent, f"p{colour_number}", 3.4)

@@ -43,13 +43,13 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     failed, or the user interrupted.
     """
     from reports.folder import default_folder, usable_folder
-    from reports.studies.sweep.running import prepare, solve_waiting_points, workers_of
+    from reports.studies.sweep.running import prepare, solve_waiting_points, worker_pool
     from reports.studies.sweep.store import StoreError
 
     stages = Stages(options.quiet)
     folder = usable_folder(options.out or default_folder(Path(source).stem))
     worker_options = {name: getattr(options, name) for name in WORKERS}
-    workers_of(**worker_options)  # refuses options that do not go together, before any work
+    worker_pool(**worker_options)  # refuses options that do not go together, before any work
     with stages.stage("checking the study", "points") as report_progress:
         prepared_sweep = prepare(
             source, folder, lambda count: report_progress(count, None, f"{count} points checked")
@@ -116,7 +116,7 @@ def _result_parts(
     ("notes") and that path ("file").
     """
     from reports.studies.sweep.page import table_in_words
-    from reports.studies.sweep.study import described
+    from reports.studies.sweep.study import coordinates_in_words
 
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
@@ -130,7 +130,9 @@ def _result_parts(
         first_failures = failed_rows[:_MOST_ROWS]
         failures = []
         for number, reason in zip(first_failures["number"], first_failures["reason"], strict=True):
-            failures.append((str(number), described(sweep.points[number].coordinates), reason))
+            failures.append(
+                (str(number), coordinates_in_words(sweep.points[number].coordinates), reason)
+            )
         title = f"{len(failed_rows)} of {len(table)} points failed"
         yield Sheet(title, ("point", "at", "reason"), failures)
     folder = sweep.store.folder
@@ -151,9 +153,9 @@ def _content(store: Store) -> dict[str, Any]:
     """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is
     known.
     """
-    from reports.studies.sweep.page import state_of
+    from reports.studies.sweep.page import sweep_state
 
-    return {name: value for name, value in state_of(store).items() if name != "table"}
+    return {name: value for name, value in sweep_state(store).items() if name != "table"}
 
 
 def status(folder: Path, _: Options) -> Answer:

@@ -37,7 +37,7 @@ from reports.charts.plate import (
 from reports.charts.templating import script, shades, template
 from reports.comparison.words import with_uncertainty
 from reports.studies.sweep.solving import display_factor, is_error, label_of
-from reports.studies.sweep.store import STATUS, Store, rows_with_figures
+from reports.studies.sweep.store import STATUS_COLUMNS, Store, solved_rows_of
 from reports.studies.sweep.study import Axis, study_of
 from reports.units import number, significant
 from scenes import Scene
@@ -64,7 +64,7 @@ _UNCERTAINTY = {
 }
 
 
-def state_of(store: Store) -> Mapping[str, Any]:
+def sweep_state(store: Store) -> Mapping[str, Any]:
     """What the store of a sweep holds now, as `halfplane sweep status --json` prints it, with the
     table of results under "table".
 
@@ -83,7 +83,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
             times_of_results.append(store.path(address).stat().st_mtime)
-    rate = _rate(sorted(times_of_results)[-_N_LATEST_RESULTS:])
+    rate = _results_per_second(sorted(times_of_results)[-_N_LATEST_RESULTS:])
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
@@ -99,7 +99,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
     }
 
 
-def _rate(times: Sequence[float]) -> float | None:
+def _results_per_second(times: Sequence[float]) -> float | None:
     """Results in a second, of times in their order; None where they give none."""
     if len(times) < 2 or times[-1] <= times[0]:
         return None
@@ -110,7 +110,7 @@ def write_page(store: Store) -> Path:
     """Write the page of a sweep to DIR/sweep.html, and the table DIR/index.csv that it links to,
     DIR being the folder of the `store` of results. Returns the path of the page.
     """
-    state = state_of(store)
+    state = sweep_state(store)
     table = state["table"]
     stored_study, _ = store.read_plan()
     study = study_of(stored_study, str(store.folder / "sweep.json"))
@@ -169,15 +169,15 @@ def table_in_words(
     rows = []
     for record in table.to_dict("records"):
         cells = [str(record["number"])]
-        cells += [_cell(record[column]) for column in columns]
-        cells += [_figure_cell(record, figure) for figure in figures]
+        cells += [_coordinate_text(record[column]) for column in columns]
+        cells += [_value_text(record, figure) for figure in figures]
         if not in_short:
             cells += [str(record["status"]), f"{record['seconds']:.2g}"]
         rows.append(cells)
     return heads, rows
 
 
-def _figure_cell(record: Mapping[Hashable, Any], figure: str) -> str:
+def _value_text(record: Mapping[Hashable, Any], figure: str) -> str:
     """A value with its uncertainty; errors in per cent."""
     factor = display_factor(figure)
     value = factor * float(record[figure])
@@ -189,7 +189,7 @@ def _figure_cell(record: Mapping[Hashable, Any], figure: str) -> str:
     return with_uncertainty(value, uncertainty)
 
 
-def _cell(value: Any) -> str:
+def _coordinate_text(value: Any) -> str:
     """A coordinate as text."""
     return number(value) if isinstance(value, float) else str(value)
 
@@ -213,7 +213,7 @@ def quantity_columns(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
     their uncertainties and idealisation errors.
     """
     coordinate_columns = {column for axis in axes for column in axis.columns}
-    further_columns = {"number", *STATUS, *coordinate_columns}
+    further_columns = {"number", *STATUS_COLUMNS, *coordinate_columns}
     return [
         name
         for name in table.columns
@@ -225,7 +225,7 @@ def draw_figures(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> lis
     """A figure of each quantity that has values, in the units of the `scene` that the sweep
     varies.
     """
-    results = rows_with_figures(table)
+    results = solved_rows_of(table)
     figures = [
         _QuantityFigure(name, results, axes, scene) for name in quantity_columns(results, axes)
     ]
@@ -421,7 +421,7 @@ class _QuantityFigure:
         With `for_cells` it goes half a step beyond the outer values: in a map each value is the
         middle of a cell.
         """
-        log = self.axes[column].by_factors
+        log = self.axes[column].is_logarithmic
         values = np.unique(self.coordinates(column))
         places = np.log(values) if log else values
         if for_cells:
@@ -488,7 +488,7 @@ class _QuantityFigure:
             if is_long:
                 marks.insert(0, Band(x, lower_ends, upper_ends, f"{fill} pale"))
             else:
-                marks.append(bars(x, lower_ends, upper_ends, look))
+                marks.append(bar_curve(x, lower_ends, upper_ends, look))
             for dot_x, dot_y, is_unresolved in zip(
                 x.tolist(), y.tolist(), self.is_unresolved[rows], strict=True
             ):
@@ -543,7 +543,9 @@ class _QuantityFigure:
             colour_share = np.interp(np.log(second_coordinate), np.log(colour_ends), [0.0, 1.0])
         else:
             colour_share = np.interp(second_coordinate, colour_ends, [0.0, 1.0])
-        marks: list[Mark] = [bars(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")]
+        marks: list[Mark] = [
+            bar_curve(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")
+        ]
         for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
             look = "faint hollow" if self.is_unresolved[row] else ""
             fill = "" if look else shades([colour_share[row]])[0]
@@ -562,7 +564,7 @@ class _QuantityFigure:
         return Cell((panel, scale), None)
 
 
-def bars(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
+def bar_curve(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
     """Upright lines from `lower_ends` to `upper_ends` at each x."""
     gap = np.full(len(x), np.nan)
     return Curve(
@@ -598,8 +600,8 @@ def heat_map(
     """
     x_axis, y_axis = axes
     marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]
-    cells_across = _cells_of(x_axis, coordinates[0])
-    cells_up = _cells_of(y_axis, coordinates[1])
+    cells_across = _borders_around_places(x_axis, coordinates[0])
+    cells_up = _borders_around_places(y_axis, coordinates[1])
     for row in np.flatnonzero(np.isfinite(colour_share)).tolist():
         fill = shades([colour_share[row]])[0]
         hatched = bool(is_hatched[row])
@@ -607,7 +609,7 @@ def heat_map(
     return marks
 
 
-def _cells_of(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
+def _borders_around_places(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
     """Both borders of the cell that each place (n,) stands in."""
     middles, cells = np.unique(places, return_inverse=True)
     borders = cell_borders(middles, log=axis.log)

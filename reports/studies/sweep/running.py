@@ -37,11 +37,17 @@ from meshes.interrupts import interrupts_wait
 from reports.console import complain
 from reports.studies.sweep.solving import code_versions, solve_task
 from reports.studies.sweep.store import Store
-from reports.studies.sweep.study import Point, Study, described, expand, load_study
+from reports.studies.sweep.study import (
+    Point,
+    Study,
+    coordinates_in_words,
+    load_study,
+    points_of_study,
+)
 from scenes import InputError
 from scenes.frozen import validated
 
-Report = Callable[[int, int, str], None]
+ProgressReport = Callable[[int, int, str], None]
 Task = list[Point]
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of
 # handing them out small.
@@ -217,7 +223,7 @@ def _temporary_security() -> Any:
         ) from reason
 
 
-def workers_of(
+def worker_pool(
     executor: str = "processes",
     scheduler: str = "",
     workers: int | None = None,
@@ -326,7 +332,7 @@ def prepare(
     if store.folder.exists() and not store.folder.is_dir():
         raise InputError(f"--out {folder}: this is a file; results go to a folder, so name another")
     try:
-        points = expand(checked_study, report)
+        points = points_of_study(checked_study, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
     waiting_points = tuple(point for point in points if store.read(point.address) is None)
@@ -334,7 +340,10 @@ def prepare(
 
 
 def solve_waiting_points(
-    sweep: PreparedSweep, *, report: Report = lambda _count, _total, _words: None, **workers: Any
+    sweep: PreparedSweep,
+    *,
+    report: ProgressReport = lambda _count, _total, _words: None,
+    **workers: Any,
 ) -> pd.DataFrame:
     """Solve every point of a sweep that has no stored result; returns the table of all results.
 
@@ -345,7 +354,7 @@ def solve_waiting_points(
     report
         called with (points done, how many there are to do, text)
     workers
-        who solves the points: the parameters of `workers_of`
+        who solves the points: the parameters of `worker_pool`
 
     Raises
     ------
@@ -355,7 +364,7 @@ def solve_waiting_points(
     """
     store = sweep.store
     points = sweep.points
-    pool = workers_of(**workers)
+    pool = worker_pool(**workers)
     store.prepare()
     store.write_plan(json.loads(sweep.study.model_dump_json()), points)
     run_of_tasks = _RunOfTasks(sweep, pool, report)
@@ -379,13 +388,13 @@ def run(
     study: Study | str | Path,
     folder: str | Path,
     *,
-    report: Report = lambda _count, _total, _words: None,
+    report: ProgressReport = lambda _count, _total, _words: None,
     **workers: Any,
 ) -> pd.DataFrame:
     """Run a study into a folder, or resume an earlier run of it; returns the table of results.
 
     Called from a script, it stands under `if __name__ == "__main__":`, for the workers are
-    processes that read the script again. Who solves the points is stated as to `workers_of`:
+    processes that read the script again. Who solves the points is stated as to `worker_pool`:
     run("study.toml", "out", workers=4).
 
     Raises
@@ -429,7 +438,7 @@ class _RunOfTasks:
 
     sweep: PreparedSweep
     pool: Processes | Dask
-    report: Report
+    report: ProgressReport
     n_solved: int = 0
     n_failed: int = 0
     lost_points: list[Point] = field(default_factory=list)
@@ -448,7 +457,8 @@ class _RunOfTasks:
     def loss_message(self) -> str:
         """The sentence about the points that were lost."""
         names = "; ".join(
-            described(point.coordinates) for point in self.lost_points[:_MOST_NAMED_POINTS]
+            coordinates_in_words(point.coordinates)
+            for point in self.lost_points[:_MOST_NAMED_POINTS]
         )
         if len(self.lost_points) > _MOST_NAMED_POINTS:
             names += f" and {len(self.lost_points) - _MOST_NAMED_POINTS} more"

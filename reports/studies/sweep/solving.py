@@ -428,11 +428,11 @@ def solve_task(text: str) -> str:
         solver = SolverSettings(**content.pop("solver"))
         questions.append(Question(scene, mesh, solver, **content))
     with threadpool_limits(limits=1):
-        answers = [_answer(question) for question in questions]
+        answers = [_answer_to_question(question) for question in questions]
     return json.dumps({"mismatch": "", "answers": answers}, allow_nan=False)
 
 
-def _answer(question: Question) -> dict[str, Any]:
+def _answer_to_question(question: Question) -> dict[str, Any]:
     """Solve one point of a sweep. The answer, as JSON values: its status "done" or "failed", the
     reason of a failure, the values computed, notes and record, the seconds it took, and the host.
     `question` is the point's scene with settings and the names of values asked for.
@@ -444,7 +444,7 @@ def _answer(question: Question) -> dict[str, Any]:
         solved_keys = {
             "status": "failed",
             "reason": f"not converged: {failure}",
-            "record": _record(failure.partial),
+            "record": _record_of_solution(failure.partial),
         }
     except InputError as failure:
         solved_keys = {"status": "failed", "reason": str(failure)}
@@ -477,7 +477,7 @@ def _solve(question: Question) -> dict[str, Any]:
     evaluation = evaluate(question, fe_solution)
     theory = evaluation.theory
     values = dict(evaluation.values)
-    record = _record(theory if fe_solution is None else fe_solution)
+    record = _record_of_solution(theory if fe_solution is None else fe_solution)
     notes |= evaluation.notes
     if fe_solution is not None:
         if theory is not None:
@@ -496,7 +496,7 @@ def _solve(question: Question) -> dict[str, Any]:
     return {"figures": finite_values, "notes": notes, "record": record}
 
 
-def _record(solution: ContactSolution | None) -> dict[str, Any]:
+def _record_of_solution(solution: ContactSolution | None) -> dict[str, Any]:
     """How a solution came about, as JSON values: convergence, notes, sizes, counts and seconds of
     the work, and the worst residual of each law of contact and equilibrium ("worst"). Empty without
     a solution.

@@ -32,7 +32,7 @@ from scenes.files import parsed_json
 
 _FORMAT = "halfplane sweep 1"
 _ADDRESS = re.compile("[0-9a-f]{64}")
-STATUS = ("status", "seconds", "reason", "notes", "address")
+STATUS_COLUMNS = ("status", "seconds", "reason", "notes", "address")
 
 
 class StoreError(InputError):
@@ -88,7 +88,7 @@ class Store:
         """Store the result of a point under its address; the last of two writers wins, and both
         wrote the same.
         """
-        body = canonical(answer)
+        body = canonical_json(answer)
         content = {"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}
         text = json.dumps(content, indent=1) + "\n"
         self.write_text(self.path(str(answer["address"])), text)
@@ -122,7 +122,7 @@ class Store:
         try:
             content = parsed_json(path.read_text(encoding="utf-8"))
             answer = content["result"]
-            checksum_fits = content["sha256"] == checksum(canonical(answer))
+            checksum_fits = content["sha256"] == checksum(canonical_json(answer))
             if content["format"] == _FORMAT and checksum_fits and answer["address"] == address:
                 return dict(answer)
         except FileNotFoundError:
@@ -204,7 +204,7 @@ class Store:
             )
             column_types |= dict.fromkeys(answer["figures"], float)
         axes = points[0].coordinates if points else ()
-        columns = list(dict.fromkeys(("number", *axes, *column_types, *STATUS)))
+        columns = list(dict.fromkeys(("number", *axes, *column_types, *STATUS_COLUMNS)))
         return pd.DataFrame(rows, columns=columns).astype(column_types)
 
     def write_table(self, table: pd.DataFrame) -> None:
@@ -218,7 +218,7 @@ class Store:
                 replace_file(self.folder / "index.parquet", table.to_parquet(index=False))
 
 
-def rows_with_figures(table: pd.DataFrame) -> pd.DataFrame:
+def solved_rows_of(table: pd.DataFrame) -> pd.DataFrame:
     """The rows with figures alone."""
     return table[table["status"] == "done"]
 
@@ -236,7 +236,7 @@ def read_index(folder: str | Path) -> pd.DataFrame:
     return store.table(store.read_plan()[1])
 
 
-def canonical(value: Any) -> str:
+def canonical_json(value: Any) -> str:
     """JSON with sorted keys and no NaN: the same text for the same value."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
 

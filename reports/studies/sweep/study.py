@@ -48,7 +48,7 @@ class Axis(Frozen):
     """One axis: a name for the table, the keys that its values go to, and the values in one of four
     ways.
 
-    >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).settings()
+    >>> Axis(name="height", linear=Steps(start=2, stop=6, count=3)).points()
     [{'height': 2.0}, {'height': 4.0}, {'height': 6.0}]
     """
 
@@ -104,7 +104,7 @@ class Axis(Frozen):
         return self
 
     @property
-    def by_factors(self) -> bool:
+    def is_logarithmic(self) -> bool:
         """Whether its values go by factors."""
         return self.logarithmic is not None
 
@@ -119,7 +119,7 @@ class Axis(Frozen):
         keys = self.keys or ((self.key,) if self.key else ())
         return list(zip(keys, self.names if self.pairs else [self.name] * len(keys), strict=False))
 
-    def settings(self) -> list[Coordinates]:
+    def points(self) -> list[Coordinates]:
         """The points of an axis: a value for each of its columns."""
         if self.pairs:
             return [dict(zip(self.names, row, strict=True)) for row in self.pairs]
@@ -132,10 +132,12 @@ class Axis(Frozen):
         return [{self.name: value} for value in values]
 
 
-def grid(axes: Sequence[Axis]) -> Iterator[Coordinates]:
-    """Every point: each setting of each axis with each other; the last axis first."""
-    for settings in itertools.product(*(axis.settings() for axis in axes)):
-        yield {column: value for setting in settings for column, value in setting.items()}
+def grid_points(axes: Sequence[Axis]) -> Iterator[Coordinates]:
+    """Every point of a study: the points of each axis with those of every other one; the last axis
+    varies first.
+    """
+    for points_of_axes in itertools.product(*(axis.points() for axis in axes)):
+        yield {column: value for point in points_of_axes for column, value in point.items()}
 
 
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
@@ -153,7 +155,7 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for nam
 }
 
 
-def evaluate(text: str, names: Mapping[str, Any]) -> float:
+def value_of_expression(text: str, names: Mapping[str, Any]) -> float:
     """The value of an arithmetic expression in `names`, a finite number: + - * / **, and the
     functions of a pocket calculator.
 
@@ -164,7 +166,7 @@ def evaluate(text: str, names: Mapping[str, Any]) -> float:
 
     Examples
     --------
-    >>> evaluate("pi*(h/2)**2 + max(1, w)", {"h": 2.0, "w": 3.0})
+    >>> value_of_expression("pi*(h/2)**2 + max(1, w)", {"h": 2.0, "w": 3.0})
     6.14159...
     """
     if len(text) > _LONGEST_EXPRESSION:
@@ -314,7 +316,9 @@ class Point(PlannedPoint):
     question: Question
 
 
-def expand(study: Study, report: Callable[[int], None] = lambda _count: None) -> tuple[Point, ...]:
+def points_of_study(
+    study: Study, report: Callable[[int], None] = lambda _count: None
+) -> tuple[Point, ...]:
     """All points of a study, checked: every combination of the values on its axes. `report` is
     called with the number of points so far.
 
@@ -329,12 +333,12 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     points: list[Point] = []
     number_of: dict[str, int] = {}  # address -> number of its point
     scene_text = study.scene.model_dump_json()
-    for number, coordinates in enumerate(grid(study.axes)):
+    for number, coordinates in enumerate(grid_points(study.axes)):
         if number == _MOST_POINTS:
             raise InputError(
                 f"the study has more than {_MOST_POINTS} points; take fewer values on its axes"
             )
-        words_of_point = f"point {number} ({described(coordinates)})"
+        words_of_point = f"point {number} ({coordinates_in_words(coordinates)})"
         try:
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
@@ -358,10 +362,10 @@ def expand(study: Study, report: Callable[[int], None] = lambda _count: None) ->
     return tuple(points)
 
 
-def described(coordinates: Mapping[str, Any]) -> str:
+def coordinates_in_words(coordinates: Mapping[str, Any]) -> str:
     """The coordinates in words.
 
-    >>> described({"height": 4.0, "base": "fixed"})
+    >>> coordinates_in_words({"height": 4.0, "base": "fixed"})
     'height = 4, base = fixed'
     """
     numbers = {
@@ -384,7 +388,7 @@ def _point(
         value_by_key |= {key: coordinates[column] for key, column in axis.targets}
     for name, expression in study.derived.items():
         derived_value = (
-            evaluate(expression, value_by_name)
+            value_of_expression(expression, value_by_name)
             if isinstance(expression, str)
             else float(expression)
         )

@@ -41,9 +41,9 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene, read_on
 # Seconds between two looks at the status file.
 _SECONDS_BETWEEN_LOOKS = 0.25
 # Last lines of the log that a failure shows.
-_LINES_OF_LOG = 6
+_N_SHOWN_LOG_LINES = 6
 # CalculiX prints times to six digits.
-_PRINTED_PRECISION = 1e-5
+_RELATIVE_ERROR_OF_PRINTED_TIME = 1e-5
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class ThirdSolver:
                 f"{self.code} on the exported deck: {size}, {self.run_record.increments}"
                 f" increments, {self.run_record.iterations} iterations."
             )
-        return [first_sentence, *_limits(self.deck)]
+        return [first_sentence, *_limits_in_words(self.deck)]
 
     @property
     def _notes(self) -> list[str]:
@@ -197,7 +197,7 @@ class ThirdSolver:
                 metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
                 for metric in comparison.metrics
             },
-            "limits": _limits(deck),
+            "limits": _limits_in_words(deck),
             "notes": self._notes,
         }
         return (
@@ -325,7 +325,7 @@ def run_calculix(
                 is_late = time.monotonic() > start_time + time_limit
                 if show_progress is not None:
                     attempts = attempts_in(status_file)
-                    time_fraction = attempts[-1].total / end_time if attempts else 0.0
+                    time_fraction = attempts[-1].time_reached / end_time if attempts else 0.0
                     percent = round(100 * min(time_fraction, 1.0))
                     show_progress(percent, 100, f"increment {len(attempts)}")
                 time.sleep(0.0 if is_late else _SECONDS_BETWEEN_LOOKS)
@@ -334,9 +334,13 @@ def run_calculix(
                 process.kill()
             process.wait()
     attempts = attempts_in(status_file)
-    accepted_attempts = [attempt for attempt in attempts if attempt.accepted]
-    time_reached = max((attempt.total for attempt in accepted_attempts), default=0.0)
-    if is_late or process.returncode != 0 or time_reached < end_time * (1 - _PRINTED_PRECISION):
+    accepted_attempts = [attempt for attempt in attempts if attempt.is_accepted]
+    time_reached = max((attempt.time_reached for attempt in accepted_attempts), default=0.0)
+    if (
+        is_late
+        or process.returncode != 0
+        or time_reached < end_time * (1 - _RELATIVE_ERROR_OF_PRINTED_TIME)
+    ):
         cause = f"ended with exit code {process.returncode}"
         if is_late:
             cause = f"was stopped at the time limit of {time_limit:g} s"
@@ -345,7 +349,7 @@ def run_calculix(
             for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
         ]
         lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
-        last_lines = " | ".join(lines_with_words[-_LINES_OF_LOG:]) or "nothing"
+        last_lines = " | ".join(lines_with_words[-_N_SHOWN_LOG_LINES:]) or "nothing"
         raise ConvergenceError(
             f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
             f" {len(attempts)};"
@@ -362,9 +366,9 @@ def run_calculix(
 class Attempt:
     """A line of the status file: an attempt to solve an increment."""
 
-    accepted: bool
+    is_accepted: bool
     iterations: int
-    total: float  # time reached, or that of its start where it was not accepted
+    time_reached: float  # time reached, or that of its start where it was not accepted
 
 
 def attempts_in(sta: Path) -> list[Attempt]:
@@ -402,7 +406,7 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
     return score_solution(*solution_of_surface(surface, mapping, theory_of_path), theory_of_path)
 
 
-def _limits(deck: Deck) -> list[str]:
+def _limits_in_words(deck: Deck) -> list[str]:
     """Sentences on known limits of CalculiX' numbers for this deck: from its documentation, from
     the deck, and measured (docs/third.md).
     """
