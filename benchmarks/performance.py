@@ -47,7 +47,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from halfplane_fe.elasticity import condense
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Plate, limits
+from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Plate, axis_limits
 from reports.charts.plate import Panel as ChartPanel
 from scenes import Elastic, Hertz, TimeSeriesLoad, load_scene
 
@@ -598,8 +598,8 @@ def draw(name: str, panels: Sequence[Panel]) -> None:
             if label not in POINTS_ONLY:
                 marks.append(Curve(*np.transpose(points), f"c{look} fine", label))
         all_points = [point for points in lines.values() for point in points]
-        x_ends = limits(np.log([point[0] for point in all_points]))
-        y_ends = limits(np.log([point[1] for point in all_points]))
+        x_ends = axis_limits(np.log([point[0] for point in all_points]))
+        y_ends = axis_limits(np.log([point[1] for point in all_points]))
         axes = [
             Axis(*np.exp(end).tolist(), words, log=True)
             for end, words in zip((x_ends, y_ends), (x, y), strict=True)

@@ -29,7 +29,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.advising_by_numbers import split_difference_of_work
-from reports.charts.plate import Cell, Plate, stacks
+from reports.charts.plate import Cell, Plate, panel_stacks_of
 from reports.comparison.budget import error_budget, solve_refinements, theory_on_steps
 from reports.console import Stages
 from reports.page.writing import draw
@@ -95,7 +95,8 @@ def drawn() -> dict[str, str]:
 def narrow(plate: Plate) -> Plate:
     """The figure in the column of a phone: of the tractions the instant `INSTANT` alone."""
     stack = next(
-        (panels for panels in stacks(plate) if panels[0].title.endswith(INSTANT)), stacks(plate)[0]
+        (panels for panels in panel_stacks_of(plate) if panels[0].title.endswith(INSTANT)),
+        panel_stacks_of(plate)[0],
     )
     first, *others = stack
     panels = [replace(first, width=WIDTH, title=INSTANT if first.title else "")]

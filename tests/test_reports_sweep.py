@@ -34,7 +34,7 @@ from halfplane_fe import solve as solve_fe
 from halfplane_fe.condensed_bodies import CondensedBodies
 from meshes import MeshSettings
 from refusals import refused_for, require_facts
-from reports.charts.plate import stacks
+from reports.charts.plate import panel_stacks_of
 from reports.cli import main
 from reports.comparison import compare
 from reports.studies.sweep import running, solving
@@ -897,7 +897,7 @@ def picture(x: Sequence[float], y: Sequence[float] = (), **keys: Any) -> str:
         : len(names)
     ]
     [drawn] = draw_figures(table, axes, load_scene("hertz-paper"))
-    return stacks(drawn)[0][0].__html__()
+    return panel_stacks_of(drawn)[0][0].__html__()
 
 
 def ticks(svg: str, name: str) -> list[str]:
@@ -931,7 +931,7 @@ def test_of_two_axes_there_is_a_line_with_bars_along_each() -> None:
     ).assign(status="done")
     axes = [axis(name="x", values=[1.0, 2.0, 3.0]), axis(name="y", values=[1.0, 2.0], unit="mm")]
     [drawn] = draw_figures(table, axes, load_scene("hertz-paper"))
-    _, along_x, along_y = stacks(drawn)
+    _, along_x, along_y = panel_stacks_of(drawn)
     of_x = along_x[0].__html__()
     of_y = along_y[0].__html__()
     assert (of_x.count("bar-line"), of_y.count("bar-line")) == (2, 3)

@@ -34,7 +34,7 @@ from reports.charts.plate import (
     Rule,
     Segments,
     _png,
-    stacks,
+    panel_stacks_of,
 )
 from reports.charts.templating import marked, style_of, table_text, without_formula
 from reports.comparison import Comparison
@@ -396,7 +396,7 @@ def plate(name: str = "all") -> Plate:
     x = np.linspace(0.0, 1.0, 5)
     marks = [
         Band(x, 0 * x, x, "pale-stick", "band"),
-        Block((0.2, 0.4), (0.1, 0.3), fill="#123456", hatched=True),
+        Block((0.2, 0.4), (0.1, 0.3), fill="#123456", is_hatched=True),
         Segments(np.array([[[0.0, 0.0], [1.0, 1.0]]]), "curve faint"),
         Rule(0.5, "zero"),
         Curve(x, np.where(x == 0.5, np.nan, x**2), "c1 dash", NASTY),
@@ -506,7 +506,7 @@ def test_every_plot_of_a_difference_carries_its_number() -> None:
     noted = {
         name
         for name, plate in plates.items()
-        for stack in stacks(plate)
+        for stack in panel_stacks_of(plate)
         for panel in stack
         if panel.notes
     }

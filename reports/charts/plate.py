@@ -2,7 +2,7 @@
 numbers; and its form as SVG.
 
 On a page the style sheet colours a panel, so that it follows dark mode and print; an SVG file
-carries its own colours. Words are escaped in `_element` and `_Pen.words` and nowhere else.
+carries its own colours. Words are escaped in `_element` and `_Pen.text_element` and nowhere else.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from reports.charts.templating import (
     STATE_NAMES,
     Table,
+    colours_of,
     parts_with_subscripts,
-    shades,
     style_of,
     table_text,
     template,
@@ -45,13 +45,13 @@ class Scale:
     end: float
     log: bool = False
 
-    def place(self, values: ArrayLike) -> Array:
+    def pixels_of(self, values: ArrayLike) -> Array:
         """Places of `values` along the axis [pixels]. NaN for NaN, and on a logarithmic axis for
         values that are not positive.
 
         >>> (
-        ...     Scale(0.0, 2.0, 0.0, 100.0).place([0.5]),
-        ...     Scale(1.0, 100.0, 0.0, 1.0, log=True).place([10.0]),
+        ...     Scale(0.0, 2.0, 0.0, 100.0).pixels_of([0.5]),
+        ...     Scale(1.0, 100.0, 0.0, 1.0, log=True).pixels_of([10.0]),
         ... )
         (array([25.]), array([0.5]))
         """
@@ -123,10 +123,10 @@ def _multiples(lower_end: float, upper_end: float, step: float) -> Array:
     return np.asarray(np.arange(first_multiple, last_multiple + 1) * step)
 
 
-def labels(numbers: Sequence[float]) -> list[str]:
+def tick_labels(numbers: Sequence[float]) -> list[str]:
     """Numbers as they stand beside an axis, with a minus sign that is one.
 
-    >>> labels([-0.5, 0.0, 0.5]), labels([0.0, 20000.0]), labels([1e-06, 2e-06])
+    >>> tick_labels([-0.5, 0.0, 0.5]), tick_labels([0.0, 20000.0]), tick_labels([1e-06, 2e-06])
     (['−0.5', '0', '0.5'], ['0', '20000'], ['1e−6', '2e−6'])
     """
     return [_label(number) for number in numbers]
@@ -143,7 +143,7 @@ def _label(number: float) -> str:
     return text.replace("-", "−")
 
 
-def limits(
+def axis_limits(
     *values: ArrayLike, margin: float = 0.06, least_range: float = 0.0, with_zero: bool = False
 ) -> tuple[float, float]:
     """Lower and upper end of an axis for these values: the range of those that are finite, 0 to 1
@@ -200,7 +200,7 @@ class Curve:
     css: str
     label: str = ""
     data: Mapping[str, object] = field(default_factory=dict)
-    closed: bool = False  # joined to its start, for outlines and filled shapes
+    is_closed: bool = False  # joined to its start, for outlines and filled shapes
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,17 +249,17 @@ class Dot:
 
 @dataclass(frozen=True)
 class Rule:
-    """A line across the whole area: at x = `at` if upright, else at y = `at`."""
+    """A line across the whole area: at x = `value` if upright, else at y = `value`."""
 
-    at: float
+    value: float
     css: str
-    upright: bool = False
+    is_upright: bool = False
 
 
 @dataclass(frozen=True)
 class Block:
-    """A rectangle between two x and two y; `fill` where its colour stands for a number; `hatched`
-    for what is not resolved.
+    """A rectangle between two x and two y; `fill` where its colour stands for a number;
+    `is_hatched` for what is not resolved.
     """
 
     x: tuple[float, float]
@@ -267,7 +267,7 @@ class Block:
     css: str = ""
     label: str = ""
     fill: str = ""
-    hatched: bool = False
+    is_hatched: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,7 +335,7 @@ class Frame:
 # Room around the area of the curves for words and numbers [units of a drawing, in which letters are
 # 12 high].
 _ROOM_LEFT = 72.0
-RIGHT = 20.0
+ROOM_RIGHT = 20.0
 _ROOM_ABOVE = 12.0
 _ROOM_BELOW = 46.0
 _ROOM_BELOW_WITHOUT_WORDS = 24.0
@@ -345,7 +345,7 @@ _UNIT_SCALE = Scale(0.0, 1.0, 0.0, 1.0)
 # highest and the lowest.
 _LONGEST_LINE_DRAWN_WHOLE = 2000
 _WIDTH_OF_STRIP = 1.0
-DOWN = "3.5"  # how far a subscript stands below its line [units of a drawing]
+SUBSCRIPT_DROP = "3.5"  # how far a subscript stands below its line [units of a drawing]
 _HATCH_DISTANCE = 7.0  # distance of the lines of a hatched block [units of a drawing]
 
 
@@ -368,7 +368,7 @@ class Panel:
     time: str = ""
     css: str = ""
     # one scale for both axes, the one with room to spare showing more on both sides
-    equal: bool = False
+    has_equal_scales: bool = False
     without_axes: bool = False  # no axes at all
     # left, top, right, bottom of it beside the area, automatic if None
     room: tuple[float, float, float, float] | None = None
@@ -376,15 +376,15 @@ class Panel:
     @property
     def frame(self) -> Frame:
         """The part of the panel in which curves and dots are drawn, with the scales of both axes.
-        On a panel with `equal` a unit of x is as long as a unit of y: one axis then shows more than
-        it was given, on both sides.
+        On a panel with `has_equal_scales` a unit of x is as long as a unit of y: one axis then
+        shows more than it was given, on both sides.
         """
         room_left, room_above, room_right, room_below = self.room or self._automatic_room()
         low_x = self.x.low
         high_x = self.x.high
         low_y = self.y.low
         high_y = self.y.high
-        if self.equal:
+        if self.has_equal_scales:
             panel_width = self.width - room_left - room_right
             panel_height = self.height - room_above - room_below
             length_of_unit = max((high_x - low_x) / panel_width, (high_y - low_y) / panel_height)
@@ -398,7 +398,7 @@ class Panel:
         """Left, top, right and bottom of the area: room for title, notes and the words of axes."""
         lines_above = len(self.notes) + bool(self.title)
         bottom = _ROOM_BELOW if self.x.words else _ROOM_BELOW_WITHOUT_WORDS
-        return _ROOM_LEFT, _ROOM_ABOVE + _LINE_HEIGHT * lines_above, RIGHT, bottom
+        return _ROOM_LEFT, _ROOM_ABOVE + _LINE_HEIGHT * lines_above, ROOM_RIGHT, bottom
 
     def __html__(self) -> str:
         """The panel on a page."""
@@ -412,21 +412,21 @@ def _about_the_middle(lower_end: float, upper_end: float, size: float) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """Panels that belong together, one under the other; where it has an `event`, a click shows that
-    instant of the cycle.
+    """Panels that belong together, one under the other; where it has an `event_instant`, a click
+    shows that instant of the cycle.
     """
 
     panels: tuple[Panel, ...]
-    event: int | None
+    event_instant: int | None
 
     def __html__(self) -> str:
         """The panels of the cell as HTML, one under the other; with the instant that a click on it
         shows.
         """
         content = "".join(panel.__html__() for panel in self.panels)
-        if self.event is None:
+        if self.event_instant is None:
             return f"<div>{content}</div>"
-        return f'<div class="cell" data-event="{self.event:d}">{content}</div>'
+        return f'<div class="cell" data-event="{self.event_instant:d}">{content}</div>'
 
 
 @dataclass(frozen=True)
@@ -435,11 +435,11 @@ class Key:
 
     css: str
     text: str
-    patch: bool = False
+    is_patch: bool = False
 
 
 STATE_KEYS = tuple(
-    Key(f"state-{int(state)}", name, patch=True) for state, name in STATE_NAMES.items()
+    Key(f"state-{int(state)}", name, is_patch=True) for state, name in STATE_NAMES.items()
 )
 
 
@@ -464,7 +464,7 @@ class Plate:
         Panels that belong together form a stack, one under the other. Stacks fill the columns row
         by row; a row is as high as its highest stack.
         """
-        panel_stacks = stacks(self)
+        panel_stacks = panel_stacks_of(self)
         n_columns = min(self.columns, len(panel_stacks))
         stacks_by_column = [panel_stacks[column::n_columns] for column in range(n_columns)]
         widths = [_width_of_stacks(stacks_of_column) for stacks_of_column in stacks_by_column]
@@ -512,8 +512,8 @@ class Plate:
             if x_of_entry > 10.0 and x_of_entry + width_of_entry > width:
                 x_of_entry = 10.0
                 y_of_entry += 18.0
-            if key.patch:
-                look = pen.look(f"{key.css} patch")
+            if key.is_patch:
+                look = pen.look_attributes(f"{key.css} patch")
                 elements.append(
                     _element(
                         "rect", x=x_of_entry + 4, y=y_of_entry + 2, width=16, height=10, **look
@@ -521,8 +521,8 @@ class Plate:
                 )
             else:
                 path = f"M{x_of_entry:g} {y_of_entry + 7:g}L{x_of_entry + 24:g} {y_of_entry + 7:g}"
-                elements.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
-            elements.append(pen.words(x_of_entry + 30, y_of_entry + 11, key.text, "word"))
+                elements.append(_element("path", d=path, **pen.look_attributes(f"curve {key.css}")))
+            elements.append(pen.text_element(x_of_entry + 30, y_of_entry + 11, key.text, "word"))
             x_of_entry += width_of_entry
         return elements, y_of_entry + 22.0 if self.keys else 0.0
 
@@ -573,7 +573,7 @@ def _width_of_stacks(column: Sequence[tuple[Panel, ...]]) -> float:
     return max(stack[0].width for stack in column)
 
 
-def stacks(plate: Plate) -> list[tuple[Panel, ...]]:
+def panel_stacks_of(plate: Plate) -> list[tuple[Panel, ...]]:
     """The panels of a figure, those of a cell together."""
     return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]
 
@@ -613,8 +613,8 @@ def colour_scale(
         tick_numbers = _ticks(low_end, high_end, 4, log=log)
     # one row of 64 pixels, each of its own colour
     fractions_of_axis = (np.arange(64) + 0.5) / 64
-    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(fractions_of_axis, colours))
-    ticks = tuple(zip(tick_numbers, labels(tick_numbers), strict=True))
+    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], colours_of(fractions_of_axis, colours))
+    ticks = tuple(zip(tick_numbers, tick_labels(tick_numbers), strict=True))
     return Panel(
         name,
         Axis(low_end, high_end, words, log, ticks=ticks),
@@ -652,7 +652,7 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
     return f"<{start}>{content}</{name}>" if content else f"<{start}/>"
 
 
-def _path_of(
+def _path_data(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
     """The "d" attribute of an SVG path: a line through points given by their coordinates
@@ -663,15 +663,15 @@ def _path_of(
     straight line between their neighbours. One pass looks at every other point; there are `passes`.
 
     >>> (
-    ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
-    ...     _path_of([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2),
+    ...     _path_data([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
+    ...     _path_data([0, 1, 2, 3, 4], [0, 0, 0, 0, 5], 0.1, 2),
     ... )
     ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
     A point without neighbours becomes a line to itself, which is drawn as a dot. So does a point
     that is only repeated.
 
-    >>> _path_of([0, np.nan, 2, 2], [0, 1, 1, 1])
+    >>> _path_data([0, np.nan, 2, 2], [0, 1, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
     x = np.round(np.asarray(horizontal, dtype=float), 2)
@@ -791,7 +791,7 @@ class _Pen:
     frame: Frame
     is_standalone: bool  # True: in an SVG file without style sheet; False: on a page
 
-    def look(self, css: str, *, text: bool = False) -> dict[str, object]:
+    def look_attributes(self, css: str, *, text: bool = False) -> dict[str, object]:
         """The attributes that give an element the look of the classes `css`: on a page the class
         names, in an SVG file the declarations themselves.
         """
@@ -804,7 +804,7 @@ class _Pen:
         ]
         return {"style": ";".join(declared)}
 
-    def words(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
+    def text_element(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
         """The SVG element of a text that begins at (x, y) of the drawing; "p_ref" gets a subscript.
         `css` names its classes in the style sheet.
         """
@@ -813,15 +813,15 @@ class _Pen:
         for part, is_subscript in parts_with_subscripts(text):
             shift: dict[str, object] = {}  # down to a subscript, and up again behind it
             if is_subscript is not was_subscript:
-                shift = {"dy": DOWN if is_subscript else f"-{DOWN}"}
-            look_of_subscript = self.look("sub") if is_subscript else {}
+                shift = {"dy": SUBSCRIPT_DROP if is_subscript else f"-{SUBSCRIPT_DROP}"}
+            look_of_subscript = self.look_attributes("sub") if is_subscript else {}
             escaped_part = escape(part)
             if shift or look_of_subscript:
                 content_of_element += _element("tspan", escaped_part, **shift, **look_of_subscript)
             else:
                 content_of_element += escaped_part
             was_subscript = is_subscript
-        look = self.look(css, text=True)
+        look = self.look_attributes(css, text=True)
         return _element("text", content_of_element, x=float(x), y=float(y), **look, **attributes)
 
     def data_attributes(self, attributes: Mapping[str, object]) -> dict[str, object]:
@@ -846,21 +846,26 @@ class _Pen:
             case Segments():
                 return self.segments(mark)
             case Dot():
-                x = float(frame.x.place(mark.x))
-                y = float(frame.y.place(mark.y))
+                x = float(frame.x.pixels_of(mark.x))
+                y = float(frame.y.pixels_of(mark.y))
                 attributes: dict[str, object] = {"fill": mark.fill or None}
                 attributes |= self.data_attributes({"label": mark.label} | dict(mark.data))
                 return _element(
-                    "circle", cx=x, cy=y, r=mark.radius, **self.look(mark.css), **attributes
+                    "circle",
+                    cx=x,
+                    cy=y,
+                    r=mark.radius,
+                    **self.look_attributes(mark.css),
+                    **attributes,
                 )
             case Rule():
-                if mark.upright:
-                    place = float(frame.x.place(mark.at))
+                if mark.is_upright:
+                    place = float(frame.x.pixels_of(mark.value))
                     ends = {"x1": place, "x2": place, "y1": top_y, "y2": bottom_y}
                 else:
-                    place = float(frame.y.place(mark.at))
+                    place = float(frame.y.pixels_of(mark.value))
                     ends = {"x1": left_x, "x2": right_x, "y1": place, "y2": place}
-                return _element("line", **ends, **self.look(mark.css))
+                return _element("line", **ends, **self.look_attributes(mark.css))
             case Block():
                 return self.block(mark)
             case Bitmap():
@@ -879,7 +884,7 @@ class _Pen:
                     **box,
                     href=data_address,
                     preserveAspectRatio="none",
-                    **self.look("map"),
+                    **self.look_attributes("map"),
                 )
             case Note():
                 return self.note(mark)
@@ -888,7 +893,10 @@ class _Pen:
             case Group():
                 content = "".join(map(self.draw, mark.marks)) or " "
                 return _element(
-                    "g", content, **self.look(mark.css), **self.data_attributes(mark.data)
+                    "g",
+                    content,
+                    **self.look_attributes(mark.css),
+                    **self.data_attributes(mark.data),
                 )
 
     def curve(self, mark: Curve) -> str:
@@ -897,13 +905,13 @@ class _Pen:
         """
         tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
         passes = 8 if self.is_standalone else 1
-        x = self.frame.x.place(mark.x)
-        y = self.frame.y.place(mark.y)
-        path = _path_of(x, y, tolerance, passes) or "M0 0"
-        if mark.closed:
+        x = self.frame.x.pixels_of(mark.x)
+        y = self.frame.y.pixels_of(mark.y)
+        path = _path_data(x, y, tolerance, passes) or "M0 0"
+        if mark.is_closed:
             path += "Z"
         attributes = self.data_attributes({"label": mark.label} | dict(mark.data))
-        return _element("path", d=path, **self.look(f"curve {mark.css}"), **attributes)
+        return _element("path", d=path, **self.look_attributes(f"curve {mark.css}"), **attributes)
 
     def band(self, mark: Band) -> str:
         """The SVG element of the area between a lower and an upper curve. Where either has a gap
@@ -918,21 +926,24 @@ class _Pen:
             if len(run) and is_known[run[0]]:
                 around_x = np.concatenate([x[run], x[run][::-1]])
                 around_y = np.concatenate([lower_edge[run], upper_edge[run][::-1]])
-                path += _path_of(self.frame.x.place(around_x), self.frame.y.place(around_y)) + "Z"
-        return _element("path", d=path or "M0 0", **self.look(f"band {mark.css}"))
+                path += (
+                    _path_data(self.frame.x.pixels_of(around_x), self.frame.y.pixels_of(around_y))
+                    + "Z"
+                )
+        return _element("path", d=path or "M0 0", **self.look_attributes(f"band {mark.css}"))
 
     def note(self, mark: Note) -> str:
         """The SVG elements of a text at a place of the panel, one for each of its lines, one below
         the other.
         """
-        x = float(self.frame.x.place(mark.x))
-        y = float(self.frame.y.place(mark.y))
+        x = float(self.frame.x.pixels_of(mark.x))
+        y = float(self.frame.y.pixels_of(mark.y))
         shift_right, shift_down = mark.shift
         attributes: dict[str, object] = {"dx": shift_right or None, "dy": shift_down or None}
         attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
         elements = [
-            self.words(
+            self.text_element(
                 x, y + _LINE_HEIGHT * line_number, line, mark.css, text_anchor=anchor, **attributes
             )
             for line_number, line in enumerate(mark.text.split("\n"))
@@ -948,13 +959,15 @@ class _Pen:
         """
         if self.is_standalone or not mark.name:
             return _element(
-                "path", d=self.path_of_visible_lines(mark) or "M0 0", **self.look(mark.css)
+                "path",
+                d=self.path_of_visible_lines(mark) or "M0 0",
+                **self.look_attributes(mark.css),
             )
         x_scale = self.frame.x
         pixels_per_unit = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low)
         pixels_per_grain = pixels_per_unit * _GRAIN
-        x_of_origin = float(x_scale.place(0.0))
-        y_of_origin = float(self.frame.y.place(0.0))
+        x_of_origin = float(x_scale.pixels_of(0.0))
+        y_of_origin = float(self.frame.y.pixels_of(0.0))
         transform = (
             f"translate({x_of_origin:.3f} {y_of_origin:.3f})"
             f" scale({pixels_per_grain:.7g} {-pixels_per_grain:.7g})"
@@ -968,15 +981,15 @@ class _Pen:
             f"M{start_x} {start_y}l{move_x} {move_y}"
             for (start_x, start_y), (move_x, move_y) in zip(starts, moves, strict=True)
         ]
-        path = _element("path", d="".join(lines), id=mark.name, **self.look(mark.css))
+        path = _element("path", d="".join(lines), id=mark.name, **self.look_attributes(mark.css))
         return _element("g", path, transform=transform)
 
     def path_of_visible_lines(self, mark: Segments) -> str:
         """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
         area: their bounding boxes do.
         """
-        x = self.frame.x.place(mark.end_points[..., 0])
-        y = self.frame.y.place(mark.end_points[..., 1])
+        x = self.frame.x.pixels_of(mark.end_points[..., 0])
+        y = self.frame.y.pixels_of(mark.end_points[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
         is_visible &= (y.max(axis=1) >= self.frame.y.end) & (y.min(axis=1) <= self.frame.y.start)
         pairs_x = np.round(x[is_visible], 2).tolist()
@@ -988,11 +1001,11 @@ class _Pen:
         return "".join(lines)
 
     def block(self, mark: Block) -> str:
-        """The SVG elements of a rectangle given by its ends on both axes; where `mark.hatched`,
+        """The SVG elements of a rectangle given by its ends on both axes; where `mark.is_hatched`,
         oblique lines are drawn over it.
         """
-        left_x, right_x = np.sort(self.frame.x.place(mark.x))
-        least_y, largest_y = np.sort(self.frame.y.place(mark.y))
+        left_x, right_x = np.sort(self.frame.x.pixels_of(mark.x))
+        least_y, largest_y = np.sort(self.frame.y.pixels_of(mark.y))
         place = {
             "x": float(left_x),
             "y": float(least_y),
@@ -1000,8 +1013,8 @@ class _Pen:
             "height": float(largest_y - least_y),
         }
         attributes = {"fill": mark.fill or None} | self.data_attributes({"label": mark.label})
-        rectangle = _element("rect", **place, **self.look(mark.css), **attributes)
-        if not mark.hatched:
+        rectangle = _element("rect", **place, **self.look_attributes(mark.css), **attributes)
+        if not mark.is_hatched:
             return rectangle
         # x + y is constant along each line
         first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
@@ -1017,14 +1030,14 @@ class _Pen:
                 path += f"M{start:.1f} {sum_of_line - start:.1f}L{end:.1f} {sum_of_line - end:.1f}"
         if not path:
             return rectangle
-        return rectangle + _element("path", d=path, **self.look("hatching"))
+        return rectangle + _element("path", d=path, **self.look_attributes("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
         """The SVG elements of an arrow from mark.start to mark.end: its line, and a filled head
         whose tip lies at the end.
         """
-        start_x, end_x = self.frame.x.place([mark.start[0], mark.end[0]])
-        start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
+        start_x, end_x = self.frame.x.pixels_of([mark.start[0], mark.end[0]])
+        start_y, end_y = self.frame.y.pixels_of([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
         vector_from_start = tip - np.array([start_x, start_y])
         direction = vector_from_start / np.hypot(*vector_from_start)
@@ -1038,10 +1051,10 @@ class _Pen:
             ]
         )
         end_of_line = tip - 9 * direction
-        path = _path_of([start_x, end_of_line[0]], [start_y, end_of_line[1]])
-        line = _element("path", d=path, **self.look(f"curve {mark.css}"))
-        outline = _path_of(head[:, 0], head[:, 1]) + "Z"
-        return line + _element("path", d=outline, **self.look(f"head {mark.css}"))
+        path = _path_data([start_x, end_of_line[0]], [start_y, end_of_line[1]])
+        line = _element("path", d=path, **self.look_attributes(f"curve {mark.css}"))
+        outline = _path_data(head[:, 0], head[:, 1]) + "Z"
+        return line + _element("path", d=outline, **self.look_attributes(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
         """The SVG elements of the axes `x` and `y` of a panel: grid lines, the numbers beside them,
@@ -1053,34 +1066,38 @@ class _Pen:
         room_below = frame.height - bottom_y
         elements = []
         for number, text in _tick_pairs(x, frame.x):
-            place = float(frame.x.place(number))
-            look_of_grid = self.look("grid across")
+            place = float(frame.x.pixels_of(number))
+            look_of_grid = self.look_attributes("grid across")
             elements.append(
                 _element("line", x1=place, x2=place, y1=top_y, y2=bottom_y, **look_of_grid)
             )
             if room_below > 16:
                 elements.append(
-                    self.words(place, bottom_y + 15, text, "tick across", text_anchor="middle")
+                    self.text_element(
+                        place, bottom_y + 15, text, "tick across", text_anchor="middle"
+                    )
                 )
         for number, text in _tick_pairs(y, frame.y):
-            place = float(frame.y.place(number))
-            look_of_grid = self.look("grid upright")
+            place = float(frame.y.pixels_of(number))
+            look_of_grid = self.look_attributes("grid upright")
             elements.append(
                 _element("line", x1=left_x, x2=right_x, y1=place, y2=place, **look_of_grid)
             )
             elements.append(
-                self.words(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
+                self.text_element(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
             )
         if x.words and room_below > 30:
             middle_of_axis = (left_x + right_x) / 2
             elements.append(
-                self.words(middle_of_axis, bottom_y + 36, x.words, "name", text_anchor="middle")
+                self.text_element(
+                    middle_of_axis, bottom_y + 36, x.words, "name", text_anchor="middle"
+                )
             )
         if y.words:
             middle_of_axis = (top_y + bottom_y) / 2
             rotation = f"rotate(-90 12 {middle_of_axis:g})"
             elements.append(
-                self.words(
+                self.text_element(
                     12, middle_of_axis, y.words, "name", text_anchor="middle", transform=rotation
                 )
             )
@@ -1092,7 +1109,7 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     if axis.ticks or not axis.count:
         return axis.ticks
     numbers = _ticks(scale.low, scale.high, axis.count, log=axis.log)
-    return tuple(zip(numbers, labels(numbers), strict=True))
+    return tuple(zip(numbers, tick_labels(numbers), strict=True))
 
 
 def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) -> str:
@@ -1113,17 +1130,19 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
         corner = f"M{left_x:g} {top_y:g}L{left_x:g} {bottom_y:g}L{right_x:g} {bottom_y:g}"
         elements = [
             _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
-            _element("rect", **area, **pen.look("area")),
+            _element("rect", **area, **pen.look_attributes("area")),
             pen.axes(panel.x, panel.y),
             _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
-            _element("path", d=corner, **pen.look("axis")),
+            _element("path", d=corner, **pen.look_attributes("axis")),
         ]
     # lines of text above the area, each with its x and its class in the style sheet
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
     y_of_first = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
     for line_number, (x_of_line, text, css) in enumerate(lines_above):
-        elements.append(pen.words(x_of_line, y_of_first + _LINE_HEIGHT * line_number, text, css))
+        elements.append(
+            pen.text_element(x_of_line, y_of_first + _LINE_HEIGHT * line_number, text, css)
+        )
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if is_standalone:
         return _element("svg", "".join(elements), **box, **place)
@@ -1149,7 +1168,7 @@ def _classes_of(panel: Panel) -> str:
     if _is_sketch(panel):
         return "sketch"
     kinds = ["panel", *panel.css.split()]
-    if panel.equal:
+    if panel.has_equal_scales:
         kinds.append("equal")
     return " ".join(kinds)
 

@@ -51,10 +51,10 @@ _MAPS = {
 }
 
 
-def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
+def colours_of(values: ArrayLike, name: str = "viridis") -> list[str]:
     """Colours #rrggbb of numbers from 0 to 1; those outside take the colour of the end.
 
-    >>> shades([0.0, 0.05, 2.0])
+    >>> colours_of([0.0, 0.05, 2.0])
     ['#440154', '#461264', '#fde725']
     """
     knots = np.array([list(bytes.fromhex(code)) for code in _MAPS[name].split()])

@@ -210,7 +210,7 @@ def rendered(
         height,
         title=words.title,
         notes=[words.note] if words.note else [],
-        equal=True,
+        has_equal_scales=True,
     )
     x_scale = panel.frame.x
     y_scale = panel.frame.y
@@ -287,7 +287,7 @@ def mesh(
                 340.0,
                 340.0,
                 view_in_words,
-                equal=True,
+                has_equal_scales=True,
             )
         )
     return Plate(

@@ -22,8 +22,8 @@ from reports.charts.plate import (
     Rule,
     Scale,
     Segments,
+    axis_limits,
     figure_with_texts,
-    limits,
 )
 from reports.charts.templating import Table
 from reports.comparison.words import bodies_in_words, bulk_and_tilt_in_words
@@ -73,8 +73,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         marks += _marks_of_supports(frame, shape, corners, outward_sign)
         y_of_label = 16.0 if name == "upper" else frame.height - 6
         marks.append(Note(6.0, y_of_label, _label_of_body(scene, name), "word"))
-    x_of_contact = frame.x.place([-half_width, half_width])
-    y_of_contact = float(frame.y.place(0.0))
+    x_of_contact = frame.x.pixels_of([-half_width, half_width])
+    y_of_contact = float(frame.y.pixels_of(0.0))
     marks.append(Curve(x_of_contact, [y_of_contact, y_of_contact], "contact-line"))
     marks += _marks_of_loads(frame, scene, outlines)
 
@@ -184,7 +184,7 @@ class _Trace(NamedTuple):
 
     def x_axis(self, unit_of_length: str) -> Axis:
         """The axis of both panels: all fitted rows."""
-        ends = limits(self.x[self.is_fitted], margin=0.02)
+        ends = axis_limits(self.x[self.is_fitted], margin=0.02)
         return Axis(*ends, f"x from the middle  [{unit_of_length}]")
 
 
@@ -223,7 +223,7 @@ def _panel_of_trace(trace: _Trace, unit_of_length: str) -> Panel:
         "profile-trace",
         trace.x_axis(unit_of_length),
         Axis(
-            *limits(height[rows_in_limits], trace.fitted_height[trace.is_fitted]),
+            *axis_limits(height[rows_in_limits], trace.fitted_height[trace.is_fitted]),
             f"h, levelled  [{unit_of_length}]",
         ),
         marks,
@@ -250,8 +250,8 @@ def _panel_of_residuals(
     marks: list[Mark] = [
         Band(fitted_x, -twice_the_noise, twice_the_noise, "band pale-stick"),
         Rule(0.0, "zero"),
-        Rule(-half_width, "cycle-line", upright=True),
-        Rule(half_width, "cycle-line", upright=True),
+        Rule(-half_width, "cycle-line", is_upright=True),
+        Rule(half_width, "cycle-line", is_upright=True),
     ]
     for row in trace.drawn_rows:
         label = f"x = {trace.x[row]:.4g}, {trace.residuals[row]:.3g} {unit_of_length}"
@@ -346,11 +346,11 @@ def _marks_of_body(frame: Frame, points: Array, shape: Shape, name: str) -> Iter
     name
         "lower" or "upper"
     """
-    x = frame.x.place(points[:, 0])
-    y = frame.y.place(points[:, 1])
-    yield Curve(x, y, f"body {name}", closed=True)
+    x = frame.x.pixels_of(points[:, 0])
+    y = frame.y.pixels_of(points[:, 1])
+    yield Curve(x, y, f"body {name}", is_closed=True)
     if not isinstance(shape, HalfPlane):
-        yield Curve(x, y, "body-line", closed=True)
+        yield Curve(x, y, "body-line", is_closed=True)
         return
     # from the right end of the face round the base to the left end
     points_of_cut = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
@@ -377,12 +377,12 @@ def _marks_of_supports(
     """
     if isinstance(shape, HalfPlane):
         return
-    y_of_face = float(frame.y.place(points[0, 1]))
+    y_of_face = float(frame.y.pixels_of(points[0, 1]))
     farthest_point = np.argmax(-outward_sign * points[:, 1])
     is_at_base = points[:, 1] == points[farthest_point, 1]
     half_width_of_base = float(np.abs(points[is_at_base, 0]).max())
-    left_x, right_x = frame.x.place([-half_width_of_base, half_width_of_base]).tolist()
-    y_of_base = float(frame.y.place(points[farthest_point, 1]))
+    left_x, right_x = frame.x.pixels_of([-half_width_of_base, half_width_of_base]).tolist()
+    y_of_base = float(frame.y.pixels_of(points[farthest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
     yield from _marks_of_plane(
         (left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls
@@ -466,10 +466,10 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
     load = scene.load
-    y_of_top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
-    y_of_contact = float(frame.y.place(0.0))
+    y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8
+    y_of_contact = float(frame.y.pixels_of(0.0))
     line_of_action = load.line_of_action
-    x_of_action = frame.x.place(line_of_action.x if line_of_action else 0.0)
+    x_of_action = frame.x.pixels_of(line_of_action.x if line_of_action else 0.0)
     # within the drawing; the caption says where the line of action is
     x_of_arrow = float(np.clip(x_of_action, 80.0, frame.width - 80.0))
     if line_of_action is not None:
@@ -509,8 +509,8 @@ def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Ite
 
 def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
     """Arrows of bulk stress away from both ends of a body, midway between face and base."""
-    left, right = frame.x.place(points[[0, _FACE_POINTS - 1], 0]).tolist()
-    level = float(np.mean(frame.y.place(points[[0, -1], 1])))
+    left, right = frame.x.pixels_of(points[[0, _FACE_POINTS - 1], 0]).tolist()
+    level = float(np.mean(frame.y.pixels_of(points[[0, -1], 1])))
     for end, outward in ((left, -1.0), (right, 1.0)):
         yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
         yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")

@@ -92,7 +92,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     )
     is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
     keys = [
-        Key(f"term-{index}", name, patch=True)
+        Key(f"term-{index}", name, is_patch=True)
         for index, name in enumerate(block_names)
         if is_drawn[index]
     ]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts.plate import Axis, Key, Mark, Panel, Rule, limits
+from reports.charts.plate import Axis, Key, Mark, Panel, Rule, axis_limits
 from reports.comparison import Comparison, words
 from reports.comparison.cycles import Cycle, events, index_of_first_row
 from reports.comparison.pairs import engine_in_words
@@ -105,7 +105,7 @@ class CycleView:
 
     def over_time(self, count: int = 5) -> Axis:
         """The axis of time."""
-        return Axis(*limits(self.time, margin=0), self.time_words, count=count)
+        return Axis(*axis_limits(self.time, margin=0), self.time_words, count=count)
 
     def over_x(self, words: str = X_OVER_A) -> Axis:
         """The axis of x."""

@@ -22,8 +22,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    axis_limits,
     figure_with_texts,
-    limits,
 )
 from reports.charts.templating import STATE_NAMES
 from reports.comparison.words import value_in_words
@@ -148,7 +148,7 @@ def traction_panels(
     upper_panel = Panel(
         name,
         view.over_x(""),
-        Axis(*limits(*all_values, with_zero=True), "p/p_ref,  q/(f p_ref)"),
+        Axis(*axis_limits(*all_values, with_zero=True), "p/p_ref,  q/(f p_ref)"),
         traction_marks,
         f"Pressure and shear over x. {title}".strip(),
         width,
@@ -171,7 +171,7 @@ def traction_panels(
         f"{name}-difference",
         view.over_x(),
         Axis(
-            *limits(*differences.values(), with_zero=True, least_range=1e-9),
+            *axis_limits(*differences.values(), with_zero=True, least_range=1e-9),
             "difference, %",
             count=3,
         ),
@@ -364,7 +364,9 @@ def dissipation_density(view: CycleView) -> Plate | None:
 
     stick_edges = permanent_edges(view.comparison.reference) / scales.half_width
     density_marks: list[Mark] = [
-        Rule(float(edge), "stick-line", upright=True) for edge in stick_edges if np.isfinite(edge)
+        Rule(float(edge), "stick-line", is_upright=True)
+        for edge in stick_edges
+        if np.isfinite(edge)
     ]
     for density, key in zip((density_of_reference, density_of_result), view.keys, strict=True):
         density_marks.append(Curve(x, density, key.css, key.text))
@@ -375,7 +377,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         "work",
         view.over_x(),
         Axis(
-            *limits(density_of_reference, density_of_result, with_zero=True),
+            *axis_limits(density_of_reference, density_of_result, with_zero=True),
             "w / (A f² P_ref²/a_ref)",
         ),
         density_marks,
@@ -392,7 +394,10 @@ def dissipation_density(view: CycleView) -> Plate | None:
     difference_panel = Panel(
         "work-difference",
         view.over_x(),
-        Axis(*limits(difference, with_zero=True, least_range=1e-9), "difference, % of the largest"),
+        Axis(
+            *axis_limits(difference, with_zero=True, least_range=1e-9),
+            "difference, % of the largest",
+        ),
         [ZERO, Curve(x, difference, "d p", "difference")],
         "Difference of the dissipation density",
         notes=[note],

@@ -18,8 +18,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    axis_limits,
     figure_with_texts,
-    limits,
 )
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
@@ -75,7 +75,7 @@ def half_widths(view: CycleView) -> Plate:
     upper_panel = Panel(
         "edges",
         view.over_time(),
-        Axis(*limits(*(curve.y for curve in curves)), X_OVER_A),
+        Axis(*axis_limits(*(curve.y for curve in curves)), X_OVER_A),
         curves,
         f"Contact and stick edges through the {view.noun}",
         time="x",
@@ -90,7 +90,7 @@ def half_widths(view: CycleView) -> Plate:
         for kind, difference in differences.items()
     ]
     difference_axis = Axis(
-        *limits(*differences.values(), with_zero=True, least_range=1e-10),
+        *axis_limits(*differences.values(), with_zero=True, least_range=1e-10),
         "difference, % of a_ref",
     )
     lower_panel = Panel(
@@ -223,7 +223,7 @@ def slip_histories(view: CycleView) -> Plate:
         "slip",
         view.over_time(8),
         Axis(
-            *limits(*slips, with_zero=True, least_range=least_slip),
+            *axis_limits(*slips, with_zero=True, least_range=least_slip),
             f"slip since the start  [{unit_of_length}]",
         ),
         curves,
@@ -258,8 +258,8 @@ def cumulative_work(view: CycleView) -> Plate | None:
     curves = [Curve(time, work, key.css, key.text) for key, time, work in series]
     panel = broad_panel(
         "cumulative-work",
-        Axis(*limits(every_time, margin=0.02), "time"),
-        Axis(*limits(*(work for *_, work in series), with_zero=True), f"W so far  [{unit}]"),
+        Axis(*axis_limits(every_time, margin=0.02), "time"),
+        Axis(*axis_limits(*(work for *_, work in series), with_zero=True), f"W so far  [{unit}]"),
         curves,
         "Dissipation so far over time",
         260.0,
@@ -351,7 +351,7 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
     return Panel(
         name,
         view.over_time(),
-        Axis(*limits(*values_of_lines, with_zero=True, margin=0.12), title, count=3),
+        Axis(*axis_limits(*values_of_lines, with_zero=True, margin=0.12), title, count=3),
         marks,
         f"{title} over time",
         height=190.0,
@@ -442,8 +442,8 @@ def _numbered_dots(
     events
         the chosen instants, in the order of their numbers
     """
-    x = panel.frame.x.place(x_values)  # in pixels, as is y
-    y = panel.frame.y.place(y_values)
+    x = panel.frame.x.pixels_of(x_values)  # in pixels, as is y
+    y = panel.frame.y.pixels_of(y_values)
     label_places: list[Array] = []  # of the numbers that are drawn
     for event_number, event in enumerate(events, start=1):
         instant = event.index
@@ -630,8 +630,8 @@ def _loop_panel(
         marks.append(Curve(values, loads_of_engine, key.css, key.text))
     panel = Panel(
         name,
-        Axis(*limits(reference_values, result_values, margin=0.12), title, count=4),
-        Axis(*limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
+        Axis(*axis_limits(reference_values, result_values, margin=0.12), title, count=4),
+        Axis(*axis_limits(*loads, margin=0.12), f"tangential load Q  [{load_unit(view.scene)}]"),
         marks,
         f"Tangential load over {title}",
         height=_LOOP_HEIGHT,
@@ -685,8 +685,8 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
         marks.append(Curve(strain, moment, key.css, key.text))
     return Panel(
         "bulk-loop",
-        Axis(*limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
-        Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{unit_of_force}]"),
+        Axis(*axis_limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
+        Axis(*axis_limits(*moments, margin=0.12), f"moment of the shear m_q  [{unit_of_force}]"),
         marks,
         "Moment of the shear over bulk strain",
         height=_LOOP_HEIGHT,

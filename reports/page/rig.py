@@ -27,8 +27,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    axis_limits,
     figure_with_texts,
-    limits,
     write_tables,
 )
 from reports.charts.templating import Table, script, template
@@ -258,11 +258,11 @@ def _loop_panel(
     curves = [
         Curve(displacement, load, key.css, key.text) for displacement, load, key in displacements
     ]
-    x_limits = limits(*(curve.x for curve in curves))
+    x_limits = axis_limits(*(curve.x for curve in curves))
     return Panel(
         name,
         Axis(*x_limits, f"displacement U  [{units(rig_motion.scene)[1]}]"),
-        Axis(*limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig_motion.scene)}]"),
+        Axis(*axis_limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig_motion.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
         width,
@@ -293,7 +293,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
     friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
-    force_range = limits(friction_limit, -friction_limit)
+    force_range = axis_limits(friction_limit, -friction_limit)
     force_marks: list[Mark] = [
         Block((begin, end), force_range, _CSS_AND_WORDS[motion][0])
         for motion, begin, end in rig_motion.intervals()
@@ -320,7 +320,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
         panel_of(
             "rig-way",
             Axis(
-                *limits(*(curve.y for curve in displacement_curves)),
+                *axis_limits(*(curve.y for curve in displacement_curves)),
                 f"displacement  [{unit_of_length}]",
             ),
             [Rule(0.0, "zero"), *displacement_curves],
@@ -331,7 +331,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     keys += [Key(curve.css, curve.label) for curve in displacement_curves]
     drawn_motions = {motion for motion, _, _ in rig_motion.intervals()}
     keys += [
-        Key(*_CSS_AND_WORDS[motion], patch=True) for motion in Motion if motion in drawn_motions
+        Key(*_CSS_AND_WORDS[motion], is_patch=True) for motion in Motion if motion in drawn_motions
     ]
     motion_before = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
     table: Table = {

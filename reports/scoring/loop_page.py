@@ -21,8 +21,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    axis_limits,
     figure_with_texts,
-    limits,
     write_tables,
 )
 from reports.charts.templating import script, template
@@ -158,9 +158,9 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     ]
     panel = Panel(
         "loop",
-        Axis(*limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
+        Axis(*axis_limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
         Axis(
-            *limits(dot_heights, *(curve.y for curve in curves)),
+            *axis_limits(dot_heights, *(curve.y for curve in curves)),
             f"U − slope Q  [{unit_of_length}]",
         ),
         [*_dots(means.load, dot_heights), *curves],
@@ -199,7 +199,7 @@ def _figure_of_residuals(
     panel = Panel(
         "loop-rest",
         Axis(0.0, 1.0, "share of the cycle"),
-        Axis(*limits(means.residual), f"mean rows − best fit  [{unit_of_length}]"),
+        Axis(*axis_limits(means.residual), f"mean rows − best fit  [{unit_of_length}]"),
         [*_dots(means.share_of_cycle, means.residual), Rule(0.0, "zero")],
         "Residuals of the best fit over the cycle",
         _WIDTH,

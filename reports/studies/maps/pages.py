@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, labels
+from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, tick_labels
 from reports.charts.templating import markdown_table
 from reports.comparison.why import in_percent, percent_of
 from reports.folder import MANIFEST, results_folder, usable_folder
@@ -261,7 +261,7 @@ def _panel(
         1.1 * kind.heights[-1],
         kind.height_words,
         log=True,
-        ticks=tuple(zip(kind.heights, labels(kind.heights), strict=True)),
+        ticks=tuple(zip(kind.heights, tick_labels(kind.heights), strict=True)),
     )
     upper_end = max(1.5 * largest_error, 15.0)
     ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
@@ -270,7 +270,7 @@ def _panel(
         upper_end,
         "|error|, %",
         log=True,
-        ticks=tuple(zip(ticks, labels(ticks), strict=True)),
+        ticks=tuple(zip(ticks, tick_labels(ticks), strict=True)),
     )
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in ERROR_LEVELS]
     for (width, friction), (colour_number, line_style) in line_looks.items():

@@ -158,7 +158,9 @@ def _panel(
     """
     width, height = size
     has_equal_scales = name == "figure_02"
-    return Panel(name, x_axis, y_axis, marks, alt, width, height, title, equal=has_equal_scales)
+    return Panel(
+        name, x_axis, y_axis, marks, alt, width, height, title, has_equal_scales=has_equal_scales
+    )
 
 
 # ------------------------------------------------------------------------------ loads and tractions

@@ -30,11 +30,11 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    axis_limits,
     colour_scale,
-    labels,
-    limits,
+    tick_labels,
 )
-from reports.charts.templating import script, shades, template
+from reports.charts.templating import colours_of, script, template
 from reports.comparison.words import with_uncertainty
 from reports.studies.sweep.solving import display_factor, is_error, label_of
 from reports.studies.sweep.store import STATUS_COLUMNS, Store, solved_rows_of
@@ -427,14 +427,14 @@ class _QuantityFigure:
         if for_cells:
             ends = cell_borders(values, log=log)[[0, -1]]
         else:
-            ends = np.array(limits(places, margin=0.05))
+            ends = np.array(axis_limits(places, margin=0.05))
             if log:
                 ends = np.exp(ends)
         least_value, largest_value = ends.tolist()
         ticks: tuple[tuple[float, str], ...] = ()
         have_room = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
         if (log or for_cells) and have_room:
-            texts = labels([float(f"{value:.3g}") for value in values])
+            texts = tick_labels([float(f"{value:.3g}") for value in values])
             ticks = tuple(zip(values.tolist(), texts, strict=True))
         return ChartAxis(least_value, largest_value, self.label(column), log, ticks=ticks)
 
@@ -462,7 +462,7 @@ class _QuantityFigure:
         labels_at_end
             whether the labels of the curves stand at their ends
         """
-        least_value, largest_value = limits(self.lower_ends, self.upper_ends)
+        least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
         if labels_at_end:  # room for them
             largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
         x_axis = self.chart_axis(column)
@@ -548,11 +548,11 @@ class _QuantityFigure:
         ]
         for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
             look = "faint hollow" if self.is_unresolved[row] else ""
-            fill = "" if look else shades([colour_share[row]])[0]
+            fill = "" if look else colours_of([colour_share[row]])[0]
             marks.append(
                 Dot(float(x[row]), float(self.value[row]), look, 3.6, self.tooltip(row), fill=fill)
             )
-        y_axis = ChartAxis(*limits(self.lower_ends, self.upper_ends), self.axis_words)
+        y_axis = ChartAxis(*axis_limits(self.lower_ends, self.upper_ends), self.axis_words)
         alt = f"{self.title_words} over {x_axis.words}, {combination}"
         panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 340.0, _in_words(combination))
         scale = colour_scale(
@@ -603,7 +603,7 @@ def heat_map(
     cells_across = _borders_around_places(x_axis, coordinates[0])
     cells_up = _borders_around_places(y_axis, coordinates[1])
     for row in np.flatnonzero(np.isfinite(colour_share)).tolist():
-        fill = shades([colour_share[row]])[0]
+        fill = colours_of([colour_share[row]])[0]
         hatched = bool(is_hatched[row])
         marks.append(Block(cells_across[row], cells_up[row], "", tooltips[row], fill, hatched))
     return marks
