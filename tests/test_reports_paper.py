@@ -251,7 +251,7 @@ def test_other_friction_takes_the_numbers_away() -> None:
 
 def test_the_figures_are_about_an_ellipse_and_costly_parts_are_done_once() -> None:
     with pytest.raises(InputError, match="an ellipse, not polygon"):
-        _ = Case(load_scene("cattaneo-mindlin")).load
+        _ = Case(load_scene("cattaneo-mindlin")).load_ellipse
     assert paper().sweeps is paper().sweeps
     assert paper().peaks is paper().peaks
 

@@ -107,7 +107,7 @@ def axis(**keys: Any) -> Axis:
 
 def test_values_of_axes() -> None:
     steps = [
-        point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).settings()
+        point["a"] for point in axis(logarithmic={"start": 2, "stop": 32, "count": 5}).points()
     ]
     assert steps == pytest.approx([2, 4, 8, 16, 32], rel=1e-15)
     product = grid_points([axis(values=[1, 2]), axis(name="b", values=["x", "y"])])
