@@ -6,9 +6,9 @@ What they look like stands once, in templates/charts.css. Nothing here knows a m
 
 Offered to the rest of reports:
 
-    plate.py       `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `labels` `limits`; `Arrow`
-                   `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note` `Rule` `Segments`;
-                   `STATE_KEYS` `colour_scale` `figure_with_texts` `write_tables`
-    templating.py  `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades`
+    plate.py       `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `axis_limits` `tick_labels`;
+                   `Arrow` `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note` `Rule`
+                   `Segments`; `STATE_KEYS` `colour_scale` `figure_with_texts` `write_tables`
+    templating.py  `STATE_NAMES` `Table` `colours_of` `in_template` `markdown_table` `script`
                    `table_text` `template` `words_of`
 """
