@@ -283,7 +283,7 @@ def _end_of_lost_slip(
     loads_at
         function of an instant: the scaled loads
     tolerance
-        of the step error: a part of its `error_rate` times the duration is the work that may be lost
+        of the step error; `_LOST_WORK_ALLOWED` is the share of it that may be lost
     """
     end = increment.state.time
     directions = slip_sign(start.node_states)
@@ -322,7 +322,7 @@ class _ErrorControl:
     problem
         the contact problem, in whose `work_counts` refused increments are counted
     tolerance
-        of the step error: a part of its `error_rate` times the duration is the work that may be lost
+        of the step error
     shortest_duration
         increments up to that duration are not halved
     refused_start, refused_error
