@@ -226,7 +226,7 @@ def varying(steps, placed=False):
     )
     mesh = replace(COARSE, element_size=1 / 8, edge_element_size=1 / 8)
     with mock.patch(
-        "halfplane_fe.run.edge_excess_by_cycle",
+        "halfplane_fe.run.excess",
         between_nodes.excess if placed else lambda *_: between_nodes.Excess(0.0, 0.0, 0),
     ):
         return halfplane_fe.solve(

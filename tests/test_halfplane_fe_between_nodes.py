@@ -164,7 +164,7 @@ def test_edges_that_are_not_between_quadratic_nodes_of_one_size_are_left_alone()
             excesses.append(excess(problem, states))
             return excesses[-1]
 
-        with mock.patch("halfplane_fe.run.edge_excess_by_cycle", spy):
+        with mock.patch("halfplane_fe.run.excess", spy):
             halfplane_fe.solve("cattaneo-mindlin", **options)
         return [record.edges for record in excesses]
 
@@ -195,7 +195,7 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
         close_cycle(run, edge_excess)
 
     with (
-        mock.patch("halfplane_fe.run.edge_excess_by_cycle", excess_of),
+        mock.patch("halfplane_fe.run.excess", excess_of),
         mock.patch.object(PathRun, "close_cycle", closing),
     ):
         answer = halfplane_fe.solve("hertz-paper", MeshSettings.coarse())
@@ -292,7 +292,7 @@ def work_with_and_without(scene: Scene, edge_element_size: float) -> tuple[float
         return excesses[-1]
 
     mesh = MeshSettings(edge_element_size=edge_element_size)
-    with mock.patch("halfplane_fe.run.edge_excess_by_cycle", spy):
+    with mock.patch("halfplane_fe.run.excess", spy):
         answer = halfplane_fe.solve(scene, mesh)
     unit = answer.scales.load**2 / answer.scales.modulus
     return answer.dissipation, answer.dissipation + excesses[-1].value * unit
