@@ -29,13 +29,13 @@ from reports.comparison import words
 from reports.comparison.findings import (
     NAMES_OF_COUNTS,
     SAME,
-    RunValues,
+    ValuesOfRun,
     difference_of_runs,
     run_values_of_content,
     run_values_of_solution,
 )
 from reports.comparison.laws import QUANTITIES
-from reports.comparison.measures import Measured
+from reports.comparison.measures import MetricValue
 from reports.comparison.metrics import METRICS, Metric, tolerances_of
 from reports.comparison.pairs import are_half_planes, engine_in_words
 from reports.comparison.verdicts import verdict_on
@@ -78,7 +78,7 @@ def compute(name: str) -> Comparison:
     )
 
 
-def half_plane_findings(name: str) -> RunValues:
+def half_plane_findings(name: str) -> ValuesOfRun:
     """The figures of the half-plane engine on its own points and instants: no mesh, so quick enough
     for every test run.
     """
@@ -89,7 +89,9 @@ def half_plane_findings(name: str) -> RunValues:
         scene, fields=("loop_work", "pressure", "tangential_displacement")
     )
     theory_findings = run_values_of_solution(solution, name)
-    return replace(theory_findings, figures=_with_expected(theory_findings.figures, solution))
+    return replace(
+        theory_findings, values_by_key=_with_expected(theory_findings.values_by_key, solution)
+    )
 
 
 def _with_expected(
@@ -107,7 +109,7 @@ def _with_expected(
     return known
 
 
-def findings(comparison: Comparison) -> RunValues:
+def findings(comparison: Comparison) -> ValuesOfRun:
     """The figures of a scene: the metrics, the finite elements', and the half-plane engine's on its
     own points.
     """
@@ -122,13 +124,15 @@ def findings(comparison: Comparison) -> RunValues:
             f"{name}: not converged, so not published: {'; '.join(of_both.unfinished)}"
         )
     chosen_findings = {
-        key: value for key, value in of_both.figures.items() if not key.startswith("semi_analytic.")
+        key: value
+        for key, value in of_both.values_by_key.items()
+        if not key.startswith("semi_analytic.")
     }
     chosen_findings = _with_expected(chosen_findings, comparison.result)
-    return RunValues(
+    return ValuesOfRun(
         name,
         of_both.scene,
-        chosen_findings | dict(alone.figures),
+        chosen_findings | dict(alone.values_by_key),
         {**of_both.engines, **alone.engines},
     )
 
@@ -159,7 +163,7 @@ def error_of(
     reference: Case, figures: Mapping[str, float | None], scene: Scene, largest_load: float
 ) -> float:
     """Difference of our figure from a reference, in the measure of its tolerance."""
-    from reports.comparison.dimensionless import compliance
+    from reports.comparison.dimensionless import compliance_of_materials
 
     ours = figures[key_of(reference)]
     theirs = float(reference.value)
@@ -167,7 +171,8 @@ def error_of(
         return math.inf
     size = (
         abs(theirs)
-        or compliance(scene.material) * ((scene.friction.coefficient or 1.0) * largest_load) ** 2
+        or compliance_of_materials(scene.material)
+        * ((scene.friction.coefficient or 1.0) * largest_load) ** 2
     )
     return (ours - theirs) / size
 
@@ -185,7 +190,7 @@ def baselines(comparison: Comparison) -> dict[str, Case]:
         {"run": "comparison", "quantity": ADMISSIBLE, "value": comparison.admissible},
     ]
     verdicts = {metric.key: metric for metric in comparison.metrics}
-    for key, value in findings(comparison).figures.items():
+    for key, value in findings(comparison).values_by_key.items():
         part, _, quantity = key.partition(".")
         row: dict[str, Any] = {"run": _RUNS[part], "quantity": quantity, "value": value}
         if part == "metric" and quantity in verdicts:
@@ -243,10 +248,10 @@ def published() -> dict[str, dict[str, Any]]:
     }
 
 
-def frozen(name: str, stored: Mapping[str, Any]) -> RunValues:
+def frozen(name: str, stored: Mapping[str, Any]) -> ValuesOfRun:
     """The frozen figures of a scene, for a comparison with those of now."""
     source = case_table.file_of(name).name
-    return RunValues(
+    return ValuesOfRun(
         source, load_scene(name), stored["frozen"], {}, tolerances=stored["tolerances"]
     )
 
@@ -346,7 +351,7 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
         if part == "metric" and not name.endswith(".finite"):
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
             metric = METRICS[name]
-            measured = Measured(value=number, absolute=name in stored["absolute"])
+            measured = MetricValue(value=number, absolute=name in stored["absolute"])
             rows.append(metric.with_value(measured, metric.tolerance_from(tolerances)))
     return rows
 

@@ -23,7 +23,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports import Comparison, compare, score
-from reports.comparison.dimensionless import scales
+from reports.comparison.dimensionless import scales_of_reference
 from reports.scoring.diagnosis import diagnose
 from reports.scoring.mapping import Mapping
 from reports.scoring.reading import read_result
@@ -303,7 +303,7 @@ def rules() -> Iterator[Row]:
     )
     off = (
         np.max(np.abs(zones_found.stick_edges - exact.stick_edges), axis=1)
-        / scales(exact).half_width
+        / scales_of_reference(exact).half_width
     )
     how = (
         f"hertz-paper, theory at the {len(exact.x)} points and {len(exact.time)} instants of a"

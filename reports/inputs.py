@@ -91,7 +91,7 @@ _MOST_ROWS_FOR_SEARCH = 500
 _ValueByName = dict[str, float]
 
 
-class Quantity(NamedTuple):
+class TheoryQuantity(NamedTuple):
     """A value of theory: its name in words, the kind of its unit, and its exponents in the scaling
     laws.
     """
@@ -105,12 +105,12 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES_OF_THEORY = {
-    WORK: Quantity("dissipation W", "energy", 1, 2, 2, 0),
-    PEAK: Quantity("largest pressure", "stress", 1, 0, 1, -1),
-    "half_width": Quantity("largest contact half-width", "length", 0, 0, 0, 1),
-    "permanent_stick": Quantity("permanent stick half-width", "length", 0, 0, 0, 1),
-    "slip": Quantity("largest slip", "length", 0, 1, 1, 0),
-    "edge_tension": Quantity("largest edge tension", "stress", 1, 1, 1, -1),
+    WORK: TheoryQuantity("dissipation W", "energy", 1, 2, 2, 0),
+    PEAK: TheoryQuantity("largest pressure", "stress", 1, 0, 1, -1),
+    "half_width": TheoryQuantity("largest contact half-width", "length", 0, 0, 0, 1),
+    "permanent_stick": TheoryQuantity("permanent stick half-width", "length", 0, 0, 0, 1),
+    "slip": TheoryQuantity("largest slip", "length", 0, 1, 1, 0),
+    "edge_tension": TheoryQuantity("largest edge tension", "stress", 1, 1, 1, -1),
 }
 """Of the last cycle, or of the whole path where nothing repeats."""
 QUANTITIES_UNDER_DISPLACEMENT = {
@@ -118,8 +118,8 @@ QUANTITIES_UNDER_DISPLACEMENT = {
     PEAK: QUANTITIES_OF_THEORY[PEAK],
     "half_width": QUANTITIES_OF_THEORY["half_width"],
     "permanent_stick": QUANTITIES_OF_THEORY["permanent_stick"],
-    "largest_tangential_load": Quantity("largest tangential load", "load", 1, 1, 1, 0),
-    RATIO: Quantity("largest |Q|/(f P)", "ratio", 0, 0, 0, 0),
+    "largest_tangential_load": TheoryQuantity("largest tangential load", "load", 1, 1, 1, 0),
+    RATIO: TheoryQuantity("largest |Q|/(f P)", "ratio", 0, 0, 0, 0),
 }
 """Where a displacement is prescribed in the place of Q."""
 
@@ -290,7 +290,7 @@ class InputEffects:
 
 
 def uncertain_value(
-    quantity: Quantity,
+    quantity: TheoryQuantity,
     value: float,
     changes_by_inputs: Sequence[_ChangeByInput],
     key: str,
@@ -633,7 +633,7 @@ class _ScalingLaws:
 
     def _values_times_exponent(self, exponent_name: str) -> _ValueByName:
         """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
-        `exponent_name` is the attribute of a `Quantity` that holds the exponent.
+        `exponent_name` is the attribute of a `TheoryQuantity` that holds the exponent.
         """
         return {
             key: getattr(QUANTITIES_OF_THEORY[key], exponent_name) * value

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from reports.comparison.metrics import Metric
     from reports.inputs import InputEffects
     from reports.scoring.evidence import EvidenceStep
-    from reports.scoring.study import Study, UnscoredFile
+    from reports.scoring.study import MeshStudy, UnscoredFile
     from reports.scoring.traces import Diagnosis
     from reports.validation import AgainstMeasurement
 
@@ -96,7 +96,7 @@ class Report:
     budget: ErrorBudget | None = None
     guesses: tuple[str, ...] = ()
     diagnoses: tuple[Diagnosis, ...] = ()
-    study: Study | None = None
+    study: MeshStudy | None = None
     third: ThirdAnswer | None = None
     unscored: tuple[UnscoredFile, ...] = ()
     inputs: InputEffects | None = None

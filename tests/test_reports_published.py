@@ -37,7 +37,7 @@ from reports.comparison.findings import (
     ONLY_B,
     SAME,
     Difference,
-    RunValues,
+    ValuesOfRun,
     difference_of_runs,
     patterned_tolerances,
 )
@@ -70,18 +70,18 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def a(runs: Path) -> RunValues:
+def a(runs: Path) -> ValuesOfRun:
     return baseline.read_run_values(runs / "a")
 
 
-def with_figures(findings: RunValues, **values: float | None) -> RunValues:
+def with_figures(findings: ValuesOfRun, **values: float | None) -> ValuesOfRun:
     """With other values; __ stands for the point of a key, a value of `...` takes the key away."""
     named = {key.replace("__", "."): value for key, value in values.items()}
-    assert named.keys() <= findings.figures.keys()
+    assert named.keys() <= findings.values_by_key.keys()
     figures = {
-        key: value for key, value in {**findings.figures, **named}.items() if value is not ...
+        key: value for key, value in {**findings.values_by_key, **named}.items() if value is not ...
     }
-    return replace(findings, source="b", figures=figures)
+    return replace(findings, source="b", values_by_key=figures)
 
 
 def verdicts(table: Difference) -> dict[str, str]:
@@ -89,30 +89,32 @@ def verdicts(table: Difference) -> dict[str, str]:
     return {row.key: row.verdict for row in table.rows if row.verdict != SAME}
 
 
-def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: RunValues) -> None:
+def test_a_run_holds_the_metrics_and_the_values_of_both_engines(runs: Path, a: ValuesOfRun) -> None:
     exact = cattaneo_mindlin()
-    assert a.figures["semi_analytic.dissipation"] == exact.dissipation
-    assert a.figures["halfplane_fe.dissipation"] == 1.25e-3
-    assert a.figures["metric.dissipation"] == pytest.approx(
+    assert a.values_by_key["semi_analytic.dissipation"] == exact.dissipation
+    assert a.values_by_key["halfplane_fe.dissipation"] == 1.25e-3
+    assert a.values_by_key["metric.dissipation"] == pytest.approx(
         1.25e-3 / exact.dissipation - 1, rel=1e-14
     )
-    assert a.figures["halfplane_fe.largest_half_width"] == 1.0
-    assert a.figures["halfplane_fe.largest_pressure"] == exact.pressure.max()
+    assert a.values_by_key["halfplane_fe.largest_half_width"] == 1.0
+    assert a.values_by_key["halfplane_fe.largest_pressure"] == exact.pressure.max()
     of_file = baseline.read_run_values(runs / "solution.nc")
     of_folder = baseline.read_run_values(runs / "alone")
-    assert of_file.figures == of_folder.figures
+    assert of_file.values_by_key == of_folder.values_by_key
     assert of_file.scene == of_folder.scene
-    assert len(of_file.figures) >= 5
+    assert len(of_file.values_by_key) >= 5
 
 
-def scaled(key: str, factor: float) -> Callable[[RunValues], tuple[RunValues, RunValues]]:
-    return lambda a: (a, with_figures(a, **{key: a.figures[key.replace("__", ".")] * factor}))
+def scaled(key: str, factor: float) -> Callable[[ValuesOfRun], tuple[ValuesOfRun, ValuesOfRun]]:
+    return lambda a: (a, with_figures(a, **{key: a.values_by_key[key.replace("__", ".")] * factor}))
 
 
 W = "semi_analytic__dissipation"
 STICK = "semi_analytic__permanent_stick_half_width"
 # Pairs of findings, and the rows that differ.
-PAIRS: dict[str, tuple[Callable[[RunValues], tuple[RunValues, RunValues]], dict[str, str]]] = {
+PAIRS: dict[
+    str, tuple[Callable[[ValuesOfRun], tuple[ValuesOfRun, ValuesOfRun]], dict[str, str]]
+] = {
     "with itself": (lambda a: (a, a), {}),
     "theory within 1e-9": (scaled(W, 1 + 0.9e-9), {}),
     "theory beyond": (scaled(W, 1 + 1.1e-9), {"semi_analytic.dissipation": DIFFERS}),
@@ -156,7 +158,7 @@ PAIRS: dict[str, tuple[Callable[[RunValues], tuple[RunValues, RunValues]], dict[
 
 
 @pytest.mark.parametrize("case", PAIRS)
-def test_pairs_differ_where_they_must(case: str, a: RunValues) -> None:
+def test_pairs_differ_where_they_must(case: str, a: ValuesOfRun) -> None:
     pair, rows = PAIRS[case]
     table = difference_of_runs(*pair(a))
     assert (verdicts(table), table.are_same) == (rows, not rows)
@@ -172,16 +174,18 @@ def test_a_value_that_is_no_number_is_not_one_that_is_none(runs: Path) -> None:
     assert difference_of_runs(nan, nan).are_same
 
 
-def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a: RunValues) -> None:
+def test_what_only_one_side_holds_at_all_is_said_and_not_compared(
+    runs: Path, a: ValuesOfRun
+) -> None:
     """The answer of one engine against a whole run: its own values count, and any of these that the
     run lacks.
     """
     alone = baseline.read_run_values(runs / "solution.nc")
     engine = {
         "semi_analytic" + key.removeprefix("closed_form"): value
-        for key, value in alone.figures.items()
+        for key, value in alone.values_by_key.items()
     }
-    table = difference_of_runs(replace(alone, figures=engine), a)
+    table = difference_of_runs(replace(alone, values_by_key=engine), a)
     assert table.are_same
     assert {row.key.partition(".")[0] for row in table.rows} == {"semi_analytic"}
     assert table.notes == (
@@ -190,7 +194,9 @@ def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a:
     )
     fewer = replace(
         alone,
-        figures={key: value for key, value in engine.items() if not key.endswith("dissipation")},
+        values_by_key={
+            key: value for key, value in engine.items() if not key.endswith("dissipation")
+        },
     )
     assert verdicts(difference_of_runs(fewer, a)) == {"semi_analytic.dissipation": ONLY_B}
     engines = {**a.engines, "halfplane_fe": {"settings": {"mesh": {"order": 1}}, "versions": {}}}
@@ -201,7 +207,7 @@ def test_what_only_one_side_holds_at_all_is_said_and_not_compared(runs: Path, a:
     )
 
 
-def test_tolerances_of_the_command_line_come_first_then_those_kept(a: RunValues) -> None:
+def test_tolerances_of_the_command_line_come_first_then_those_kept(a: ValuesOfRun) -> None:
     moved = with_figures(a, metric__shear=1e-3)
     assert not difference_of_runs(a, moved).are_same
     assert difference_of_runs(a, moved, {"metric.*": 2e-3}).are_same
@@ -222,12 +228,12 @@ def test_tolerances_of_the_command_line_come_first_then_those_kept(a: RunValues)
         difference_of_runs(a, a, {"metric.sheer": 1.0})
 
 
-def test_different_questions_and_nothing_in_common_are_refused(a: RunValues) -> None:
+def test_different_questions_and_nothing_in_common_are_refused(a: ValuesOfRun) -> None:
     with refused_for("friction.coefficient", "0.5 and 0.4"):
         difference_of_runs(a, replace(a, scene=a.scene.vary(friction=0.4)))
     with refused_for("no figure in common"):
         difference_of_runs(
-            a, replace(a, figures={"somebody.dissipation": 1.0}, engines={"somebody": {}})
+            a, replace(a, values_by_key={"somebody.dissipation": 1.0}, engines={"somebody": {}})
         )
 
 
@@ -267,7 +273,7 @@ def test_same_differs_and_accept(runs: Path, tmp_path: Path) -> None:
 
 
 def test_accept_never_writes_over_what_is_no_baseline_of_this_scene(
-    runs: Path, tmp_path: Path, a: RunValues
+    runs: Path, tmp_path: Path, a: ValuesOfRun
 ) -> None:
     stored = tmp_path / "kept.json"
     baseline.write_baseline(replace(a, scene=load_scene("hertz-paper")), stored, {})
@@ -316,9 +322,11 @@ def test_a_folder_with_a_damaged_solution_is_refused(tmp_path: Path) -> None:
         baseline.read_run_values(tmp_path)
 
 
-def test_an_energy_is_compared_where_a_baseline_lacks_pressure_and_half_width(a: RunValues) -> None:
-    work = {"semi_analytic.dissipation": a.figures["semi_analytic.dissipation"]}
-    alone = replace(a, figures=work)
+def test_an_energy_is_compared_where_a_baseline_lacks_pressure_and_half_width(
+    a: ValuesOfRun,
+) -> None:
+    work = {"semi_analytic.dissipation": a.values_by_key["semi_analytic.dissipation"]}
+    alone = replace(a, values_by_key=work)
     assert difference_of_runs(alone, replace(alone, source="b")).are_same
 
 
@@ -333,7 +341,7 @@ CHEAP = ("full-stick",)
 EVERY = pytest.mark.parametrize("name", scene_names())
 
 
-def changed(then: RunValues, now: RunValues) -> list[str]:
+def changed(then: ValuesOfRun, now: ValuesOfRun) -> list[str]:
     return [
         f"{row.key}: {row.a} -> {row.b}, {row.verdict}"
         for row in difference_of_runs(then, now).rows
@@ -355,9 +363,9 @@ def test_the_whole_library_is_published_and_nothing_else() -> None:
 @EVERY
 def test_half_plane_figures_are_what_the_code_gives(name: str) -> None:
     findings = frozen(name, STORED[name])
-    keys = [key for key in findings.figures if key.startswith("semi_analytic.")]
-    theory = {key: findings.figures[key] for key in keys}
-    assert changed(replace(findings, figures=theory), half_plane_findings(name)) == [], RENEW
+    keys = [key for key in findings.values_by_key if key.startswith("semi_analytic.")]
+    theory = {key: findings.values_by_key[key] for key in keys}
+    assert changed(replace(findings, values_by_key=theory), half_plane_findings(name)) == [], RENEW
 
 
 @pytest.mark.parametrize(

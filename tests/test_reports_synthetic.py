@@ -10,7 +10,7 @@ import pytest
 
 from reports.comparison import Comparison, compare
 from reports.comparison.cycles import last_cycle
-from reports.comparison.dimensionless import compliance
+from reports.comparison.dimensionless import compliance_of_materials
 from reports.comparison.work_of_loads import loop_work
 from scenes import ContactSolution, Record, Scene, SurfaceState, Work, load_scene, read_only_copy
 
@@ -30,7 +30,7 @@ def closed_form_dissipation(scene: Scene) -> float:
     k = LOAD_RATIO
     return float(
         2
-        * compliance(scene.material)
+        * compliance_of_materials(scene.material)
         * (f * load) ** 2
         / np.pi
         * ((1 - k) * np.log(1 - k) + k - k**2 / 2)
@@ -151,7 +151,12 @@ def _shift(scene: Scene, load: float, share: Any) -> np.ndarray:
             eta * np.log(eta) - eta
         )
 
-    return compliance(scene.material) * f / np.pi * (primitive(np.asarray(load)) - primitive(start))
+    return (
+        compliance_of_materials(scene.material)
+        * f
+        / np.pi
+        * (primitive(np.asarray(load)) - primitive(start))
+    )
 
 
 def test_tractions_carry_the_loads() -> None:

@@ -375,12 +375,12 @@ def _draw(
     with stages.stage("pictures", "pictures") as show_progress:
         import numpy as np
 
-        from reports.comparison.dimensionless import scales as reference_scales
+        from reports.comparison.dimensionless import scales_of_reference
         from reports.field_output import pictures
 
         folder.mkdir()
         contact_edge = float(np.nanmax(solution.contact_edges))
-        half_width = reference_scales(solution).half_width
+        half_width = scales_of_reference(solution).half_width
         figure = pictures.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
         names = [_write_picture(figure, folder)]
         # all figures have the same scales of stress and displacement

@@ -24,7 +24,7 @@ from reports.console import Part, Sheet, Stages, complain
 from reports.units import minus
 
 if TYPE_CHECKING:
-    from reports.comparison.findings import Difference, Row
+    from reports.comparison.findings import Difference, ValueRow
     from reports.report import Report
     from reports.scoring.mapping import Mapping
     from scenes import Scene
@@ -352,7 +352,7 @@ def diff(a: str, b: str, options: Options) -> Answer:
     if earlier_baseline:
         parts += _difference_parts(difference_to_b)
     scene_name = values_a.scene.name or values_a.source
-    parts.append(f"{b}: {len(values_a.figures)} values of {scene_name} accepted")
+    parts.append(f"{b}: {len(values_a.values_by_key)} values of {scene_name} accepted")
     return Answer(EXIT_WITHIN, parts, difference_to_b.content, difference_to_b.scene)
 
 
@@ -393,7 +393,7 @@ def _difference_parts(difference: Difference) -> Iterator[Part]:
         yield f"all {len(difference.rows)} values are the same within tolerance"
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: ValueRow) -> tuple[str, ...]:
     """Cells of one value of `diff`: name, A, B, B − A, tolerance, verdict."""
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
     if row.difference is None:

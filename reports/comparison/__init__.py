@@ -5,8 +5,9 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `index_of_first_row` `NAMES_OF_BULK_SERIES`
-    dimensionless.py the scales: `scales` `Scales` `compliance` `energy_scale`
-    datum.py        what displacements count from, c_t and c_n of finite bodies: `effects_between`
+    dimensionless.py the scales: `scales_of_reference` `Scales` `compliance_of_materials`
+    `energy_scale` datum.py        what displacements count from, c_t and c_n of finite bodies:
+    `effects_between`
                     `lacks_datum` `cycle_from_supports`
     isolated.py     single values that no neighbour supports: `spike_mask` `without_spikes`
     pairs.py        reference and result on common points: `Pair` `are_half_planes`
@@ -45,10 +46,11 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `Extrapolation` `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
                     `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
-    findings.py     what two runs, or a run and a baseline, differ by: `RunValues` `read_run_values`
+    findings.py     what two runs, or a run and a baseline, differ by: `ValuesOfRun`
+    `read_run_values`
                     `run_values_of_content` `run_values_of_solution` `difference_of_runs`
-                    `Difference` `Row` `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION` `is_baseline`
-                    `write_baseline` `patterned_tolerances`
+                    `Difference` `ValueRow` `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION`
+                    `is_baseline` `write_baseline` `patterned_tolerances`
 """
 
 from __future__ import annotations
@@ -58,7 +60,7 @@ from dataclasses import dataclass
 
 from reports.comparison.cycles import cycle_interpolated_by_time, interpolated_cycle, last_cycle
 from reports.comparison.datum import cycle_from_supports, lacks_datum
-from reports.comparison.dimensionless import scales
+from reports.comparison.dimensionless import scales_of_reference
 from reports.comparison.judged import JudgedPair
 from reports.comparison.laws import certificates
 from reports.comparison.metrics import (
@@ -225,7 +227,7 @@ def compare(
         result,
         polygon_reference,
         plain_reference or reference,
-        scales(scales_from or reference),
+        scales_of_reference(scales_from or reference),
         reference_cycle=reference_cycle,
         result_cycle=result_cycle,
         effects=effects,

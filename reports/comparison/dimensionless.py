@@ -61,11 +61,11 @@ class Scales(PythonNumbers):
         return self.compliance * self.normal_load / self.half_width
 
 
-def compliance(materials: Materials) -> float:
+def compliance_of_materials(materials: Materials) -> float:
     """A = 2/E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [1/stress].
 
     >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
-    >>> round(2 / compliance(steel), 1)
+    >>> round(2 / compliance_of_materials(steel), 1)
     115384.6
     """
     return 2 * sum(
@@ -75,10 +75,12 @@ def compliance(materials: Materials) -> float:
 
 def energy_scale(scene: Scene, load: float) -> float:
     """A f^2 P^2, f being 1 for a frictionless scene [energy / thickness]."""
-    return compliance(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
+    return (
+        compliance_of_materials(scene.material) * ((scene.friction.coefficient or 1.0) * load) ** 2
+    )
 
 
-def scales(reference: ContactSolution) -> Scales:
+def scales_of_reference(reference: ContactSolution) -> Scales:
     """The scales that make a comparison dimensionless, from the reference solution:
 
     - P_ref, the mean normal load where P and Q go round an ellipse, else the largest normal load of
@@ -106,5 +108,5 @@ def scales(reference: ContactSolution) -> Scales:
         half_width=half_width,
         pressure=2 * reference_load / (np.pi * half_width),
         friction=reference.scene.friction.coefficient or 1.0,
-        compliance=compliance(reference.scene.material),
+        compliance=compliance_of_materials(reference.scene.material),
     )

@@ -60,7 +60,7 @@ _DEFAULT_TOLERANCES: tuple[tuple[str, float], ...] = (
 )
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
 _LEAST_SHARE_OF_ENERGY = 1e-6
-# Verdicts on a figure of two runs.
+# Verdicts on a value of two runs.
 SAME = "same"
 DIFFERS = "differs"
 ONLY_A = "only in A"
@@ -68,7 +68,7 @@ ONLY_B = "only in B"
 
 
 @dataclass(frozen=True)
-class RunValues:
+class ValuesOfRun:
     """The values of a run or of a baseline."""
 
     source: str  # folder or file that they were read from, as the user named it
@@ -76,14 +76,14 @@ class RunValues:
     # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a
     # comparison are "metric.<key>", values of an engine "<engine>.<quantity>" in the scene's
     # units, counts "<engine>.counts.<name>"
-    figures: Mapping[str, float | None]
+    values_by_key: Mapping[str, float | None]
     engines: Mapping[str, Mapping[str, Any]]  # engine -> {"settings": ..., "versions": ...}
     unfinished: tuple[str, ...] = ()  # sentences of engines that did not converge
     # pattern of keys -> largest admitted difference, kept with a baseline
     tolerances: Mapping[str, float] = field(default_factory=dict)
 
 
-def read_run_values(source: str | Path) -> RunValues:
+def read_run_values(source: str | Path) -> ValuesOfRun:
     """The values of a run, for comparison with another one: from a run folder, comparison.json,
     <engine>.json, a solution (.nc) or a baseline.
 
@@ -110,7 +110,7 @@ def read_run_values(source: str | Path) -> RunValues:
     return _run_values_in_folder(path, source)
 
 
-def _run_values_in_folder(folder: Path, source: str | Path) -> RunValues:
+def _run_values_in_folder(folder: Path, source: str | Path) -> ValuesOfRun:
     """The values of every converged solution of an engine (*.json) in a run folder that holds no
     comparison. InputError where there is no solution, where none converged, where one is damaged,
     or where they answer different scenes.
@@ -126,31 +126,31 @@ def _run_values_in_folder(folder: Path, source: str | Path) -> RunValues:
             f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an"
             " engine"
         )
-    findings_of_engines = [
+    values_of_engines = [
         run_values_of_content(content, str(source))
         for content in solutions
         if content.get("converged", True)  # a file without it is damaged, and refused as such
     ]
-    if not findings_of_engines:
+    if not values_of_engines:
         raise InputError(
             f"{source}: it holds only the steps before an engine failed:"
             f" {solutions[0].get('message')}"
         )
-    physical_contents = [_physical_content(findings.scene) for findings in findings_of_engines]
+    physical_contents = [_physical_content(run_values.scene) for run_values in values_of_engines]
     if any(content != physical_contents[0] for content in physical_contents):
         raise InputError(
             f"{source}: the engines in this folder answer different scenes; name the file of one of"
             " them"
         )
-    figures: dict[str, float | None] = {}
+    values_by_key: dict[str, float | None] = {}
     engines: dict[str, Mapping[str, Any]] = {}
-    for findings in findings_of_engines:
-        figures |= findings.figures
-        engines |= findings.engines
-    return RunValues(str(source), findings_of_engines[0].scene, figures, engines)
+    for run_values in values_of_engines:
+        values_by_key |= run_values.values_by_key
+        engines |= run_values.engines
+    return ValuesOfRun(str(source), values_of_engines[0].scene, values_by_key, engines)
 
 
-def run_values_of_content(content: Mapping[str, Any], source: str) -> RunValues:
+def run_values_of_content(content: Mapping[str, Any], source: str) -> ValuesOfRun:
     """The values in the content of comparison.json, <engine>.json or a baseline. InputError, naming
     `source`, where "format" names another kind of file or another version, or an entry is absent or
     of the wrong kind.
@@ -186,7 +186,7 @@ def run_values_of_content(content: Mapping[str, Any], source: str) -> RunValues:
         ) from reason
 
 
-def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> RunValues:
+def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> ValuesOfRun:
     """The values of a run in the content of a JSON file of this kind ("baseline", "comparison" or
     "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
     "semi_analytic.counts.steps_solved", for example.
@@ -195,24 +195,26 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> R
     AttributeError.
     """
     scene = Scene.model_validate(content["scene"])
-    figures: dict[str, float | None] = {}
+    values_by_key: dict[str, float | None] = {}
     tolerances: dict[str, float] = {}
     engines: dict[str, Mapping[str, Any]] = {}
     # name of an engine, or its role ("reference", "result") -> content of its solution
     solutions: dict[str, Mapping[str, Any]] = {}
     failures: list[str] = []
     if kind == "baseline":
-        figures = {str(key): _number_or_none(value) for key, value in content["figures"].items()}
+        values_by_key = {
+            str(key): _number_or_none(value) for key, value in content["figures"].items()
+        }
         tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
         engines = {
             str(key): _settings_and_versions(value) for key, value in content["engines"].items()
         }
     elif kind == "comparison":
         for key, metric in content["metrics"].items():
-            figures[f"metric.{key}"] = _number_or_none(metric["value"])
+            values_by_key[f"metric.{key}"] = _number_or_none(metric["value"])
             # JSON has no NaN: without this entry NaN and "no value" would look alike.
             if not metric["finite"]:
-                figures[f"metric.{key}.finite"] = 0.0
+                values_by_key[f"metric.{key}.finite"] = 0.0
         has_same_engine = content["reference"]["engine"] == content["result"]["engine"]
         for role in ("reference", "result"):
             name = role if has_same_engine else _key_without_blanks(content[role]["engine"])
@@ -224,9 +226,9 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> R
             *_KEYS_OF_SOLUTION,
             *(key for key in NAMES_OF_UNSYMMETRIC_VALUES if key in solution),
         )
-        figures |= {f"{name}.{key}": _number_or_none(solution[key]) for key in keys}
+        values_by_key |= {f"{name}.{key}": _number_or_none(solution[key]) for key in keys}
         counts = solution["counts"]
-        figures |= {
+        values_by_key |= {
             f"{name}.counts.{_key_without_blanks(key)}": _number_or_none(counts[key])
             for key in NAMES_OF_COUNTS
             if key in counts
@@ -234,10 +236,10 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> R
         engines[name] = _settings_and_versions(solution)
         if not solution["converged"]:
             failures.append(f"{name}: {solution['message']}")
-    return RunValues(source, scene, figures, engines, tuple(failures), tolerances)
+    return ValuesOfRun(source, scene, values_by_key, engines, tuple(failures), tolerances)
 
 
-def run_values_of_solution(solution: ContactSolution, source: str) -> RunValues:
+def run_values_of_solution(solution: ContactSolution, source: str) -> ValuesOfRun:
     """The values of one solution; `source` names it in messages."""
     from reports.comparison.json_values import solution_content, strict_json_values
 
@@ -246,8 +248,8 @@ def run_values_of_solution(solution: ContactSolution, source: str) -> RunValues:
     return _run_values_of_kind("solution", content, source)
 
 
-def write_baseline(findings: RunValues, path: Path, tolerances: Mapping[str, float]) -> None:
-    """Write the values of a run (`findings`) to `path` as a baseline that later runs are compared
+def write_baseline(run_values: ValuesOfRun, path: Path, tolerances: Mapping[str, float]) -> None:
+    """Write the values of a run (`run_values`) to `path` as a baseline that later runs are compared
     with. The file is written completely or not at all.
 
     Parameters
@@ -260,16 +262,15 @@ def write_baseline(findings: RunValues, path: Path, tolerances: Mapping[str, flo
     InputError
         Where an engine did not converge, or `path` can't be written to.
     """
-    if findings.unfinished:
-        raise InputError(
-            f"{findings.source}: not converged, so no baseline: {'; '.join(findings.unfinished)}"
-        )
+    if run_values.unfinished:
+        reasons = "; ".join(run_values.unfinished)
+        raise InputError(f"{run_values.source}: not converged, so no baseline: {reasons}")
     content = {
         "format": _FORMAT_OF_BASELINE,
-        "scene": findings.scene.model_dump(mode="json"),
-        "engines": findings.engines,
+        "scene": run_values.scene.model_dump(mode="json"),
+        "engines": run_values.engines,
     }
-    content |= {"tolerances": dict(tolerances), "figures": findings.figures}
+    content |= {"tolerances": dict(tolerances), "figures": run_values.values_by_key}
     replace_text(path, json.dumps(content, allow_nan=False, indent=1, ensure_ascii=False) + "\n")
 
 
@@ -345,7 +346,7 @@ def _with_dotted_names(value: Any, name: str = "") -> dict[str, Any]:
 
 # -------------------------------------------------------------------------------------- differences
 @dataclass(frozen=True)
-class Row:
+class ValueRow:
     """One value of two runs A and B."""
 
     key: str
@@ -365,7 +366,7 @@ class Difference:
     a: str  # folder or file of A
     b: str  # folder or file of B
     scene: str  # name of the scene
-    rows: tuple[Row, ...]
+    rows: tuple[ValueRow, ...]
     notes: tuple[str, ...]
 
     @property
@@ -379,7 +380,7 @@ class Difference:
 
 
 def difference_of_runs(
-    a: RunValues, b: RunValues, tolerances: Mapping[str, float] | None = None
+    a: ValuesOfRun, b: ValuesOfRun, tolerances: Mapping[str, float] | None = None
 ) -> Difference:
     """The differences of the values of a run `b` from those of a run `a`.
 
@@ -401,10 +402,12 @@ def difference_of_runs(
     """
     _refuse_different_scenes(a, b)
     # a group is an engine, or "metric" for the comparison: the first word of a key
-    groups_of_a = set(map(_group_of_key, a.figures))
-    groups_of_b = set(map(_group_of_key, b.figures))
+    groups_of_a = set(map(_group_of_key, a.values_by_key))
+    groups_of_b = set(map(_group_of_key, b.values_by_key))
     common_groups = groups_of_a & groups_of_b
-    keys = [key for key in {**a.figures, **b.figures} if _group_of_key(key) in common_groups]
+    keys = [
+        key for key in {**a.values_by_key, **b.values_by_key} if _group_of_key(key) in common_groups
+    ]
     if not keys:
         engines_of_a = " and ".join(a.engines) or "no engine"
         engines_of_b = " and ".join(b.engines) or "no engine"
@@ -441,7 +444,7 @@ def _group_of_key(key: str) -> str:
     return key.partition(".")[0]
 
 
-def _refuse_different_scenes(a: RunValues, b: RunValues) -> None:
+def _refuse_different_scenes(a: ValuesOfRun, b: ValuesOfRun) -> None:
     """InputError where the scenes of two runs differ, with the first six keys that differ."""
     differences = _differing_keys(_physical_content(a.scene), _physical_content(b.scene))
     if not differences:
@@ -458,7 +461,7 @@ def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tu
     return [(key, value_a, value_b) for key, value_a, value_b in pairs if value_a != value_b]
 
 
-def _notes_on_runs(a: RunValues, b: RunValues) -> Iterator[str]:
+def _notes_on_runs(a: ValuesOfRun, b: ValuesOfRun) -> Iterator[str]:
     """Sentences on settings and versions in which two runs differ, and on engines that did not
     converge.
     """
@@ -467,8 +470,8 @@ def _notes_on_runs(a: RunValues, b: RunValues) -> Iterator[str]:
         settings_of_b = _with_dotted_names(b.engines[engine])
         for key, value_in_a, value_in_b in _differing_keys(settings_of_a, settings_of_b):
             yield f"{engine}: {key} is {value_in_a} in A and {value_in_b} in B"
-    for letter, findings in (("A", a), ("B", b)):
-        yield from (f"{letter} did not converge: {sentence}" for sentence in findings.unfinished)
+    for letter, run_values in (("A", a), ("B", b)):
+        yield from (f"{letter} did not converge: {sentence}" for sentence in run_values.unfinished)
 
 
 def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
@@ -493,7 +496,7 @@ def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
     return tolerances
 
 
-def _row_of_key(key: str, a: RunValues, b: RunValues, tolerance: float) -> Row:
+def _row_of_key(key: str, a: ValuesOfRun, b: ValuesOfRun, tolerance: float) -> ValueRow:
     """Compare the value of one key in two runs `a` and `b`: both values, the difference b − a, and
     whether that is within the tolerance.
 
@@ -502,31 +505,31 @@ def _row_of_key(key: str, a: RunValues, b: RunValues, tolerance: float) -> Row:
     one run lacks has the verdict "only in A" or "only in B". Values that are None in both are the
     same.
     """
-    value_of_a = a.figures.get(key)
-    value_of_b = b.figures.get(key)
+    value_of_a = a.values_by_key.get(key)
+    value_of_b = b.values_by_key.get(key)
     kind = "absolute" if key.startswith("metric.") else "relative"
-    if key not in a.figures or key not in b.figures:
-        verdict = ONLY_A if key in a.figures else ONLY_B
-        return Row(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
+    if key not in a.values_by_key or key not in b.values_by_key:
+        verdict = ONLY_A if key in a.values_by_key else ONLY_B
+        return ValueRow(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
     if value_of_a is None or value_of_b is None:
         verdict = SAME if value_of_a is value_of_b else DIFFERS
-        return Row(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
+        return ValueRow(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
     scale = 1.0
     if kind == "relative":
         scale = max(abs(value_of_a), abs(value_of_b), _least_scale(key, a))
     change = value_of_b - value_of_a
     difference = change / scale if change else 0.0
     verdict = SAME if verdict_on(difference, tolerance) is Verdict.WITHIN else DIFFERS
-    return Row(key, value_of_a, value_of_b, difference, kind, tolerance, verdict)
+    return ValueRow(key, value_of_a, value_of_b, difference, kind, tolerance, verdict)
 
 
-def _least_scale(key: str, findings: RunValues) -> float:
+def _least_scale(key: str, run_values: ValuesOfRun) -> float:
     """The smallest number that a difference is divided by: for energies 1e-6 of A f^2 P^2, P being
     largest pressure times largest half-width; 0 for other values, and where these two are unknown.
     """
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
-    pressure = findings.figures.get(f"{engine}.largest_pressure") or 0.0
-    half_width = findings.figures.get(f"{engine}.largest_half_width") or 0.0
-    return _LEAST_SHARE_OF_ENERGY * energy_scale(findings.scene, pressure * half_width)
+    pressure = run_values.values_by_key.get(f"{engine}.largest_pressure") or 0.0
+    half_width = run_values.values_by_key.get(f"{engine}.largest_half_width") or 0.0
+    return _LEAST_SHARE_OF_ENERGY * energy_scale(run_values.scene, pressure * half_width)

@@ -1,4 +1,4 @@
-"""The functions that measure: each takes a `Pair` and returns one `Measured`, for one row of the
+"""The functions that measure: each takes a `Pair` and returns one `MetricValue`, for one row of the
 table in metrics.py.
 
 Each compares two last cycles, that of the reference and that of the result, on the same points and
@@ -56,7 +56,7 @@ _NOTE_ON_COMPLIANCES = "with c_t, c_n of these bodies"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Measured(PythonNumbers):
+class MetricValue(PythonNumbers):
     """The value of a metric in one comparison, with its place and time, uncertainty and note.
 
     Attributes
@@ -106,7 +106,7 @@ class Measured(PythonNumbers):
         """Uncertainty that the result states of its amount, in the unit of the value; None where it
         states none.
 
-        >>> measured = Measured(amounts=(4.0, 3.6), stated=(0.0, 0.2), denominator=4.0)
+        >>> measured = MetricValue(amounts=(4.0, 3.6), stated=(0.0, 0.2), denominator=4.0)
         >>> measured.stated_by_result, measured.stated_by_reference
         (0.05, 0.0)
         """
@@ -127,7 +127,7 @@ class Measured(PythonNumbers):
         It then differs from (result amount − reference amount)/denominator. False without a value
         or amounts.
 
-        >>> Measured(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
+        >>> MetricValue(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
         """
         if self.value is None or self.amounts is None or self.denominator is None:
@@ -216,19 +216,19 @@ def _worst_value_and_place(
 
 def _value_at_worst_instant(
     pair: Pair, series: Array, is_considered: Mask | None = None, **further_fields: Any
-) -> Measured:
+) -> MetricValue:
     """A metric with a value at every instant, `series` (k,). Its value is the largest in size at
-    the judged instants, or where `is_considered` (k,). `further_fields` are those of `Measured`.
+    the judged instants, or where `is_considered` (k,). `further_fields` are those of `MetricValue`.
     """
     if is_considered is None:
         is_considered = pair.is_judged
     value, time = _worst_value_and_place(series, is_considered, pair.result_cycle.time)
-    return Measured(value=value, time=time, series=series, **further_fields)
+    return MetricValue(value=value, time=time, series=series, **further_fields)
 
 
-def _metric_without_value(reason: str) -> Measured:
+def _metric_without_value(reason: str) -> MetricValue:
     """A metric without a value, with the reason in words."""
-    return Measured(value=None, note=reason)
+    return MetricValue(value=None, note=reason)
 
 
 # -------------------------------------------------------------------------------- absolute values
@@ -236,7 +236,7 @@ def _metric_without_value(reason: str) -> Measured:
 
 def _difference_of_amounts(
     reference_amount: float, result_amount: float, scale: float, **further_fields: Any
-) -> Measured:
+) -> MetricValue:
     """A metric of two amounts of the same quantity: (result − reference)/reference.
 
     Where the amount of the reference is below 1e-12 of `scale` the difference is divided by
@@ -249,11 +249,11 @@ def _difference_of_amounts(
     scale
         a typical size of the quantity, in the same units
     further_fields
-        further fields of `Measured`, such as a note
+        further fields of `MetricValue`, such as a note
     """
     is_absolute = abs(reference_amount) <= _NEGLIGIBLE_SHARE * scale
     denominator = scale if is_absolute else reference_amount
-    return Measured(
+    return MetricValue(
         value=(result_amount - reference_amount) / denominator,
         absolute=is_absolute,
         amounts=(reference_amount, result_amount),
@@ -270,7 +270,7 @@ def _difference_of_extremes(
     *,
     is_external: bool,
     note: str = "",
-) -> Measured:
+) -> MetricValue:
     """Compare an extreme value of result and reference, such as the largest pressure: (result −
     reference)/reference.
 
@@ -295,7 +295,7 @@ def _difference_of_extremes(
     """
     amounts = (extremum, value_of_result)
     if math.isinf(extremum) and math.isfinite(value_of_result):
-        return Measured(value=None, note="infinite in the reference", amounts=amounts)
+        return MetricValue(value=None, note="infinite in the reference", amounts=amounts)
     if not is_external:
         return _difference_of_amounts(extremum, value_of_result, scale, note=note)
     denominator = abs(extremum) if abs(extremum) > _NEGLIGIBLE_SHARE * scale else scale
@@ -306,7 +306,7 @@ def _difference_of_extremes(
             f" {value_on_points:.4g}"
             f" in place of {extremum:.4g}"
         )
-        return Measured(value=None, note=reason_for_none, amounts=amounts)
+        return MetricValue(value=None, note=reason_for_none, amounts=amounts)
     if share_missed > _LEAST_VISIBLE_SHARE:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
@@ -318,7 +318,7 @@ def _difference_of_extremes(
 
 def _difference_of_largest_values(
     pair: Pair, name: str, value_on_points: float, value_of_result: float, scale: float
-) -> Measured:
+) -> MetricValue:
     """Compare the largest value of a quantity in result and reference: (result −
     reference)/reference.
 
@@ -347,8 +347,8 @@ def _difference_of_largest_values(
 
 
 def _with_stated_uncertainties(
-    pair: Pair, metric_value: Measured, name: str, name_of_error: str = ""
-) -> Measured:
+    pair: Pair, metric_value: MetricValue, name: str, name_of_error: str = ""
+) -> MetricValue:
     """A measured metric together with the uncertainties that reference and result themselves state
     of the two amounts that it compares; as it is without amounts.
 
@@ -402,7 +402,7 @@ def _place_of_largest_value(pair: Pair, values: Array) -> float:
     return float(pair.result_cycle.x[np.argmax(values)]) / pair.scales.half_width
 
 
-def largest_pressure(pair: Pair) -> Measured:
+def largest_pressure(pair: Pair) -> MetricValue:
     """Largest p of the cycle."""
     reference_value = float(pair.reference_cycle.pressure.max())
     result_value = float(pair.result_cycle.pressure.max())
@@ -412,7 +412,7 @@ def largest_pressure(pair: Pair) -> Measured:
     return _with_stated_uncertainties(pair, metric_value, "largest_pressure", "pressure")
 
 
-def largest_half_width(pair: Pair) -> Measured:
+def largest_half_width(pair: Pair) -> MetricValue:
     """Largest half distance of the contact edges in the cycle."""
     reference_value = _largest_half_distance(pair.reference_cycle)
     result_value = _largest_half_distance(pair.result_cycle)
@@ -427,13 +427,13 @@ def _largest_half_distance(cycle: Cycle) -> float:
     return float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2
 
 
-def permanent_stick(pair: Pair) -> Measured:
+def permanent_stick(pair: Pair) -> MetricValue:
     """Half-width of the zone that sticks through the whole cycle, result − reference over a_ref."""
     metric_value = _difference_of_stick_zones(pair, _permanent_half_width)
     return _with_stated_uncertainties(pair, metric_value, "permanent_stick_half_width")
 
 
-def stick_eccentricity(pair: Pair) -> Measured:
+def stick_eccentricity(pair: Pair) -> MetricValue:
     """Middle x of the zone that sticks through the whole cycle, result − reference over a_ref."""
     metric_value = _difference_of_stick_zones(pair, _middle_of_stick)
     # Half the sum of two edges is as uncertain as half their distance.
@@ -451,7 +451,7 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 
 def _difference_of_stick_zones(
     pair: Pair, length_of: Callable[[ContactSolution], float]
-) -> Measured:
+) -> MetricValue:
     """A length of the zone that sticks through the whole cycle, result − reference over a_ref. The
     amounts are those of `pair.plain_reference`, the reference without a rule of the result.
 
@@ -467,17 +467,19 @@ def _difference_of_stick_zones(
         )
         return _metric_without_value(f"none in {engines}")
     if math.isnan(reference_value):
-        return Measured(note=f"none in {engine_in_words(pair.reference.engine)}", amounts=amounts)
+        return MetricValue(
+            note=f"none in {engine_in_words(pair.reference.engine)}", amounts=amounts
+        )
     if math.isnan(result_value):
-        return Measured(note=f"none in {engine_in_words(pair.result.engine)}", amounts=amounts)
-    return Measured(
+        return MetricValue(note=f"none in {engine_in_words(pair.result.engine)}", amounts=amounts)
+    return MetricValue(
         value=(result_value - reference_value) / pair.scales.half_width,
         amounts=amounts,
         denominator=pair.scales.half_width,
     )
 
 
-def largest_slip(pair: Pair) -> Measured:
+def largest_slip(pair: Pair) -> MetricValue:
     """Largest range of the slip s that any point has while in contact, each solution over its own
     contact: (result − reference)/reference.
 
@@ -509,7 +511,7 @@ def largest_slip(pair: Pair) -> Measured:
     return replace(metric_value, place=_place_of_largest_value(pair, ranges_in_result))
 
 
-def largest_slip_common(pair: Pair) -> Measured:
+def largest_slip_common(pair: Pair) -> MetricValue:
     """Largest range of the slip s that any point has, over the points and instants in contact in
     both solutions: (result − reference)/reference. No value without such a point.
     """
@@ -532,7 +534,7 @@ def _is_closed_in_both(pair: Pair) -> Mask:
     return np.asarray((pair.reference_cycle.state != OPEN) & (pair.result_cycle.state != OPEN))
 
 
-def dissipation(pair: Pair) -> Measured:
+def dissipation(pair: Pair) -> MetricValue:
     """Friction work W of the last cycle, (result − reference)/reference. Over A f^2 P_ref^2 and
     marked `absolute` where the reference dissipates nothing.
 
@@ -554,7 +556,7 @@ def dissipation(pair: Pair) -> Measured:
     return metric_value
 
 
-def largest_dissipation_density(pair: Pair) -> Measured:
+def largest_dissipation_density(pair: Pair) -> MetricValue:
     """Largest friction work per area w(x) of the last cycle: (result − reference)/reference, with
     the place of the result's largest value.
     """
@@ -573,7 +575,7 @@ def largest_dissipation_density(pair: Pair) -> Measured:
     )
 
 
-def edge_tension(pair: Pair) -> Measured:
+def edge_tension(pair: Pair) -> MetricValue:
     """Largest tensile stress along a face at an edge of contact, (result − reference)/reference.
 
     Where the stress of the reference is negligible beside f p_ref it is the difference over f
@@ -601,7 +603,7 @@ def _metric_without_tension(
     pair: Pair,
     tension_of_reference: tuple[float, float] | None,
     tension_of_result: tuple[float, float] | None,
-) -> Measured:
+) -> MetricValue:
     """The metric of the largest tension where a solution does not state it: no value, and the
     amount of the other solution. A tension is a pair (value, uncertainty) [stress] or None.
     """
@@ -649,7 +651,7 @@ def _largest_tension_and_uncertainty(
 # ------------------------------------------------------------------------------- pressure and shear
 
 
-def peak_pressure(pair: Pair) -> Measured:
+def peak_pressure(pair: Pair) -> MetricValue:
     """Largest pressure p of an instant, (result − reference)/reference, at the worst instant.
 
     Both maxima are over the same points, so that the distance of the points from the true peak
@@ -661,7 +663,7 @@ def peak_pressure(pair: Pair) -> Measured:
     return _value_at_worst_instant(pair, quotient(result_value - reference_value, reference_value))
 
 
-def pressure(pair: Pair) -> Measured:
+def pressure(pair: Pair) -> MetricValue:
     """L2 norm over x of the difference of the pressures, over that of the reference's pressure, at
     the worst instant.
     """
@@ -675,7 +677,7 @@ def pressure(pair: Pair) -> Measured:
     )
 
 
-def shear(pair: Pair) -> Measured:
+def shear(pair: Pair) -> MetricValue:
     """L2 norm over x of the difference of the shear tractions, over f times that of the reference's
     pressure, at the worst instant.
     """
@@ -699,12 +701,12 @@ def _stated_uncertainties_of_norm(pair: Pair, name: str) -> tuple[float | None, 
     )
 
 
-def normal_resultant(pair: Pair) -> Measured:
+def normal_resultant(pair: Pair) -> MetricValue:
     """P that the tractions of the result carry, minus P that it states, over P."""
     return _excess_of_resultant(pair, _normal_resultant, "normal_load")
 
 
-def tangential_resultant(pair: Pair) -> Measured:
+def tangential_resultant(pair: Pair) -> MetricValue:
     """Q that the tractions of the result carry, minus Q that it states, over P."""
     return _excess_of_resultant(pair, _tangential_resultant, "tangential_load")
 
@@ -754,7 +756,7 @@ def _faces_of_result(result: ContactSolution) -> tuple[Array, Array] | None:
 
 def _excess_of_resultant(
     pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], name_of_load: str
-) -> Measured:
+) -> MetricValue:
     """Load that the result's tractions carry minus load that the result states, over P, at the
     worst instant: a check of equilibrium.
 
@@ -793,7 +795,7 @@ def _excess_of_resultant(
 # -------------------------------------------------------------------------- contact, stick and slip
 
 
-def contact_edge(pair: Pair) -> Measured:
+def contact_edge(pair: Pair) -> MetricValue:
     """Outward shift of the worse contact edge over a_ref, at the worst instant."""
     shift = _outward_shift_of_worse_edge(
         pair.reference_cycle.contact_edges, pair.result_cycle.contact_edges
@@ -802,7 +804,7 @@ def contact_edge(pair: Pair) -> Measured:
     return replace(metric_value, elements=_shift_in_elements(pair, metric_value.value))
 
 
-def stick_edge(pair: Pair) -> Measured:
+def stick_edge(pair: Pair) -> MetricValue:
     """Outward shift of the worse edge of the stick zone over a_ref, at the worst of the judged
     instants at which result and reference both have a stick zone.
 
@@ -912,7 +914,7 @@ def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np
     return np.asarray(is_that_before | is_that_after)
 
 
-def state(pair: Pair) -> Measured:
+def state(pair: Pair) -> MetricValue:
     """Share of the length in contact, in result or reference, on which their states (stick, slip
     forward or reverse, open) differ, at each instant. The value is the mean over the time in
     contact; none where that is a single instant or there is no contact.
@@ -927,12 +929,12 @@ def state(pair: Pair) -> Measured:
     share = quotient(differing_length, length_in_contact)
     time = result_cycle.time[pair.is_in_contact]
     if not len(time) or time[-1] == time[0]:
-        return Measured(value=None, series=share)
+        return MetricValue(value=None, series=share)
     mean_share = np.trapezoid(share[pair.is_in_contact], time) / (time[-1] - time[0])
-    return Measured(value=float(mean_share), series=share)
+    return MetricValue(value=float(mean_share), series=share)
 
 
-def slip(pair: Pair) -> Measured:
+def slip(pair: Pair) -> MetricValue:
     """Root mean square over x of the difference of the slips, s − s_ref, divided by the range of
     s_ref, at the worst instant. Only points in contact in both solutions count; no value without
     any.
@@ -957,17 +959,17 @@ def slip(pair: Pair) -> Measured:
     return _value_at_worst_instant(pair, np.sqrt(mean_square), is_considered, absolute=is_absolute)
 
 
-def moment(pair: Pair) -> Measured:
+def moment(pair: Pair) -> MetricValue:
     """Moment M, result − reference over P_ref a_ref, at the worst instant."""
     return _difference_of_series(pair, "moment", pair.scales.moment)
 
 
-def tilt(pair: Pair) -> Measured:
+def tilt(pair: Pair) -> MetricValue:
     """Tilt, result − reference over A P_ref/a_ref, at the worst instant."""
     return _difference_of_series(pair, "tilt", pair.scales.tilt)
 
 
-def _difference_of_series(pair: Pair, name: str, scale: float) -> Measured:
+def _difference_of_series(pair: Pair, name: str, scale: float) -> MetricValue:
     """Difference, result − reference over `scale`, of a series over time at the worst instant; no
     value where a solution does not state the series.
     """
@@ -981,7 +983,7 @@ def _difference_of_series(pair: Pair, name: str, scale: float) -> Measured:
 # ---------------------------------------------------------------------------------- work and energy
 
 
-def tangential_displacement(pair: Pair) -> Measured:
+def tangential_displacement(pair: Pair) -> MetricValue:
     """Tangential displacement U, result − reference over the range of U_ref in the cycle, at the
     worst instant.
 
@@ -997,7 +999,7 @@ def tangential_displacement(pair: Pair) -> Measured:
     if stroke <= least_stroke:
         no_values = np.full_like(reference_values, np.nan)
         note = "the reference does not move sideways"
-        return Measured(value=None, series=no_values, note=note)
+        return MetricValue(value=None, series=no_values, note=note)
     # A stroke that is NaN must not pass for a stroke of 0: its series is NaN, which fails.
     series = np.full_like(reference_values, np.nan)
     if stroke > least_stroke:
@@ -1008,19 +1010,19 @@ def tangential_displacement(pair: Pair) -> Measured:
     return _value_at_worst_instant(pair, series, note=note)
 
 
-def displacement_amplitude(pair: Pair) -> Measured:
+def displacement_amplitude(pair: Pair) -> MetricValue:
     """Half the range of the tangential displacement U in the cycle, (result −
     reference)/reference.
     """
     return _difference_of_amplitudes(pair, "tangential_displacement", "U does not vary")
 
 
-def approach_amplitude(pair: Pair) -> Measured:
+def approach_amplitude(pair: Pair) -> MetricValue:
     """Half the range of the normal approach in the cycle, (result − reference)/reference."""
     return _difference_of_amplitudes(pair, "normal_approach", "the approach does not vary")
 
 
-def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Measured:
+def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> MetricValue:
     """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
 
     The metric has no value where a solution does not state the displacement, nor where that of the
@@ -1045,7 +1047,7 @@ def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Me
     )
 
 
-def dissipation_without_steps(pair: Pair) -> Measured:
+def dissipation_without_steps(pair: Pair) -> MetricValue:
     """Friction work W, (result − reference)/reference, both for loads that run straight from one
     instant to the next: the error of the load increments drops out.
     """
@@ -1056,7 +1058,7 @@ def dissipation_without_steps(pair: Pair) -> Measured:
     )
 
 
-def dissipation_of_steps(pair: Pair) -> Measured:
+def dissipation_of_steps(pair: Pair) -> MetricValue:
     """The error that the load increments of the result make in the friction work W, as half-plane
     theory shows it: (W on the polygon of the increments − W on the smooth path)/(W on the smooth
     path).
@@ -1074,7 +1076,7 @@ def dissipation_of_steps(pair: Pair) -> Measured:
     )
 
 
-def hysteresis(pair: Pair) -> Measured:
+def hysteresis(pair: Pair) -> MetricValue:
     """Closed integral of Q dU over the cycle, (result − reference)/reference; no value where the
     load path is not periodic.
     """
@@ -1085,7 +1087,7 @@ def hysteresis(pair: Pair) -> Measured:
     )
 
 
-def bulk_term(pair: Pair) -> Measured:
+def bulk_term(pair: Pair) -> MetricValue:
     """Work of the bulk stress per cycle, result − reference over the friction work W of the
     reference.
 
@@ -1108,10 +1110,10 @@ def bulk_term(pair: Pair) -> Measured:
     scale = pair.scales.dissipation
     is_absolute = abs(friction_work) <= _NEGLIGIBLE_SHARE_OF_WORK * scale
     denominator = scale if is_absolute else friction_work
-    return Measured(value=difference / denominator, absolute=is_absolute)
+    return MetricValue(value=difference / denominator, absolute=is_absolute)
 
 
-def drift(pair: Pair) -> Measured:
+def drift(pair: Pair) -> MetricValue:
     """Change of the friction work W from the cycle before to the last cycle, over W: result −
     reference. The note states both changes. No value where a solution does not know its change.
     """
@@ -1129,10 +1131,10 @@ def drift(pair: Pair) -> Measured:
     note = "; ".join(sentences)
     if math.isnan(reference_value) or math.isnan(result_value):
         return _metric_without_value(note)
-    return Measured(value=result_value - reference_value, note=note)
+    return MetricValue(value=result_value - reference_value, note=note)
 
 
-def dissipation_density(pair: Pair) -> Measured:
+def dissipation_density(pair: Pair) -> MetricValue:
     """Friction work per area of the cycle, w(x) − w_ref(x) over the largest w_ref, at the worst
     point.
 
@@ -1150,10 +1152,10 @@ def dissipation_density(pair: Pair) -> Measured:
     difference = (result_cycle.dissipation_density - reference_values) / scale
     value, x = _worst_value_and_place(difference, np.ones(len(difference), bool), result_cycle.x)
     place = None if x is None else x / pair.scales.half_width
-    return Measured(value=value, absolute=is_absolute, place=place)
+    return MetricValue(value=value, absolute=is_absolute, place=place)
 
 
-def energy_balance(pair: Pair) -> Measured:
+def energy_balance(pair: Pair) -> MetricValue:
     """Largest residual of the energy balance that the result states in its record; no reference is
     needed. No value where it states none.
     """

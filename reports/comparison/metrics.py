@@ -14,7 +14,7 @@ from operator import attrgetter
 import numpy as np
 
 from reports.comparison import measures
-from reports.comparison.measures import Measured
+from reports.comparison.measures import MetricValue
 from reports.comparison.pairs import Pair, engine_in_words
 from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import ContactSolution, Scene
@@ -30,7 +30,7 @@ _NEGLIGIBLE_SHARE_OF_SHEAR = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Metric(Measured):
+class Metric(MetricValue):
     """One metric: its row of the table and, in a comparison, the value that was measured.
 
     Attributes
@@ -79,7 +79,7 @@ class Metric(Measured):
     norm: str
     region: str
     needs: tuple[str, ...]
-    measure: Callable[[Pair], Measured] = field(repr=False)
+    measure: Callable[[Pair], MetricValue] = field(repr=False)
     absolute_unit: str = ""
     quantity: str = ""
     short: str = ""
@@ -112,7 +112,7 @@ class Metric(Measured):
         """
         return None if self.verdict is None else self.verdict is Verdict.WITHIN
 
-    def with_value(self, measured: Measured, tolerance: float | None) -> Metric:
+    def with_value(self, measured: MetricValue, tolerance: float | None) -> Metric:
         """The metric with its value and the tolerance that judges it. Amounts are kept for metrics
         of the first table only.
         """

@@ -149,12 +149,14 @@ class Why(PythonNumbers):
         cause = max(self.parts, key=lambda name: abs(self.parts[name].value))
         change = self.parts[cause]
         size = abs(change.value)
-        all_sizes = sum(abs(part.value) for part in self.parts.values())
+        sum_of_sizes = sum(abs(part.value) for part in self.parts.values())
         is_resolved = abs(self.difference.value) > 2 * self.difference.uncertainty
         has_same_sign = math.copysign(1.0, change.value) == math.copysign(
             1.0, self.difference.value
         )
-        is_main = size >= _LEAST_SHARE_OF_MAIN_CAUSE * all_sizes and size > 2 * change.uncertainty
+        is_main = (
+            size >= _LEAST_SHARE_OF_MAIN_CAUSE * sum_of_sizes and size > 2 * change.uncertainty
+        )
         is_mostly_explained = abs(self.unexplained_part.value) <= _LARGEST_UNEXPLAINED_SHARE * size
         return cause if is_resolved and has_same_sign and is_main and is_mostly_explained else ""
 

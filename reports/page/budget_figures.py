@@ -35,7 +35,7 @@ from reports.units import minus
 from scenes.array_types import Array
 
 if TYPE_CHECKING:
-    from reports.scoring.study import Study
+    from reports.scoring.study import MeshStudy
 
 # Height of the row of a bar [pixels].
 _BAR_HEIGHT = 44.0
@@ -359,7 +359,7 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
     )
 
 
-def study_convergence(study: Study) -> Plate | None:
+def study_convergence(study: MeshStudy) -> Plate | None:
     """A figure, for external results on several meshes, of how the metrics of the page's first
     table converge: |metric − its limit at element size zero| over the element size.
 

@@ -129,7 +129,8 @@ def read_field_report(
 
 def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: Mapping) -> str:
     """Name of the one region (surface) of an Abaqus report that carries pressure; where several do,
-    the one that the mapping names. `blocks` are the report's tables.
+    the one that the mapping names. `blocks` are the report's tables. InputError where none does,
+    where several do and the mapping names none, or where it names one that is not there.
     """
     regions = {block.region for block in blocks}
     if mapping.surface is not None and mapping.surface not in regions:

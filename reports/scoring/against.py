@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from reports.comparison import compare
 from reports.comparison.datum import effects_between
-from reports.comparison.dimensionless import scales
+from reports.comparison.dimensionless import scales_of_reference
 from reports.comparison.laws import DERIVED, certificates, names_of_derived_fields
 from reports.comparison.metrics import WHOLE_CYCLE
 from reports.report import Report
@@ -234,7 +234,7 @@ def score_solution(
     reference_by_rule = reference
     notes_on_rule: tuple[str, ...] = ()
     if theory_of_path is not None:
-        half_width = scales(theory_of_path).half_width
+        half_width = scales_of_reference(theory_of_path).half_width
         reference_by_rule, notes_on_rule = reference_by_same_rule(reference, solution, half_width)
     # Without a rule that both follow the reference stands for itself.
     plain_reference = None if reference_by_rule is reference else reference

@@ -210,7 +210,7 @@ def _face_by_stress(
     its nodes in the mesh; by quantity, the factors that turn SYY and SXY into pressure and shear in
     the scene's units, p = -SYY and q = SXY (outward normal +y); and a note on it.
 
-    The face lies at y = `mapping.y_offset` [the scene's length].
+    The face lies at y = `mapping.y_offset` [the scene's length]. InputError where no node does.
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
     height = mesh.points[:, 1] - y_of_face

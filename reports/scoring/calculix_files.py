@@ -177,7 +177,7 @@ def _check_size(path: Path) -> None:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 
 
-class _Record(NamedTuple):
+class _DataLine(NamedTuple):
     """One record of a block: the number of its line, the text of that line from the number of the
     node or element on, and that of its continuations.
     """
@@ -213,7 +213,9 @@ class _Lines(Iterator[str]):
         """
         return InputError(f"{self.path}: line {number or self.line_number}: expected {expected}")
 
-    def records_below(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
+    def records_below(
+        self, header: str, noun: str, header_line: int
+    ) -> tuple[int, list[_DataLine]]:
         """Width of a node's or an element's number in characters, and the records of a block of a
         .frd file, from the lines below its header.
 
@@ -243,10 +245,10 @@ class _Lines(Iterator[str]):
                 " only the ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in"
                 " place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
-        records: list[_Record] = []
+        records: list[_DataLine] = []
         for line in self:
             if line.startswith(" -1"):
-                records.append(_Record(self.line_number, line[3:], []))
+                records.append(_DataLine(self.line_number, line[3:], []))
             elif line.startswith(" -2") and records:
                 records[-1].continuations.append(line[3:])
             elif line.startswith(" -3"):
@@ -326,7 +328,7 @@ class _Lines(Iterator[str]):
         return name, tuple(components)
 
     def table_of_records(
-        self, records: list[_Record], label_width: int, n_columns: int
+        self, records: list[_DataLine], label_width: int, n_columns: int
     ) -> tuple[Integers, Array]:
         """Node numbers (n,) and values (n, n_columns) of the records of a result block, in columns
         of fixed width. `label_width` is how many characters a node's number has. InputError for a

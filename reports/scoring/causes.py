@@ -82,7 +82,7 @@ class Cause:
     largest_size: float = 3.5
 
 
-def _compared_moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
+def _compared_load_width_and_centre(discrepancy: Discrepancy) -> tuple[float, float, float]:
     """How the pressure of the result compares with the reference's, over all points and instants:
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
     between the centroids, result minus reference [length]. 1, 1, 0 where either has no pressure.
@@ -111,18 +111,18 @@ def _size_away_from_zero(value: float) -> float:
 
 
 def _start_sizes_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
-    _, width_ratio, _ = _compared_moments(discrepancy)
+    _, width_ratio, _ = _compared_load_width_and_centre(discrepancy)
     return (_size_away_from_zero(-2 * np.log(width_ratio)),)
 
 
 def _start_sizes_of_factor(discrepancy: Discrepancy) -> Sequence[float]:
-    ratio, _, _ = _compared_moments(discrepancy)
+    ratio, _, _ = _compared_load_width_and_centre(discrepancy)
     return (_size_away_from_zero(np.log(ratio)),)
 
 
 def _start_sizes_of_units(discrepancy: Discrepancy) -> Sequence[float]:
     """The power of ten that the sum of the pressures is near to."""
-    ratio, _, _ = _compared_moments(discrepancy)
+    ratio, _, _ = _compared_load_width_and_centre(discrepancy)
     power = nearest_power_of_ten(ratio)
     return () if power is None else (float(np.log(power)),)
 
@@ -171,7 +171,7 @@ def _start_sizes_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a stretch of x starts: logarithms of the ratio of widths, and
     of that of the sums, which a coarse mesh leaves alone.
     """
-    _, width_ratio, _ = _compared_moments(discrepancy)
+    _, width_ratio, _ = _compared_load_width_and_centre(discrepancy)
     starts = [_size_away_from_zero(np.log(width_ratio))]
     if discrepancy.resultant_ratio > 0:
         starts.append(_size_away_from_zero(np.log(discrepancy.resultant_ratio)))
@@ -179,7 +179,7 @@ def _start_sizes_of_stretch(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_offset(discrepancy: Discrepancy) -> Sequence[float]:
-    _, _, shift = _compared_moments(discrepancy)
+    _, _, shift = _compared_load_width_and_centre(discrepancy)
     limit = 2 * discrepancy.half_width
     return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _LEAST_START,)
 
@@ -226,7 +226,7 @@ def _start_sizes_of_layer(discrepancy: Discrepancy) -> Sequence[float]:
     """Sizes at which the search for a soft layer starts: none where the contact is not wider than
     theory's.
     """
-    _, width_ratio, _ = _compared_moments(discrepancy)
+    _, width_ratio, _ = _compared_load_width_and_centre(discrepancy)
     return _COMPLIANCES_OF_LAYER if width_ratio > 1 and not discrepancy.unsymmetric else ()
 
 

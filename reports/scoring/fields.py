@@ -343,8 +343,9 @@ def _surface_points(
     """Numbers of the mesh points on the contact surface, ascending in x; the body whose face this
     is, "lower" or "upper"; and notes on how they were found.
 
-    They are the points that the mapping marks, else all points of a mesh without cells of a body,
-    else those of a body's face at y = y_offset.
+    They are the points that the mapping marks, else all points of a mesh that is flat or has no
+    cells of a body, else those of a body's face at y = y_offset. Of points of both bodies those of
+    the lower one count. InputError where no face lies there.
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)

@@ -90,7 +90,8 @@ def polygon_area(
     displacement: Array, load: Array, phase: Array, displacement_noise: float, load_noise: float
 ) -> LoopArea:
     """Area W of a loop of Q over U per cycle, by the polygon through its rows, with its errors by
-    the distance of the rows and by their noise. As many whole cycles count as the rows cover.
+    the distance of the rows and by their noise. As many whole cycles count as the rows cover, at
+    least one; where they cover less, the gap counts as an error.
 
     Parameters
     ----------

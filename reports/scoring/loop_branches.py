@@ -151,7 +151,7 @@ def find_branches(
 
 
 @dataclass(frozen=True, eq=False)
-class _Record:
+class _CyclicRows:
     """Rows of a loop with three crossings or more of the middle of Q, repeated where needed.
 
     Attributes
@@ -197,7 +197,7 @@ def _record_of_two_cycles(
     noise: float,
     range_of_load: tuple[float, float],
     source: str,
-) -> _Record:
+) -> _CyclicRows:
     """The rows as they are where they have three crossings of the middle of Q's range; else their
     first cycle, laid end to end twice. InputError naming the file, `source`, where they cover less
     than one cycle.
@@ -213,7 +213,7 @@ def _record_of_two_cycles(
     """
     rows_before, rows_after, rises_at_crossing = _crossings_of_middle(load, *range_of_load)
     if len(rows_before) >= 3:
-        return _Record(load, time, rows_before, rows_after, rises_at_crossing)
+        return _CyclicRows(load, time, rows_before, rows_after, rises_at_crossing)
     closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, noise)
     if closing_row is None:
         least_load, largest_load = range_of_load
@@ -223,12 +223,12 @@ def _record_of_two_cycles(
             f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole one"
         )
     cyclic_load, cyclic_time, period = _two_equal_cycles(load, time, closing_row)
-    return _Record(
+    return _CyclicRows(
         cyclic_load, cyclic_time, *_crossings_of_middle(cyclic_load, *range_of_load), period
     )
 
 
-def _refuse_few_rows(record: _Record, source: str) -> None:
+def _refuse_few_rows(record: _CyclicRows, source: str) -> None:
     """InputError where fewer than `_FEWEST_ROWS_OF_CYCLE` rows make a cycle, in the mean."""
     n_half_cycles = len(record.rows_before) - 1
     rows_between = record.rows_after[-1] - record.rows_before[0]
@@ -241,7 +241,7 @@ def _refuse_few_rows(record: _Record, source: str) -> None:
 
 
 def _mean_turning_point(
-    record: _Record, crossing_times: Array, is_top: bool, noise: float
+    record: _CyclicRows, crossing_times: Array, is_top: bool, noise: float
 ) -> tuple[TurningPoint, float]:
     """The highest (`is_top`) or the lowest turning point of Q, in the mean over all of them in the
     record; and how much later it comes than the centre of the two crossings beside it [time].
@@ -527,6 +527,7 @@ def _turning_point(
     A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
     point describe a wave that is round there as well as one with a vertex. They are fitted to the
     rows in a window around it, which grows as long as they describe the rows to within the noise.
+    Where no window has such a fit the highest row counts.
 
     Parameters
     ----------
@@ -564,7 +565,7 @@ def _turning_point(
         half_window = (rows_in_half_window + 0.5) / rows_in_half_length
         is_in_window = np.abs(scaled_time - guessed_time) <= half_window
         time_in_window = (scaled_time[is_in_window] - guessed_time) / half_window
-        parabolas = _two_parabolas(time_in_window, height[is_in_window])
+        parabolas = _highest_of_two_parabolas(time_in_window, height[is_in_window])
         if parabolas is not None:
             top_height, top_time_in_window, residual_rms = parabolas
             # this window is too long for parabolas: the one before counts
@@ -622,7 +623,7 @@ def _time_from_nearest(centres: Array, time: Array) -> Array:
     return np.asarray(time - centres[nearest_number])
 
 
-def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
+def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     """Highest value, its x, and the root mean square of the residuals, of two parabolas that meet
     at one point, fitted to the points (x, y), (n,) each, with x from −1 to 1. None for fewer than
     seven points.

@@ -37,7 +37,7 @@ from reports.scoring.loop_masing import (
 )
 from reports.scoring.loop_steadiness import (
     MOST_DEVIATIONS_BY_CHANCE,
-    Change,
+    ExplainedChange,
     Misfit,
     explained_change,
     misfit_of,
@@ -547,7 +547,7 @@ def where_function_reaches_one(
     between both: by steps outwards, then by false position between the last two.
 
     None where it stays below 1 as far as ln 60 from `x_at_zero` (x is ln f: 60 times as much
-    friction).
+    friction), or for so many steps that it hardly grows.
 
     Parameters
     ----------
@@ -691,7 +691,7 @@ class BestLoop:
         error_by_digits = _error_by_digits(self.search.rows, self.search.curve, self.search.sigma)
         return self.is_gross and error_by_digits > 0
 
-    def change_with(self, row_variable: Array) -> Change:
+    def change_with(self, row_variable: Array) -> ExplainedChange:
         """How the parameters of the loop change with a number of each row (n,), such as its time.
 
         U at the middle is left out: its change with time is drift.
@@ -702,7 +702,7 @@ class BestLoop:
         added_derivatives = derivatives[:, is_varied] * variable_from_mean[:, None]
         return explained_change(self.distances.signed_distance, derivatives, added_derivatives)
 
-    def change_of_size_with(self, row_variable: Array) -> Change:
+    def change_of_size_with(self, row_variable: Array) -> ExplainedChange:
         """How U and Q of the loop grow with a number of each row (n,), over themselves: the two
         added values of the change are the growth of U and of Q per unit of it.
         """
@@ -721,7 +721,7 @@ class BestLoop:
         influence = _parameter_changes_by_residuals(self.search, self.parameters, self.is_gross)
         return float(influence[LOG_F, : len(row_variable)] @ change_of_distances)
 
-    def rise_along_slide(self) -> tuple[float, Change]:
+    def rise_along_slide(self) -> tuple[float, ExplainedChange]:
         """By how much Q rises while the contact slides as a whole, over the range R of Q; with how
         much of the distances such a rise explains.
         """

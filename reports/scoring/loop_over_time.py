@@ -315,7 +315,7 @@ def _best_alignment(
     frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     best_trial = min(trials, key=lambda trial: alignment_at(*trial).misfit)
-    # steps of a part of a cycle over the whole record
+    # It moves the last row by a tenth of a cycle; in a record shorter than a cycle, by less.
     frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(

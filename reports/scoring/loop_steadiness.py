@@ -121,7 +121,7 @@ def misfit_of(
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class ExplainedChange:
     """What further parameters of a loop explain of the distances of rows from it, such as a change
     of the loop with time.
 
@@ -140,11 +140,13 @@ class Change:
     added_values: Array
 
 
-NO_CHANGE = Change(1.0, 0.0, np.zeros(7))
+NO_CHANGE = ExplainedChange(1.0, 0.0, np.zeros(7))
 """The change that is taken for rows of too few cycles to show one."""
 
 
-def explained_change(distances: Array, derivatives: Array, added_derivatives: Array) -> Change:
+def explained_change(
+    distances: Array, derivatives: Array, added_derivatives: Array
+) -> ExplainedChange:
     """Whether a fit with more parameters brings the rows nearer than chance does, by the F test:
     the chance, how much nearer (root mean square), and the values of the added parameters. Where
     the fit leaves nothing to explain the chance is 1.
@@ -187,10 +189,10 @@ def explained_change(distances: Array, derivatives: Array, added_derivatives: Ar
     n_added = ranks[1] - ranks[0]
     degrees_of_freedom = len(distances) - ranks[1]
     if n_added < 1 or degrees_of_freedom < 1 or sum_with_added == 0:
-        return Change(chance=1.0, explained_rms=0.0, added_values=added_values)
+        return ExplainedChange(chance=1.0, explained_rms=0.0, added_values=added_values)
     explained_sum = max(sum_without_added - sum_with_added, 0.0)
     f_value = explained_sum / n_added / (sum_with_added / degrees_of_freedom)
-    return Change(
+    return ExplainedChange(
         chance=float(f_distribution.sf(f_value, n_added, degrees_of_freedom)),
         explained_rms=math.sqrt(explained_sum / len(distances)),
         added_values=added_values,

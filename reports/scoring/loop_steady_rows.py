@@ -28,7 +28,7 @@ from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, fit_
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_steadiness import (
     NO_CHANGE,
-    Change,
+    ExplainedChange,
     Misfit,
     differences_of_cycles_in_words,
     drift_of_displacement,
@@ -245,10 +245,10 @@ class _Candidate:
     best_loop: BestLoop
     run_in_sentence: str
     had_run_in: bool
-    change_with_time: Change
-    change_of_first_half_cycle: Change
-    change_every_second_cycle: Change
-    change_of_size: Change
+    change_with_time: ExplainedChange
+    change_of_first_half_cycle: ExplainedChange
+    change_every_second_cycle: ExplainedChange
+    change_of_size: ExplainedChange
     log_friction_change: float
     sigma_over_opening: float
 
@@ -281,7 +281,7 @@ class _Candidate:
         is_certain = change.chance < _LARGEST_CHANCE_OF_CHANGE
         return rise if is_certain and rise > _LEAST_RISE_WITHOUT_PLATEAU else 0.0
 
-    def is_certain(self, change: Change) -> bool:
+    def is_certain(self, change: ExplainedChange) -> bool:
         """Whether a change of the loop is not by chance, and more than theory may miss."""
         share_of_opening = change.explained_rms * self.sigma_over_opening
         return (

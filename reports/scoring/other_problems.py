@@ -361,7 +361,8 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
 def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a pressure that is cut off at a limit: p = min(limit, elastic pressure of a larger
     load), with the same limit at all instants, as plastic flow or wear flattens the middle. None
-    where few points lie on a limit. `discrepancy` holds the tractions of result and reference.
+    where few points lie on a limit, and where the contact is not symmetric. `discrepancy` holds the
+    tractions of result and reference.
     """
     if discrepancy.unsymmetric:
         return None

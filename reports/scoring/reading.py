@@ -319,7 +319,8 @@ def _columns_of_frames(
     (n_frames n_points,), and a note. None where the headings of the columns don't look like that.
 
     Each frame has a pressure and perhaps a shear, a slip and an x of its own. Its number or time
-    stands in the headings, or the frames are taken in the order of the columns.
+    stands in the headings, or the frames are taken in the order of the columns. InputError where a
+    frame has a quantity twice, or lacks one that other frames have.
     """
     headings = [_read_heading(name, mapping) for name in table.names]
     # of each quantity: number or time of the frame -> (n_points,)

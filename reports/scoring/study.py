@@ -108,7 +108,7 @@ class StudyRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class MeshStudy:
     """The meshes, the finest first, and every metric that has a value on all of them."""
 
     levels: tuple[Level, ...]
@@ -174,7 +174,7 @@ class Study:
         }
 
 
-def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
+def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshStudy:
     """A mesh study: the order of convergence and the limit at element size zero of each metric that
     has a value on all meshes, from results of one problem on meshes of different size.
 
@@ -214,7 +214,7 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study
             "Two meshes show no order: second order is assumed, with three times the uncertainty."
         )
     known_rows = tuple(row for row in rows if row is not None)
-    return Study(levels_by_size, known_rows, tuple(all_notes))
+    return MeshStudy(levels_by_size, known_rows, tuple(all_notes))
 
 
 def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:

@@ -343,7 +343,8 @@ def _tractions_of_scene(
 def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
     """Loads P and Q of fine steps along the load path, (n, 2), and for each of the times (k,) the
     number of its step. The steps go up to the end of the second cycle, in which times of a cycle
-    are looked for, since it is steady.
+    are looked for, since it is steady; along a path that does not repeat, up to the last of the
+    times.
     """
     path = scene.load.path()
     if path.period is None:
