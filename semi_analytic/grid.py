@@ -79,6 +79,8 @@ _COUNT_OF_GRID_GROUPS = 4
 # Errors by the change from coarse grids are taken times this: the true ones are 0.2 to 1.3 times
 # what they would be without.
 _SAFETY_OF_CHANGE = 2.0
+# Relative difference of two times below which they are one.
+_ROUND_OFF_OF_TIME = 1e-12
 # Cycles that the fine grids follow where coarse ones followed those before: the last two.
 _CYCLES_RESUMED = 2
 # Instants, out of those asked for, at which coarse and fine grids are compared.
@@ -905,6 +907,10 @@ class _PathInIncrements:
         is_initial_loading = cycle_number < 0
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
         segments = path.initial_loading if is_initial_loading else path.cycle
+        # By round-off an instant at the end of a cycle would lie in none, or in the next.
+        for boundary in (segments[0].start, segments[-1].end):
+            is_at_boundary = np.isclose(time_in_cycle, boundary, rtol=_ROUND_OFF_OF_TIME, atol=0)
+            time_in_cycle = np.where(is_at_boundary, boundary, time_in_cycle)
         times_of_segments = [
             self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
             for segment_number, segment in enumerate(segments)
@@ -1721,14 +1727,14 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
 
 
 def _change_of_permanent_stick(runs: _Runs) -> float:
-    """The larger change of an edge of the permanent stick zone from coarse grids to fine ones
+    """Twice the larger change of an edge of the permanent stick zone from coarse grids to fine ones
     [length]; NaN where one of them has no such zone.
 
     An edge is known to a share of a cell, so that half as many cells double its error.
     """
     fine_edges = runs.fine_answers.permanent_stick_edges
     coarse_edges = runs.coarse_answers.permanent_stick_edges
-    return float(np.max(np.abs(fine_edges - coarse_edges)))
+    return _SAFETY_OF_CHANGE * float(np.max(np.abs(fine_edges - coarse_edges)))
 
 
 def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:

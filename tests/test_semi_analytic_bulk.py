@@ -32,6 +32,7 @@ from scenes import (
     Scene,
     Tabulated,
     Wedge,
+    load_scene,
 )
 from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
@@ -1326,6 +1327,18 @@ def test_permanent_stick_on_grids_is_uncertain_by_what_finer_grids_change():
     """Bulk stress out of phase, two stick zones; 0.7142 by grids of three times the cells."""
     answer = solve("dovetail-out-of-phase")
     uncertainty = answer.uncertainties["permanent_stick_half_width"]
-    assert abs(answer.permanent_stick_half_width - 0.7142) < uncertainty < 3e-3
+    assert abs(answer.permanent_stick_half_width - 0.7142) < uncertainty < 5e-3
     # what comes without grids is exact, and states nothing
     assert dict(solve("nowell-hills").uncertainties) == {}
+
+
+def test_an_instant_beyond_the_end_of_the_path_by_round_off_is_its_end():
+    """The last of the default instants may be that: it had P = 0, and its points were open."""
+    scene = load_scene("dovetail-out-of-phase")
+    path = scene.load.path()
+    end_of_cycle = path.cycle_start + path.period
+    times = [end_of_cycle, np.nextafter(end_of_cycle, math.inf)]
+    answer = solve(scene, x=[0.0, 0.5], time=times)
+    assert answer.normal_load[0] > 0
+    np.testing.assert_allclose(answer.normal_load[1], answer.normal_load[0], rtol=1e-12)
+    np.testing.assert_allclose(answer.slip[1], answer.slip[0], rtol=1e-12)
