@@ -253,7 +253,7 @@ class ShoulderedPad(_Sided):
 Shape = Annotated[
     HalfPlane | Block | Pad | Cylinder | TShape | ShoulderedPad, Field(discriminator="kind")
 ]
-_PADS = ("pad", "shouldered_pad")
+_KINDS_OF_PADS = ("pad", "shouldered_pad")
 
 
 class Bodies(Frozen):
@@ -277,7 +277,7 @@ class Bodies(Frozen):
         """Whether the gap comes from the shape of a face (pads, cylinders); else the profile is a
         gap between two flat faces.
         """
-        return any(body.kind in (*_PADS, "cylinder") for body in (self.lower, self.upper))
+        return any(body.kind in (*_KINDS_OF_PADS, "cylinder") for body in (self.lower, self.upper))
 
     @model_validator(mode="after")
     def _require_contact_problem(self) -> Self:
@@ -285,7 +285,7 @@ class Bodies(Frozen):
         cylinder, since one profile cannot be the face of both; a pad wider than the body it faces.
         """
         kinds_of_bodies = (self.lower.kind, self.upper.kind)
-        curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_PADS, "cylinder")]
+        curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_KINDS_OF_PADS, "cylinder")]
         if len(curved_kinds) == 2 and curved_kinds != ["cylinder", "cylinder"]:
             raise ValueError(
                 f"a {kinds_of_bodies[1]} on a {kinds_of_bodies[0]}: a pad faces a half_plane, a"

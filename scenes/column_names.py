@@ -195,7 +195,12 @@ ALIASES: dict[str, tuple[str, ...]] = {
     ),
 }
 # Of the columns that a scene asks for.
-_OF_SCENES = {"P": "normal_load", "Q": "tangential_load", "U": "displacement", "h": "height"}
+_ALIAS_KEYS_OF_SCENE_COLUMNS = {
+    "P": "normal_load",
+    "Q": "tangential_load",
+    "U": "displacement",
+    "h": "height",
+}
 
 
 def aliases_of(column: str) -> tuple[str, ...]:
@@ -204,7 +209,7 @@ def aliases_of(column: str) -> tuple[str, ...]:
     >>> aliases_of("Q")[:2]
     ('Q', 'tangential_load')
     """
-    return (column, *ALIASES[_OF_SCENES.get(column, column)])
+    return (column, *ALIASES[_ALIAS_KEYS_OF_SCENE_COLUMNS.get(column, column)])
 
 
 def normalised_name(name: str) -> str:

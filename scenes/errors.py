@@ -56,7 +56,7 @@ class RowError(ValueError):
             raise cls(row, rule(row))
 
 
-_RULES = {
+_SENTENCES_BY_REASON = {
     "gross sliding": (
         "|Q| exceeds f P, so the bodies slide as a whole and have no equilibrium under load"
         " control; lower the tangential load, raise the normal load or friction.coefficient"
@@ -127,7 +127,7 @@ class InadmissibleLoadError(InputError):
         where
             part of the load path in words, such as "worst in the cycle"
         rule
-            what is violated and what to do; "": the sentence in `_RULES` for the reason
+            what is violated and what to do; "": the usual sentence for the reason
         """
         if worst_instant is None:
             worst_instant = begin
@@ -142,7 +142,7 @@ class InadmissibleLoadError(InputError):
             loads_text += f", f = {friction:g}"
         super().__init__(
             f"load: {reason}{onset_text}{place_text} at time {worst_instant.time:.6g} with"
-            f" {loads_text}: {rule or _RULES[reason]}"
+            f" {loads_text}: {rule or _SENTENCES_BY_REASON[reason]}"
         )
 
 

@@ -53,24 +53,26 @@ _FEWEST_ROWS = 8
 _MOST_ROWS = 20_000
 # Least distance of the points from a known middle, over their largest one, up to which points on
 # one side are enough: they need not begin exactly at x = 0.
-_LARGEST_GAP_AT_MIDDLE = 0.1
+_LARGEST_GAP_SHARE_AT_MIDDLE = 0.1
 # Points at x >= 0 are one half of a profile where the mean height of the first of so many parts is
 # above the lowest by no more than this fraction of the range of these means.
-_N_PARTS = 8
-_LARGEST_RISE_AT_MIDDLE = 0.05
+_N_PARTS_OF_TRACE = 8
+_LARGEST_RISE_SHARE_AT_MIDDLE = 0.05
 # Range of the fitted profile, over that of the heights, below which it is round-off.
-_LEAST_BEND = 1e-9
+_LEAST_HEIGHT_RANGE_SHARE = 1e-9
 # Repeats of a fit whose points depend on it: those within the extent, or without spikes.
-_MOST_PASSES = 5
+_MOST_REPEATS_OF_FIT = 5
 # Distance of the lowest place of a parabola from mid-length, over the half-length of the trace,
 # from which on the trace counts as tilted.
-_LARGEST_OFFSET = 0.3
+_LARGEST_OFFSET_OF_LEVEL_TRACE = 0.3
 # Standard deviation of residuals, over the largest residual, below which it is round-off.
-_ROUND_OFF = 1e-9
+_ROUND_OFF_SHARE_OF_RESIDUAL = 1e-9
 # Number of different heights over that of points, below which heights are steps of the last digit.
 _LEAST_FRACTION_OF_HEIGHTS = 0.7
 # Double roots c of the curvature polynomials (u - c)^2, u = (s/L)^2.
-_DOUBLE_ROOTS = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
+_DOUBLE_ROOTS_OF_CURVATURE = np.concatenate(
+    [np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)]
+)
 # Knots of the spline, from its middle on, and points of the table that stands for it in the scene.
 _N_KNOTS = 31
 _N_SPLINE_ROWS = 61
@@ -83,9 +85,9 @@ _LONGEST_HALF_LENGTH = 0.98
 # half-lengths where a tilt has moved that place.
 _TRIAL_MIDDLES = np.linspace(-0.45, 0.45, 7)
 # Median of the square of a standard normal deviate.
-_MEDIAN_OF_SQUARE = 0.4549
+_MEDIAN_OF_SQUARED_DEVIATE = 0.4549
 # Standard deviation of the tilts that are expected, over the range of heights over the length.
-_EXPECTED_TILT = 0.1
+_DEVIATION_OF_EXPECTED_TILTS = 0.1
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
     fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
-    for _ in range(_MOST_PASSES):
+    for _ in range(_MOST_REPEATS_OF_FIT):
         rows_in_fit = np.delete(row_numbers, candidate_rows)
         residuals = h[rows_in_fit] - fit.height_at(x[rows_in_fit])
         further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
@@ -172,8 +174,8 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
     The standard deviation comes from the median, which spikes do not move. `residuals` are (n,).
     """
     residual_sizes = np.abs(residuals)
-    sigma = float(np.median(residual_sizes)) / math.sqrt(_MEDIAN_OF_SQUARE)
-    if not sigma > _ROUND_OFF * float(np.max(residual_sizes)):
+    sigma = float(np.median(residual_sizes)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
+    if not sigma > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(residual_sizes)):
         return np.array([], dtype=np.int64)
     larger_neighbour_sizes = np.maximum(
         np.append(residual_sizes[1:], 0.0), np.append(0.0, residual_sizes[:-1])
@@ -283,7 +285,8 @@ def _check_rows_of_fit(
             " needed",
         )
     distances = np.abs(x - middle)
-    begins_near_middle = np.min(distances) <= _LARGEST_GAP_AT_MIDDLE * float(np.max(distances))
+    largest_gap = _LARGEST_GAP_SHARE_AT_MIDDLE * float(np.max(distances))
+    begins_near_middle = np.min(distances) <= largest_gap
     if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
@@ -385,12 +388,12 @@ def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledF
     """Fit a profile to the measured points no farther from its middle than the requested extent.
 
     The middle (axis of symmetry) follows from the fit, and decides which points count. So the fit
-    is repeated until the same points stay within the extent, _MOST_PASSES times at most. `x` (n,)
+    is repeated until the same points stay within the extent, 5 times at most. `x` (n,)
     are the places of all points of the trace.
     """
     extent = request.extent or math.inf
     assumed_middle = trace.first_middle
-    for _ in range(_MOST_PASSES):
+    for _ in range(_MOST_REPEATS_OF_FIT):
         scaled_fit = _fit_about(x, trace, request, assumed_middle)
         is_within_extent = np.abs(x - assumed_middle) <= extent
         if np.array_equal(np.abs(x - scaled_fit.middle) <= extent, is_within_extent):
@@ -438,7 +441,10 @@ def _fit_about(
         first_half_length = half_length / length_unit
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
     # A straight line through the points bends by round-off alone.
-    if np.ptp(fit.shape_heights) < _LEAST_BEND or abs(fit.middle) > _LONGEST_HALF_LENGTH:
+    if (
+        np.ptp(fit.shape_heights) < _LEAST_HEIGHT_RANGE_SHARE
+        or abs(fit.middle) > _LONGEST_HALF_LENGTH
+    ):
         raise RowError(
             last_row,
             "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?",
@@ -501,7 +507,7 @@ def _is_tilted_as_a_whole(x: Array, h: Array, kind: str) -> bool:
     mid_length = float(x[0] + x[-1]) / 2
     half_length = float(x[-1] - x[0]) / 2
     relative_offset = abs(_lowest_place(x, h) - mid_length) / half_length
-    return relative_offset >= (1.0 if kind == "hertz" else _LARGEST_OFFSET)
+    return relative_offset >= (1.0 if kind == "hertz" else _LARGEST_OFFSET_OF_LEVEL_TRACE)
 
 
 def _is_half_a_profile(x: Array, h: Array) -> bool:
@@ -510,9 +516,9 @@ def _is_half_a_profile(x: Array, h: Array) -> bool:
     """
     if len(x) < _FEWEST_ROWS or x[0] < 0:
         return False
-    mean_heights = np.array([part.mean() for part in np.array_split(h, _N_PARTS)])
+    mean_heights = np.array([part.mean() for part in np.array_split(h, _N_PARTS_OF_TRACE)])
     return bool(
-        mean_heights[0] - mean_heights.min() <= _LARGEST_RISE_AT_MIDDLE * np.ptp(mean_heights)
+        mean_heights[0] - mean_heights.min() <= _LARGEST_RISE_SHARE_AT_MIDDLE * np.ptp(mean_heights)
     )
 
 
@@ -606,7 +612,7 @@ def _noise_variance(x: Array, h: Array) -> float:
     weights = 1 / np.prod(distances, axis=2)
     third_differences = np.sum(weights * heights[is_distinct], axis=1)
     scaled_squares = third_differences**2 / np.sum(weights**2, axis=1)
-    return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARE
+    return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARED_DEVIATE
 
 
 # Coefficients (m, 4) of curvature polynomials of u = (s/L)^2 that are nowhere negative for u >= 0,
@@ -614,12 +620,15 @@ def _noise_variance(x: Array, h: Array) -> float:
 _CURVATURE_POLYNOMIALS = np.concatenate(
     [
         np.eye(4)[:2],
-        *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _DOUBLE_ROOTS.tolist()),
+        *(
+            [[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]]
+            for c in _DOUBLE_ROOTS_OF_CURVATURE.tolist()
+        ),
     ]
 )
 _CURVATURE_POLYNOMIALS /= np.abs(_CURVATURE_POLYNOMIALS).max(axis=1, keepdims=True)
 # Divisors that two integrations of 1, s^2, s^4 and s^6 bring: s^(k+2)/((k+1)(k+2)) of s^k.
-_INTEGRAL_FACTORS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
+_DIVISORS_OF_TWO_INTEGRATIONS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
 @dataclass(frozen=True, eq=False)
@@ -649,7 +658,7 @@ class _ScaledRows:
         """Weight of the squared tilt beside the squared residuals: variance of the noise over that
         of the tilts expected.
         """
-        return _noise_variance(self.x, self.h) / _EXPECTED_TILT**2
+        return _noise_variance(self.x, self.h) / _DEVIATION_OF_EXPECTED_TILTS**2
 
     @property
     def knots(self) -> Array:
@@ -670,7 +679,8 @@ class _ScaledRows:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
-                return (s[:, None] ** [2, 4, 6, 8] / _INTEGRAL_FACTORS) @ _CURVATURE_POLYNOMIALS.T
+                integrated_powers = s[:, None] ** [2, 4, 6, 8] / _DIVISORS_OF_TWO_INTEGRATIONS
+                return integrated_powers @ _CURVATURE_POLYNOMIALS.T
         # A hat is the second difference of ramps (s - knot)_+; integrated twice, of these cubes.
         knot_distance = float(self.knots[1])
         integrated_ramps = np.maximum(
@@ -940,7 +950,7 @@ class _Fit:
                 }
             case "even_polynomial":
                 curvature_coefficients = self.basis_weights @ _CURVATURE_POLYNOMIALS
-                rises = height_unit * curvature_coefficients / _INTEGRAL_FACTORS
+                rises = height_unit * curvature_coefficients / _DIVISORS_OF_TWO_INTEGRATIONS
                 return {"kind": "polynomial", "length": length_unit, "rises": tuple(rises.tolist())}
         x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
         heights = self.rows.basis_functions(x, 0.0) @ self.basis_weights

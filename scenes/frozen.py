@@ -63,7 +63,7 @@ _NEGLECTED_PHYSICS = {
     ("thickness",): "the bodies are in plane strain, and loads are per unit thickness",
 }
 # Rules in plain words, by pydantic's types of faults.
-RULES = {
+_RULES_BY_FAULT_TYPE = {
     "missing": "a point is [P, Q]",
     "tuple_type": "should be a list in square brackets",
     "list_type": "should be a list in square brackets",
@@ -120,7 +120,7 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
     """
     value = fault["input"]
     pydantic_rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-    rule = RULES.get(fault["type"]) or pydantic_rule
+    rule = _RULES_BY_FAULT_TYPE.get(fault["type"]) or pydantic_rule
     match fault["type"]:
         case "extra_forbidden":
             unknown_key = str(fault["loc"][-1])

@@ -38,13 +38,13 @@ _SAMPLES_OF_POLYNOMIAL = 4096
 # A coefficient is significant from so many standard deviations of its round-off on. Round-off is no
 # perfect chance: above 4 some is left, above 8 none was seen; what is dropped with it costs 1e-15
 # of a load.
-_SIGNIFICANT_DEVIATIONS = 8.0
+_DEVIATIONS_OF_SIGNIFICANT_TERM = 8.0
 # So many standard deviations are stated as error.
-_STATED_DEVIATIONS = 4.0
+_DEVIATIONS_IN_STATED_ERROR = 4.0
 # Last coefficients up to so many standard deviations are explained by round-off.
-_EXPLAINED_DEVIATIONS = 6.0
+_DEVIATIONS_OF_EXPLAINED_TERM = 6.0
 # Largest error of a load, over the load: beyond, a height is too rough to have a slope.
-_LARGEST_LOAD_ERROR = 1e-7
+_LARGEST_RELATIVE_LOAD_ERROR = 1e-7
 # Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k''
 # over k^3, found for k up to 24.
 _LOAD_PER_DEGREE = 2.9
@@ -54,13 +54,13 @@ _STIFFNESS_PER_DEGREE_CUBED = 1.5
 _LEAST_LOAD_PER_SLOPE = 0.5
 # Round-off over h far below the extent, up to which h has all its digits at any x; and the end,
 # over the extent, of the interval of x where that is looked at.
-_EXACT_ROUNDOFF = 1e-15
-_FAR_PLACE = 2.0**-20
+_LARGEST_ROUNDOFF_OF_EXACT_HEIGHT = 1e-15
+_PLACE_SHARE_NEAR_ZERO = 2.0**-20
 # The polynomial in x^2 may end at the extent over 2^0 to 2^13; its lowest powers of x^2.
 _LARGEST_HALVING_OF_END = 13
 _LOWEST_POWERS = (1, 2, 3, 4)
 # A fit that reaches farther out is preferred to one whose error is half as large.
-_ALIKE_RATIO = 2.0
+_RATIO_OF_ALIKE_ERRORS = 2.0
 # Round-off above the end of the polynomial in x^2 may be so many times that below.
 _GROWTH_OF_ROUNDOFF = 10.0
 # Error of a series that `fit` takes as resolved, over the scale it is given.
@@ -138,7 +138,10 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         return height(x) - height_at_middle
 
     inner_polynomial = None
-    if _relative_roundoff_near_zero(height_above_middle, extent) > _EXACT_ROUNDOFF:
+    if (
+        _relative_roundoff_near_zero(height_above_middle, extent)
+        > _LARGEST_ROUNDOFF_OF_EXACT_HEIGHT
+    ):
         possible_ends = edges[edges >= extent * 0.5**_LARGEST_HALVING_OF_END]
         inner_polynomial = _inner_polynomial(height_above_middle, possible_ends)
     if inner_polynomial is None:
@@ -211,7 +214,9 @@ class _Samples:
         """
         is_significant = (
             np.abs(coefficients)
-            > _SIGNIFICANT_DEVIATIONS * self.coefficient_roundoff_ratio * roundoff[..., None]
+            > _DEVIATIONS_OF_SIGNIFICANT_TERM
+            * self.coefficient_roundoff_ratio
+            * roundoff[..., None]
         )
         return np.max(np.where(is_significant, np.arange(coefficients.shape[-1]), 1), axis=-1)
 
@@ -232,7 +237,7 @@ def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -
     It tells how many digits the height has near x = 0.
     """
     samples = _samples(_SAMPLES_OF_INTERVAL)
-    heights = height_above_middle(extent * _FAR_PLACE * (3 + samples.places) / 4)
+    heights = height_above_middle(extent * _PLACE_SHARE_NEAR_ZERO * (3 + samples.places) / 4)
     largest_height = float(np.max(np.abs(heights)))
     if not (largest_height > 0 and np.all(np.isfinite(heights))):
         return np.inf
@@ -266,7 +271,9 @@ def _series_of_height(
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
     is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
     height_series = PiecewiseSeries(edges, np.where(is_significant, coefficients, 0.0).T.copy())
-    coefficient_error = _STATED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
+    coefficient_error = (
+        _DEVIATIONS_IN_STATED_ERROR * samples.coefficient_roundoff_ratio * height_roundoff
+    )
     return height_series, _errors_of_loads(height_series, is_significant, coefficient_error)
 
 
@@ -320,7 +327,7 @@ def _errors_of_loads(
     # Lower bound of P/(E* a).
     least_load = _LEAST_LOAD_PER_SLOPE * largest_slope_up_to_end[has_slope]
     relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
-    rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_LOAD_ERROR)
+    rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_RELATIVE_LOAD_ERROR)
     if len(rough_intervals):
         first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
         raise UnresolvedError(
@@ -384,7 +391,7 @@ def _inner_polynomial(
     widest_polynomial = next(
         polynomial
         for polynomial in polynomials
-        if polynomial.load_errors.load <= _ALIKE_RATIO * least_load_error
+        if polynomial.load_errors.load <= _RATIO_OF_ALIKE_ERRORS * least_load_error
     )
     refitted_polynomial = _polynomial_up_to(
         widest_polynomial.end, height_above_middle, _SAMPLES_OF_POLYNOMIAL
@@ -408,7 +415,9 @@ def _polynomial_up_to(
     coefficients, roundoff_array = samples.series_and_roundoff(heights)
     height_roundoff = float(roundoff_array)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
-    explained_size = _EXPLAINED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
+    explained_size = (
+        _DEVIATIONS_OF_EXPLAINED_TERM * samples.coefficient_roundoff_ratio * height_roundoff
+    )
     if float(truncation_error(coefficients)) > explained_size:
         return None
     last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
@@ -471,11 +480,11 @@ def _polynomial_of_lowest_power(
     s_of_ends = np.array([0.0, 1.0])
     b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
     b_rate_at_ends = np.stack([term.deriv()(s_of_ends) for term in terms_of_b], axis=1)
-    stated_roundoff = _STATED_DEVIATIONS * height_roundoff
+    stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
     b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
     b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
     b_sizes = np.abs(b_at_ends @ g)
-    if not np.all(b_errors < _LARGEST_LOAD_ERROR * b_sizes):
+    if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
         return None
     slope_series = sum(
         coefficient * term for coefficient, term in zip(g.tolist(), terms_of_b, strict=True)

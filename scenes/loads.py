@@ -32,11 +32,11 @@ from scenes.column_names import aliases_of, normalised_name
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
 from scenes.measured import (
-    COLUMNS,
-    READ_AS,
-    SCALE,
-    UNITS,
-    ZERO,
+    DESCRIPTION_OF_COLUMNS,
+    DESCRIPTION_OF_READ_AS,
+    DESCRIPTION_OF_SCALE,
+    DESCRIPTION_OF_UNITS,
+    DESCRIPTION_OF_ZERO,
     FromFile,
     ReadAs,
     Reduction,
@@ -95,7 +95,9 @@ Harmonic = tuple[
     Annotated[float, Field(ge=0, description="amplitude")],
     Annotated[float, Field(description="lag, degrees")],
 ]
-_INITIAL = "values at the points of the load's initial_loading; in proportion to P if left out"
+_DESCRIPTION_OF_INITIAL_VALUES = (
+    "values at the points of the load's initial_loading; in proportion to P if left out"
+)
 
 
 class Wave(Frozen):
@@ -104,7 +106,7 @@ class Wave(Frozen):
     mean: float = Field(0.0, description="in the unit of the key")
     amplitude: float = Field(0.0, ge=0, description="in the unit of the key")
     phase_degrees: float = Field(0.0, ge=-180, le=180, description="lag behind P")
-    initial_loading: tuple[float, ...] = Field((), description=_INITIAL)
+    initial_loading: tuple[float, ...] = Field((), description=_DESCRIPTION_OF_INITIAL_VALUES)
 
     def waves(self) -> tuple[float, Waves]:
         """(mean, ((amplitude, phase in radians),))."""
@@ -135,17 +137,21 @@ class DrivenWaveSum(Frozen):
     )
 
 
-_TAKES_PLACE_OF_Q = "U_act of a tangential actuator, in place of the tangential loads"
-_TAKES_PLACE_OF_P = "approach of a normal actuator, in place of the normal loads; needs U_act"
+_DESCRIPTION_OF_U_ACT = "U_act of a tangential actuator, in place of the tangential loads"
+_DESCRIPTION_OF_APPROACH = (
+    "approach of a normal actuator, in place of the normal loads; needs U_act"
+)
 # 0 where the approach is stated in its place.
 _MeanNormalLoad = Annotated[
     float, Field(ge=0), AfterValidator(lambda load: a_scale(load) if load else load)
 ]
-_MEAN_NORMAL_LOAD = (
+_DESCRIPTION_OF_MEAN_NORMAL_LOAD = (
     "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
 )
-_IS_SECOND = "true: U_act of a tangential actuator stands in the place of Q (library: mm)"
-_IS_FIRST = (
+_DESCRIPTION_OF_U_ACT_FLAG = (
+    "true: U_act of a tangential actuator stands in the place of Q (library: mm)"
+)
+_DESCRIPTION_OF_APPROACH_FLAG = (
     "true: the approach of a normal actuator stands in the place of P; needs U_act (library: mm)"
 )
 
@@ -157,7 +163,7 @@ class WaveSum(Frozen):
     harmonics: tuple[Harmonic, ...] = Field(
         (), description="[amplitude, phase in degrees] of k = 1, 2, ..."
     )
-    initial_loading: tuple[float, ...] = Field((), description=_INITIAL)
+    initial_loading: tuple[float, ...] = Field((), description=_DESCRIPTION_OF_INITIAL_VALUES)
 
     def waves(self) -> tuple[float, Waves]:
         """(mean, ((amplitude, phase in radians), ...))."""
@@ -452,7 +458,7 @@ class EllipseLoad(CyclicLoad[Wave]):
     """
 
     kind: Literal["ellipse"] = "ellipse"
-    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_MEAN_NORMAL_LOAD)
+    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_DESCRIPTION_OF_MEAN_NORMAL_LOAD)
     normal_amplitude: float = Field(
         0.0, ge=0, description="P1, force per unit thickness (library: N/mm)"
     )
@@ -465,8 +471,8 @@ class EllipseLoad(CyclicLoad[Wave]):
     phase_degrees: float = Field(
         90.0, ge=-180, le=180, description="lag of Q behind P; positive goes round anticlockwise"
     )
-    tangential_displacement: DrivenWave | None = Field(None, description=_TAKES_PLACE_OF_Q)
-    approach: DrivenApproach | None = Field(None, description=_TAKES_PLACE_OF_P)
+    tangential_displacement: DrivenWave | None = Field(None, description=_DESCRIPTION_OF_U_ACT)
+    approach: DrivenApproach | None = Field(None, description=_DESCRIPTION_OF_APPROACH)
     initial_loading: Literal["straight", "parabola"] | tuple[Point, ...] = Field(
         "straight",
         description=(
@@ -628,8 +634,8 @@ class PolygonLoad(StraightLoad):
             " 0, 1, 2, ... if left out (library: s)"
         ),
     )
-    tangential_displacement: bool = Field(False, description=_IS_SECOND)
-    approach: bool = Field(False, description=_IS_FIRST)
+    tangential_displacement: bool = Field(False, description=_DESCRIPTION_OF_U_ACT_FLAG)
+    approach: bool = Field(False, description=_DESCRIPTION_OF_APPROACH_FLAG)
 
     rule_of_entries = "one for each point of initial_loading and cycle"
 
@@ -764,7 +770,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     """
 
     kind: Literal["harmonics"] = "harmonics"
-    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_MEAN_NORMAL_LOAD)
+    mean_normal_load: _MeanNormalLoad = Field(0.0, description=_DESCRIPTION_OF_MEAN_NORMAL_LOAD)
     mean_tangential_load: float = Field(
         0.0, description="Q0, force per unit thickness (library: N/mm)"
     )
@@ -774,8 +780,8 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
     tangential_harmonics: tuple[Harmonic, ...] = Field(
         (), description="[Q_k, phi_k] of k = 1, 2, ... (library: N/mm, degrees)"
     )
-    tangential_displacement: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_Q)
-    approach: DrivenWaveSum | None = Field(None, description=_TAKES_PLACE_OF_P)
+    tangential_displacement: DrivenWaveSum | None = Field(None, description=_DESCRIPTION_OF_U_ACT)
+    approach: DrivenWaveSum | None = Field(None, description=_DESCRIPTION_OF_APPROACH)
     initial_loading: InitialLoading = Field(
         "straight",
         description="from (0, 0) to the cycle: straight, or along [P, Q] points",
@@ -893,11 +899,11 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             "the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)"
         ),
     )
-    tangential_displacement: bool = Field(False, description=_IS_SECOND)
-    approach: bool = Field(False, description=_IS_FIRST)
+    tangential_displacement: bool = Field(False, description=_DESCRIPTION_OF_U_ACT_FLAG)
+    approach: bool = Field(False, description=_DESCRIPTION_OF_APPROACH_FLAG)
     repeats: bool = Field(False, description="whether the rows are one cycle that repeats")
-    columns: OfLoads[str | int] | None = Field(None, description=COLUMNS)
-    units: OfLoads[str] | None = Field(None, description=UNITS)
+    columns: OfLoads[str | int] | None = Field(None, description=DESCRIPTION_OF_COLUMNS)
+    units: OfLoads[str] | None = Field(None, description=DESCRIPTION_OF_UNITS)
     thickness: Positive | None = Field(
         None,
         description=(
@@ -916,12 +922,12 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             " N/mm)"
         ),
     )
-    scale: OfLoads[Positive] | None = Field(None, description=SCALE)
-    zero: OfLoads[float] | None = Field(None, description=ZERO)
+    scale: OfLoads[Positive] | None = Field(None, description=DESCRIPTION_OF_SCALE)
+    zero: OfLoads[float] | None = Field(None, description=DESCRIPTION_OF_ZERO)
     sign: OfLoads[Literal[1, -1]] | None = Field(
         None, description="-1 turns a column, such as P of a cell that counts tension"
     )
-    read_as: ReadAs | None = Field(None, description=READ_AS)
+    read_as: ReadAs | None = Field(None, description=DESCRIPTION_OF_READ_AS)
     start: float | RecordRow | None = Field(
         None,
         description=(

@@ -113,11 +113,11 @@ READING_KEYS = (
 )
 """Keys of a scene that say how a text file is read."""
 # What some of them are, for the descriptions of keys.
-COLUMNS = "headings or numbers (from 1) of columns without a usual name"
-UNITS = "units of columns whose headings state none; turned into those of the scene"
-SCALE = "factors of the columns, such as a calibration"
-ZERO = "numbers that mean zero: taken off first, in the units of the file"
-READ_AS = "how the file was read, found and assumed; written by the reader"
+DESCRIPTION_OF_COLUMNS = "headings or numbers (from 1) of columns without a usual name"
+DESCRIPTION_OF_UNITS = "units of columns whose headings state none; turned into those of the scene"
+DESCRIPTION_OF_SCALE = "factors of the columns, such as a calibration"
+DESCRIPTION_OF_ZERO = "numbers that mean zero: taken off first, in the units of the file"
+DESCRIPTION_OF_READ_AS = "how the file was read, found and assumed; written by the reader"
 
 
 LIKELY_UNITS = {"length": "mm", "load": "N", "stress": "MPa", "angle": "rad"}

@@ -42,7 +42,16 @@ from scenes.chebyshev import (
 )
 from scenes.errors import InputError, RowError
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
-from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
+from scenes.measured import (
+    DESCRIPTION_OF_COLUMNS,
+    DESCRIPTION_OF_READ_AS,
+    DESCRIPTION_OF_SCALE,
+    DESCRIPTION_OF_UNITS,
+    DESCRIPTION_OF_ZERO,
+    FromFile,
+    ReadAs,
+    Table,
+)
 from scenes.unit_words import Kind
 
 if TYPE_CHECKING:
@@ -233,7 +242,7 @@ class Fitted(Frozen):
     spikes: tuple[int, ...] = Field(
         (), description="rows that stand out and were left out, by their numbers from 1 on"
     )
-    read_as: ReadAs | None = Field(None, description=READ_AS)
+    read_as: ReadAs | None = Field(None, description=DESCRIPTION_OF_READ_AS)
 
     def used_rows(self) -> NDArray[np.int64]:
         """Numbers (n,) of the measured rows that were fitted, from 0 on, ascending: all but spikes
@@ -705,14 +714,14 @@ class Tabulated(FromFile):
     asymmetry: float = Field(
         1e-3, ge=0, description="admitted difference of the two sides over the largest gap"
     )
-    columns: OfProfile[str | int] | None = Field(None, description=COLUMNS)
-    units: OfProfile[str] | None = Field(None, description=UNITS)
-    scale: OfProfile[Positive] | None = Field(None, description=SCALE)
-    zero: OfProfile[float] | None = Field(None, description=ZERO)
+    columns: OfProfile[str | int] | None = Field(None, description=DESCRIPTION_OF_COLUMNS)
+    units: OfProfile[str] | None = Field(None, description=DESCRIPTION_OF_UNITS)
+    scale: OfProfile[Positive] | None = Field(None, description=DESCRIPTION_OF_SCALE)
+    zero: OfProfile[float] | None = Field(None, description=DESCRIPTION_OF_ZERO)
     sign: OfProfile[Literal[1, -1]] | None = Field(
         None, description="-1 turns a column, such as a height counted the other way"
     )
-    read_as: ReadAs | None = Field(None, description=READ_AS)
+    read_as: ReadAs | None = Field(None, description=DESCRIPTION_OF_READ_AS)
     fit: ProfileFit | None = Field(
         None, description="a curve through noisy rows, to be taken in their place"
     )

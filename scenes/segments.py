@@ -259,7 +259,7 @@ class LoadSegment(abc.ABC):
         Raises
         ------
         NotFoundError
-            Where `_MOST_BRACKETED_STEPS` steps do not get there.
+            Where 4000 steps do not get there.
         """
         # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
@@ -403,8 +403,8 @@ def _float_or_array(time: Any) -> Any:
 class StraightSegment(LoadSegment):
     """P and Q linear in time between two points of the P-Q plane."""
 
-    first: Point
-    last: Point
+    first_point: Point
+    last_point: Point
 
     @property
     def is_straight(self) -> bool:
@@ -419,7 +419,7 @@ class StraightSegment(LoadSegment):
         share_of_segment = time_from_nearer_end / (self.end - self.start)
         p, q = (
             choose(near_start, first_load, last_load) + (last_load - first_load) * share_of_segment
-            for first_load, last_load in zip(self.first, self.last, strict=True)
+            for first_load, last_load in zip(self.first_point, self.last_point, strict=True)
         )
         return p, q
 
@@ -430,13 +430,14 @@ class StraightSegment(LoadSegment):
         share_of_segment = (
             np.asarray(time, dtype=float) - np.asarray(time_before, dtype=float)
         ) / (self.end - self.start)
-        normal_change = (self.last[0] - self.first[0]) * share_of_segment
-        tangential_change = (self.last[1] - self.first[1]) * share_of_segment
+        normal_change = (self.last_point[0] - self.first_point[0]) * share_of_segment
+        tangential_change = (self.last_point[1] - self.first_point[1]) * share_of_segment
         return combination[0] * normal_change + combination[1] * tangential_change
 
     def companion_of(self, combination: Combination) -> StraightSegment:
         first_point, last_point = (
-            (0.0, combination[0] * p + combination[1] * q) for p, q in (self.first, self.last)
+            (0.0, combination[0] * p + combination[1] * q)
+            for p, q in (self.first_point, self.last_point)
         )
         return StraightSegment(self.start, self.end, first_point, last_point)
 
@@ -463,8 +464,8 @@ class StraightSegment(LoadSegment):
         self,
         time: float,  # noqa: ARG002 the same all along
     ) -> tuple[float, float] | None:
-        rise = self.last[0] - self.first[0]
-        return ((self.last[1] - self.first[1]) / rise, 0.0) if rise else None
+        rise = self.last_point[0] - self.first_point[0]
+        return ((self.last_point[1] - self.first_point[1]) / rise, 0.0) if rise else None
 
 
 @dataclass(frozen=True)
@@ -1093,7 +1094,7 @@ def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment,
     their ends are `first` and `last`.
 
     >>> [
-    ...     segment.last
+    ...     segment.last_point
     ...     for segment in straight_segments([(0.0, 0.0, 0.0), (1.0, 2.0, 0.5), (3.0, 2.0, 0.0)])
     ... ]
     [(2.0, 0.5), (2.0, 0.0)]

@@ -75,7 +75,7 @@ def exact_loads(segment, moment):
             part = (t - start) / (end - start)
             return tuple(
                 a + (mpmath.mpf(b) - mpmath.mpf(a)) * part
-                for a, b in zip(segment.first, segment.last, strict=True)
+                for a, b in zip(segment.first_point, segment.last_point, strict=True)
             )
         case ChebyshevSegment():
             u = 2 * (t - start) / (end - start) - 1
@@ -337,7 +337,7 @@ def test_ways_to_the_cycle():
         dp, dq = segment.rates(moment)
         assert float(dq / dp) == pytest.approx(0.0, abs=1e-15)
     path = PERIODIC["points on the way"].path()
-    assert [segment.last for segment in path.initial_loading[:2]] == [(1, 0.5), (2, 0.1)]
+    assert [segment.last_point for segment in path.initial_loading[:2]] == [(1, 0.5), (2, 0.1)]
     assert [segment.end - segment.start for segment in path.initial_loading] == pytest.approx(
         [math.pi] * 3
     )
@@ -358,7 +358,7 @@ def test_ways_to_the_cycle():
 def test_a_path_that_just_ends():
     path = PolygonLoad(initial_loading=[(2, 0), (2, 1)]).path()
     assert (path.period, path.cycle) == (None, ())
-    assert [segment.last for segment in path.segments(5)] == [(2, 0), (2, 1)]
+    assert [segment.last_point for segment in path.segments(5)] == [(2, 0), (2, 1)]
     assert [float(v) for v in path.at(2.0)] == [2.0, 1.0]
     with pytest.raises(ValueError, match=r"runs from 0\.0 to 2\.0"):
         path.at(2.1)

@@ -1319,7 +1319,7 @@ def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch)
         on_grids(scene, np.zeros(1))
     assert "\n" not in str(caught.value)
     p, q = map(float, re.search(r"P = (\S+), Q = (\S+)", str(caught.value)).groups())
-    end = scene.load.path().initial_loading[0].last  # on the straight line to it
+    end = scene.load.path().initial_loading[0].last_point  # on the straight line to it
     assert q / p == pytest.approx(end[1] / end[0], rel=1e-5)
 
 
