@@ -57,7 +57,7 @@ STEADY_FIELDS = frozenset(
 locked in are not.
 """
 
-_POINTS = 200
+_N_MIRRORED_POINTS = 200
 
 
 # ------------------------------------------------------------------------------------ the question
@@ -141,8 +141,8 @@ def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
 
 
 def mirrored_points(edge: float) -> Array:
-    """Points from -edge to edge, mirrored to the last digit."""
-    right = np.linspace(edge / (_POINTS - 1), edge, _POINTS // 2)
+    """200 points from -edge to edge, mirrored to the last digit."""
+    right = np.linspace(edge / (_N_MIRRORED_POINTS - 1), edge, _N_MIRRORED_POINTS // 2)
     return np.concatenate([-right[::-1], right])
 
 

@@ -49,7 +49,7 @@ from semi_analytic.answer import (
 )
 from semi_analytic.bulk_and_tilt import OneCurve
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import KernelIntegrals
 from semi_analytic.friction_work import (
     LoopWork,
     LoopWorkOfSeries,
@@ -990,7 +990,9 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     scaled_displacement = np.full(len(request.time), np.nan)  # U pi/A
     approach = scaled_displacement
     if request.wants("tangential_displacement"):
-        scaled_displacement = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+        scaled_displacement = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(
+            snapshot
+        )[:, 0]
     if request.wants("normal_approach"):
         approach = request.unit_compliance * contact.approach_integral(snapshot.load)
     left_and_right = np.array([-1.0, 1.0])
@@ -1022,7 +1024,9 @@ def _values_with_bulk_and_tilt(
     # The curve may be locked-in bulk strain in terms of a load: the fraction of Q is then 0.
     tilted_values["tangential_load"] = snapshot.force * tilted_contact.tangential_fraction
     moment_contact = replace(tilted_contact, kernel_quantity="shear_moment")
-    shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+    shear_moment = KernelIntegrals(moment_contact, np.zeros(1), "shift").over_memory_curves(
+        snapshot
+    )[:, 0]
     tilted_values["shear_moment"] = shear_moment
     contact_edges = tilted_values["contact_edges"]
     tilted_values["contact_half_width"] = np.diff(contact_edges)[:, 0] / 2
@@ -1079,14 +1083,16 @@ def _fields_at_points(
     }
     fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
     fields_at_distances: dict[str, NDArray[Any]] = {}
-    shear_integrals = Integrals(contact, distances, "shear")
-    slip_integrals = Integrals(contact, distances, "slip")
+    shear_integrals = KernelIntegrals(contact, distances, "shear")
+    slip_integrals = KernelIntegrals(contact, distances, "slip")
     if request.wants("pressure"):
         fields_at_distances["pressure"] = _pressure_of(request, snapshot, loads_and_edges)
     if request.wants("shear"):
-        fields_at_distances["shear"] = shear_integrals.over(snapshot)
+        fields_at_distances["shear"] = shear_integrals.over_memory_curves(snapshot)
     if request.wants("slip"):
-        fields_at_distances["slip"] = request.unit_compliance * slip_integrals.over(snapshot)
+        fields_at_distances["slip"] = request.unit_compliance * slip_integrals.over_memory_curves(
+            snapshot
+        )
     if request.wants("state"):
         fields_at_distances["state"] = _state_of(request, snapshot, loads_and_edges)
     for name, values in fields_at_distances.items():
@@ -1268,8 +1274,8 @@ def _kernel_sums(
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
     most_lines = _largest_piece_count(snapshot, sampled_instants) + 1
     return SumsOfKernels(
-        distance=request.distance,
-        load=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
+        distances=request.distance,
+        loads=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
         half_widths=loads_and_edges["contact_half_width"],
         stick_half_widths=loads_and_edges["stick_half_width"],
         friction=snapshot.friction,

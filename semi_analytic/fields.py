@@ -77,7 +77,7 @@ _NODES_BY_LENGTH = ((0.12, 6), (0.4, 10), (1.2, 16), (2.5, 24), (6.0, 40), (math
 _NODES_AT_ONCE = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
 # length 1.
-_PRIMITIVE = chebyshev.chebint(np.eye(CHEBYSHEV_DEGREE + 1), lbnd=-1, axis=1) / 2
+_PRIMITIVE_OF_SERIES = chebyshev.chebint(np.eye(CHEBYSHEV_DEGREE + 1), lbnd=-1, axis=1) / 2
 # Ranges of time near P_x whose error is looked at, and how many times the change by their halves
 # it is: of a range that ends next to P_x, on a table, halves lose half as much themselves.
 _SAMPLED_RANGES = 40
@@ -124,7 +124,7 @@ class _Panels(NamedTuple):
         return _Panels._make(column[numbers] for column in self)
 
 
-class Arc:
+class ArcIntegrals:
     """Integrals of one kernel times dQ along an arc, a curved piece of a memory curve, at |x| = `x`
     (k,), up to any instant of it.
 
@@ -212,7 +212,7 @@ class Arc:
         >>> contact = HertzContact(
         ...     modulus=math.pi, radius=1.0, datum_length=1.0
         ... )  # p(0, P) = sqrt(P)
-        >>> arc = Arc(
+        >>> arc = ArcIntegrals(
         ...     contact,
         ...     "shear",
         ...     load_in_stick(below, segment, -math.pi, instant(segment, 0.0)),
@@ -280,7 +280,7 @@ class Arc:
         self._is_near = panels.is_near
         self._panel_ends = np.append(panels.begin, panels.end[-1])
         # Series of the integrals from the begin of each panel on; their sums at 1 are at its end.
-        self._primitives = panels.series @ _PRIMITIVE
+        self._primitives = panels.series @ _PRIMITIVE_OF_SERIES
         near_panel, near_point = np.nonzero(panels.is_near)
         near_integrals, error_of_near_integrals = self._near_integrals_and_error(
             panels.begin[near_panel], panels.end[near_panel], near_point
@@ -377,7 +377,7 @@ class Arc:
             near_integral = _NearIntegral(self._contact, self._kernel, self._segment, turning_point)
             x_of_ranges = self._x[point[is_on_side]]
             edge_loads_of_ranges = self._edge_loads[point[is_on_side]]
-            integrals[is_on_side] = near_integral.over(
+            integrals[is_on_side] = near_integral.over_times(
                 begins[is_on_side], ends[is_on_side], x_of_ranges, edge_loads_of_ranges
             )
         return integrals
@@ -526,7 +526,7 @@ class _NearIntegral:
         """
         return (self.kernel != "slip") == (self.turning_point.sign > 0)
 
-    def over(self, begin_time: Array, end_time: Array, x: Array, edge_load: Array) -> Array:
+    def over_times(self, begin_time: Array, end_time: Array, x: Array, edge_load: Array) -> Array:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
         the integrand is smooth, where the edge of contact passes the point or nearly.
 
@@ -720,7 +720,7 @@ _SHARE_OF_SHORT_PART = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Integrals:
+class KernelIntegrals:
     """Integrals of M'(eta) K(x, eta) d eta over memory curves at |x| = `x` (k,): shear, slip or
     displacement. What curves have in common is integrated once, and stored.
 
@@ -741,9 +741,9 @@ class Integrals:
     x: Array
     kernel: Kernel
     _stored: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
-    _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
+    _arcs: dict[tuple[int, float, float], tuple[Piece, ArcIntegrals]] = field(default_factory=dict)
 
-    def over(self, snapshot: Snapshot) -> Array:
+    def over_memory_curves(self, snapshot: Snapshot) -> Array:
         """Shear q, slip s pi/A or displacement U pi/A of a contact at n instants and k points, (n,
         k): the integral of M'(eta) K(x, eta) over the memory curve of each instant; A = 2/E*.
 
@@ -762,10 +762,10 @@ class Integrals:
         ...     0.0,
         ... )[0]
         >>> at_end = snapshot_of([(slip, np.array([2.0]))])  # M' = 0.5 from eta = 1 to P = 4
-        >>> shear = Integrals(contact, np.zeros(1), "shear").over(at_end)
+        >>> shear = KernelIntegrals(contact, np.zeros(1), "shear").over_memory_curves(at_end)
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
-        >>> shift = Integrals(contact, np.zeros(1), "shift").over(at_end)
+        >>> shift = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(at_end)
         >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
         [[1.080800...]]
         """
@@ -953,7 +953,7 @@ class Integrals:
         for arc_key, numbered_pieces in pieces_of_arc.items():
             _, piece = numbered_pieces[0]
             if arc_key not in self._arcs:
-                self._arcs[arc_key] = piece, Arc(self.contact, self.kernel, piece, self.x)
+                self._arcs[arc_key] = piece, ArcIntegrals(self.contact, self.kernel, piece, self.x)
             stick_edge_loads = [
                 pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, NotFoundError
 from scenes.array_types import Array
 from scenes.segments import LEAST_LOAD_CHANGE
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import KernelIntegrals
 from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import combination_change, slip_combination, slip_combination_on_piece
@@ -474,7 +474,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     """
     largest_load = max(max(span.begin.normal_load, span.end.normal_load) for span in spans)
     contact = _with_moved_datum(contact, largest_load)
-    integrals = Integrals(contact, np.zeros(1), "shift")
+    integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
     # error counts along the whole way that Q goes.
     displacement_size = 2 * abs(float(contact.approach_integral(largest_load)))
@@ -494,7 +494,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
 
 def _works_of_ranges(
-    integrals: Integrals, ranges: Sequence[SpanRanges], rule: QuadratureRule
+    integrals: KernelIntegrals, ranges: Sequence[SpanRanges], rule: QuadratureRule
 ) -> list[Array]:
     """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
 
@@ -506,7 +506,7 @@ def _works_of_ranges(
         (span_range.span, times.ravel())
         for span_range, (times, _) in zip(ranges, nodes_of_spans, strict=True)
     ]
-    displacement_at_nodes = integrals.over(snapshot_of(times_of_spans))[:, 0]
+    displacement_at_nodes = integrals.over_memory_curves(snapshot_of(times_of_spans))[:, 0]
     first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
     works = []
     for span_range, (times, weights), displacement_in_span in zip(

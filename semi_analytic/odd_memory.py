@@ -685,9 +685,9 @@ class _SmoothEnd:
         if stick_ratio < _LEAST_STICK_RATIO:
             raise DeclinedError("all but the middle of the contact slides")
         panels = loads_left_at_stroke_end(stick_ratio, n_panels)
-        eta = self.load * panels.half_width**2
+        eta = self.load * panels.punch_half_width**2
         # d eta/eta is 2 dc'/c'
-        return eta, 2 * self.load * panels.force * panels.width / panels.half_width
+        return eta, 2 * self.load * panels.load_left * panels.panel_width / panels.punch_half_width
 
 
 def _smooth_end(

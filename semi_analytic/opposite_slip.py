@@ -33,15 +33,15 @@ from semi_analytic.tilted_profile import TiltedProfile
 
 # Steps of the continuation in which the loads grow from nothing, and steps of Newton's method in
 # each at most.
-_LOAD_STEPS = 12
-_NEWTON_STEPS = 30
+_LOAD_STEP_COUNT = 12
+_MOST_NEWTON_STEPS = 30
 # Step of difference quotients over the slip depth: Newton's method needs few digits of them.
-_DIFFERENCE = 1e-6
+_DIFFERENCE_SHARE_OF_DEPTH = 1e-6
 # Integrals evaluated together, a bound on memory.
-_INTEGRALS_AT_ONCE = 10_000
+_MOST_INTEGRALS_AT_ONCE = 10_000
 
 
-def loads_of(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
+def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
     """Dimensionless bulk strain e < 0 and tangential load Q/(f P) under which the two ends of a
     Hertzian contact slip in opposite directions up to given depths (n,): (n,) each.
 
@@ -49,7 +49,7 @@ def loads_of(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
     = `left_depth`, d2 = `right_depth`, e = eps/(A f k a) of the module's text. Source: Nowell and
     Hills (1987), at constant P.
 
-    >>> e, q = loads_of(
+    >>> e, q = loads_of_slip_depths(
     ...     np.array([0.5]), np.array([0.5])
     ... )  # Q = 0: -e = (2/pi) [K(m) - E(m)], m = 1 - c^2
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
@@ -78,9 +78,9 @@ def loads_of(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
     return e, force
 
 
-def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
+def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
     """Depths d1 and d2 of the slip zones at the left and the right end of a Hertzian contact -1 < x
-    < 1, (n,) each, that slip in opposite directions: the inverse of `loads_of`.
+    < 1, (n,) each, that slip in opposite directions: the inverse of `loads_of_slip_depths`.
 
     `e` < 0 is the dimensionless bulk strain eps/(A f k a) of the module's text, `force` is Q/(f P),
     (n,) each. They grow in proportion from nothing at constant P.
@@ -93,7 +93,7 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
         depths = _depths_by_newton(loads)
-        residual = np.abs(np.stack(loads_of(*depths)) - loads)
+        residual = np.abs(np.stack(loads_of_slip_depths(*depths)) - loads)
     if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
     left, right = depths
@@ -108,11 +108,11 @@ def _depths_by_newton(loads: Array) -> Array:
     fails the result is NaN or no solution.
     """
     e, force = loads
-    depth = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEPS
-    for load_step in range(1, _LOAD_STEPS + 1):
-        load_fraction = load_step / _LOAD_STEPS
-        for _ in range(_NEWTON_STEPS):
-            residual_of_loads = np.stack(loads_of(*depth)) - load_fraction * loads
+    depth = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEP_COUNT
+    for load_step in range(1, _LOAD_STEP_COUNT + 1):
+        load_fraction = load_step / _LOAD_STEP_COUNT
+        for _ in range(_MOST_NEWTON_STEPS):
+            residual_of_loads = np.stack(loads_of_slip_depths(*depth)) - load_fraction * loads
             depth_step = _newton_step(depth, residual_of_loads)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             longest_step = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
@@ -120,7 +120,7 @@ def _depths_by_newton(loads: Array) -> Array:
             is_converged = np.all(np.abs(depth_step) <= 1e-14 * depth)
             if is_converged or not np.all(np.isfinite(depth)):
                 break
-        if load_step < _LOAD_STEPS:
+        if load_step < _LOAD_STEP_COUNT:
             extrapolated_depth = depth * (load_step + 1) / load_step
             depth = np.where(extrapolated_depth.sum(axis=0) < 2, extrapolated_depth, depth)
     return depth
@@ -134,9 +134,9 @@ def _newton_step(depth: Array, residual: Array) -> Array:
     """
     derivatives = []
     for end_number in (0, 1):
-        difference = _DIFFERENCE * depth * (np.arange(2) == end_number)[:, None]
-        loads_after = np.stack(loads_of(*(depth + difference)))
-        loads_before = np.stack(loads_of(*(depth - difference)))
+        difference = _DIFFERENCE_SHARE_OF_DEPTH * depth * (np.arange(2) == end_number)[:, None]
+        loads_after = np.stack(loads_of_slip_depths(*(depth + difference)))
+        loads_before = np.stack(loads_of_slip_depths(*(depth - difference)))
         derivatives.append((loads_after - loads_before) / (2 * difference[end_number]))
     (e_by_left, force_by_left), (e_by_right, force_by_right) = derivatives
     residual_of_e, residual_of_force = residual
@@ -146,15 +146,15 @@ def _newton_step(depth: Array, residual: Array) -> Array:
     return np.stack([left_numerator, right_numerator]) / determinant
 
 
-def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' rule on [begin, end], a new last axis."""
+def _gauss_nodes(begin: Array, end: Array) -> tuple[Array, Array]:
+    """Eight nodes and weights of Gauss' rule on [begin, end], a new last axis."""
     node, weight = gauss_rule(8)
     length = (end - begin)[..., None]
     return begin[..., None] + length * node, length * weight
 
 
 @lru_cache(maxsize=8)  # the same zones under other values of `kernel_quantity`
-def _stick_zones(
+def _stick_edge_series(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
 ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
     """Left and right stick edges b1/a and b2/a as functions of the unloading P - eta = |Q|/f, from
@@ -162,7 +162,7 @@ def _stick_zones(
     """
 
     def stick_edges(unloading: Array) -> tuple[Array, Array]:
-        left_depth, right_depth = slip_depths(
+        left_depth, right_depth = slip_depths_of_loads(
             -strain_per_unloading * unloading.ravel(), force_per_unloading * unloading.ravel()
         )
         left_edge = (left_depth - 1).reshape(unloading.shape)
@@ -225,7 +225,7 @@ class OppositeSlip(TiltedProfile):
             -self.tangential_fraction * float(np.sign(self.pressure_skewness)) / largest_load
         )
         strain_per_unloading = abs(self.pressure_skewness) * half_width / (2 * largest_load)
-        return _stick_zones(
+        return _stick_edge_series(
             strain_per_unloading, force_per_unloading, self._largest_unloading * (1 + 1e-9)
         )
 
@@ -333,13 +333,13 @@ class OppositeSlip(TiltedProfile):
         is_near = distance_to_edge_load < 3 * (load_above - load_below)
         for is_of_rule, rule in (
             (is_integrated & is_near, graded_nodes),
-            (is_integrated & ~is_near, _by_gauss),
+            (is_integrated & ~is_near, _gauss_nodes),
         ):
             range_indices, place_indices = np.nonzero(is_of_rule)
-            for first_pair in range(0, len(range_indices), _INTEGRALS_AT_ONCE):
+            for first_pair in range(0, len(range_indices), _MOST_INTEGRALS_AT_ONCE):
                 pairs = (
-                    range_indices[first_pair : first_pair + _INTEGRALS_AT_ONCE],
-                    place_indices[first_pair : first_pair + _INTEGRALS_AT_ONCE],
+                    range_indices[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
+                    place_indices[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
                 )
                 eta, weight = rule(begin_loads[pairs], end_loads[pairs])
                 kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)

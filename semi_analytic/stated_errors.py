@@ -164,10 +164,10 @@ class SumsOfKernels:
 
     Attributes
     ----------
-    distance
+    distances
         (k,) points |x|, ascending [length]
-    load
-        (n,) normal load P at a sample of instants [force per thickness]
+    loads
+        (n,) normal loads P at a sample of instants [force per thickness]
     half_widths, stick_half_widths
         (m,) of contact and of stick, of all instants; NaN where there is none [length]
     friction
@@ -180,8 +180,8 @@ class SumsOfKernels:
         errors of the integrals of shear [stress] and slip over A/pi along curved pieces, by name
     """
 
-    distance: Array
-    load: Array
+    distances: Array
+    loads: Array
     half_widths: Array
     stick_half_widths: Array
     friction: float
@@ -198,8 +198,8 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     over the largest p and f p, slip over the largest slip; without pressure or slip they are left
     out. Of closed forms, and of tilted contacts, only errors along arcs are there, above 1e-12.
     """
-    places = sums.distance[_evenly_spread_numbers(len(sums.distance), _SAMPLED_PLACES)]
-    load = sums.load[:, None]
+    places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]
+    load = sums.loads[:, None]
     largest_pressure = _largest_finite(contact.pressure(places, load))
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     errors_of_arcs = {
@@ -217,7 +217,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
     for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
         error_by_edge, error_by_stick_edge = (
-            _error_beside_edges(contact, sums.distance, half_widths, nearest_share)
+            _error_beside_edges(contact, sums.distances, half_widths, nearest_share)
             / largest_pressure
             for half_widths in (sums.half_widths, sums.stick_half_widths)
         )

@@ -40,17 +40,17 @@ class LoadsLeft(NamedTuple):
 
     Attributes
     ----------
-    half_width
+    punch_half_width
         c'/a at the middles of the panels, (n,) ascending from c/a to 1
-    width
+    panel_width
         of the panels over a, (n,)
-    force
+    load_left
         T(c') over (pi/A)^2 a^2 a_s'^2/N'', (n,)
     """
 
-    half_width: Array
-    width: Array
-    force: Array
+    punch_half_width: Array
+    panel_width: Array
+    load_left: Array
 
 
 @lru_cache(maxsize=256)

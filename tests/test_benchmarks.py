@@ -24,7 +24,7 @@ from reports.comparison.metrics import METRICS
 from reports.page.writing import code_commit
 from scenes import HarmonicLoad, TimeSeriesLoad, load_scene, read_only_copy, unit_words
 from semi_analytic import load_series
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import KernelIntegrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic_cases import make_scene
 
@@ -120,12 +120,12 @@ def a_later_edge(patch: pytest.MonkeyPatch) -> None:
 
 def an_arc(patch: pytest.MonkeyPatch, kernel: str) -> None:
     """The part that an arc of the memory curve has in a field, by a hundredth."""
-    right = Integrals._curved_integrals
+    right = KernelIntegrals._curved_integrals
 
     def wrong(self, edges):
         return [part * (1.01 if self.kernel == kernel else 1.0) for part in right(self, edges)]
 
-    patch.setattr(Integrals, "_curved_integrals", wrong)
+    patch.setattr(KernelIntegrals, "_curved_integrals", wrong)
 
 
 def a_field(patch: pytest.MonkeyPatch, name: str) -> None:

@@ -43,7 +43,7 @@ from semi_analytic.bulk_and_tilt import (
     strain_per_stress_of,
 )
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.fields import Integrals
+from semi_analytic.fields import KernelIntegrals
 from semi_analytic.grid import GridRequest, follow_on_grid, remainder_of
 from semi_analytic.history import history_of
 from semi_analytic.loops_in_phase import strokes_in_phase
@@ -387,7 +387,8 @@ def test_arcs_of_an_untilted_contact_leave_the_shear_of_the_symmetric_one(kind):
     )
     x = np.linspace(0.05, 0.99, 12) * float(plain.half_width(1.9))
     by_series, known = (
-        Integrals(contact, x, "shear").over(snapshot) for contact in (tilted, plain)
+        KernelIntegrals(contact, x, "shear").over_memory_curves(snapshot)
+        for contact in (tilted, plain)
     )
     assert np.max(np.abs(by_series - known)) < 1e-12 * 0.5 * np.max(plain.pressure(x, 1.9))
 

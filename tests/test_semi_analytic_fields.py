@@ -44,7 +44,7 @@ from semi_analytic import (
     solve,
     stress,
 )
-from semi_analytic.fields import Arc, Integrals
+from semi_analytic.fields import ArcIntegrals, KernelIntegrals
 from semi_analytic.hertz import HertzContact
 from semi_analytic.load_series import Line
 from semi_analytic.memory import Piece
@@ -298,21 +298,21 @@ def forget_friction(monkeypatch):
 
 def shear_is_pressure(monkeypatch):
     """The shear kernel is handed the pressure of the whole load."""
-    over = Integrals.over
+    over = KernelIntegrals.over_memory_curves
 
     def mutant(self, snapshot):
         if self.kernel != "shear":
             return over(self, snapshot)
         return snapshot.friction * self.contact.pressure(self.x, snapshot.load[:, None])
 
-    monkeypatch.setattr(Integrals, "over", mutant)
+    monkeypatch.setattr(KernelIntegrals, "over_memory_curves", mutant)
 
 
 def lose_the_arc(monkeypatch):
     """The traction that an appended arc leaves is left out."""
-    up_to = Arc.up_to
+    up_to = ArcIntegrals.up_to
     monkeypatch.setattr(
-        Arc, "up_to", lambda self, time: (self._kernel != "shear") * up_to(self, time)
+        ArcIntegrals, "up_to", lambda self, time: (self._kernel != "shear") * up_to(self, time)
     )
 
 
