@@ -17,7 +17,7 @@ from reports.record_parts import parts_in_words, rows_of_turns
 from reports.units import energy_unit, load_unit, minus, number
 from scenes import ContactSolution, InputError, Scene, TimeSeriesLoad
 from scenes.array_types import Array
-from scenes.measured import ReadAs, means
+from scenes.measured import ReadAs, means_of_neighbours
 
 # Of W: a change that is worth a warning.
 _LARGEST_CHANGE_WITHOUT_WARNING = 0.01
@@ -233,7 +233,7 @@ def _most_rows_per_mean(rows: Array, sigmas_of_loads: tuple[float, float]) -> in
     noiseless_columns = [column for column in load_columns if column not in noisy_columns]
     rows_per_mean = 1
     while len(rows) // (rows_per_mean + 1) >= _FEWEST_ROWS_WITH_NOISE:
-        longer_means = means(rows, rows_per_mean + 1)
+        longer_means = means_of_neighbours(rows, rows_per_mean + 1)
         if not all(sigma_of_noise(longer_means[:, column]) for column in noisy_columns):
             break
         if any(

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from reports.units import load_unit, number
 from scenes import Scene, TimeSeriesLoad
 from scenes.array_types import Array
-from scenes.measured import turning_points
+from scenes.measured import rows_of_turning_points
 
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 # A smaller P, over the largest P, counts as no load: it is not measured well.
@@ -159,7 +159,7 @@ def rows_of_turns(force: Array) -> NDArray[np.int64]:
     """
     least_swing = _LEAST_SHARE_OF_RANGE * float(np.ptp(force))
     # without the first one, where the first swing begins: the force need not turn there
-    return turning_points(force, least_swing)[1:]
+    return rows_of_turning_points(force, least_swing)[1:]
 
 
 def _is_at_rest(rows: Array, window_size: int) -> Mask:

@@ -77,7 +77,7 @@ class HalfPlane(Frozen):
         return float("inf")
 
 
-class Step(NamedTuple):
+class WidthStep(NamedTuple):
     """Where the sides of a body jump inwards or outwards: depth below the first contact, and half
     of the width from there down to the base [length].
     """
@@ -159,7 +159,7 @@ class TShape(_Sided):
     """Flange with a flat face on a narrower stem, the end of which is fixed to a rigid plane.
 
     >>> TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=18.0).step
-    Step(depth=6.0, half_width=6.0)
+    WidthStep(depth=6.0, half_width=6.0)
     """
 
     kind: Literal["t_shape"] = "t_shape"
@@ -180,9 +180,9 @@ class TShape(_Sided):
         return self.flange_height
 
     @property
-    def step(self) -> Step:
+    def step(self) -> WidthStep:
         """Where the flange ends and the stem begins."""
-        return Step(self.flange_height, self.stem_width / 2)
+        return WidthStep(self.flange_height, self.stem_width / 2)
 
     @model_validator(mode="after")
     def _require_stem_below_flange(self) -> Self:
@@ -207,7 +207,7 @@ class ShoulderedPad(_Sided):
     profile, as that of a pad.
 
     >>> ShoulderedPad(width=8.0, shoulder_depth=5.0, shoulder_width=20.0, height=15.0).step
-    Step(depth=5.0, half_width=10.0)
+    WidthStep(depth=5.0, half_width=10.0)
     """
 
     kind: Literal["shouldered_pad"] = "shouldered_pad"
@@ -228,9 +228,9 @@ class ShoulderedPad(_Sided):
         return self.height
 
     @property
-    def step(self) -> Step:
+    def step(self) -> WidthStep:
         """Where the pad ends and the shoulder begins."""
-        return Step(self.shoulder_depth, self.shoulder_width / 2)
+        return WidthStep(self.shoulder_depth, self.shoulder_width / 2)
 
     @model_validator(mode="after")
     def _require_pad_on_shoulder(self) -> Self:

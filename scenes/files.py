@@ -72,7 +72,7 @@ def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT_BYTES, advice:
         or is not UTF-8 text.
     """
     try:
-        check_size(path, role, most_bytes, advice)
+        require_readable_size(path, role, most_bytes, advice)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as reason:
         raise InputError(f"{path}: {role} can't be read: it is not UTF-8 text") from reason
@@ -83,7 +83,7 @@ def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT_BYTES, advice:
         raise InputError(f"{path}: {role} can't be read: {cause}") from reason
 
 
-def check_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
+def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
     """Refuse to read a file that is a folder, a pipe or a device, or larger than `most_bytes`.
 
     Parameters

@@ -83,7 +83,7 @@ _WORDS_OF_LOADS = (
 )
 
 
-def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
+def refusal_sentence(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     """One sentence on why a table of keys is refused: the worst fault with its key, value, rule and
     what to do, then the names of other keys at fault.
 
@@ -115,7 +115,7 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
     """One fault of a table of keys as a sentence: key, value, rule and what to do.
 
     `fault` is as pydantic reports it, `key` the full name of its key in the file, as in
-    "load.points.3", and `model` the class of the table, whose `keys_listed` says where a user
+    "load.points.3", and `model` the class of the table, whose `place_of_key_list` says where a user
     finds the keys.
     """
     value = fault["input"]
@@ -128,16 +128,16 @@ def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
             hint = (
                 reason_of_unknown_key(unknown_key)
                 or f"{did_you_mean(unknown_key, keys_of_all_tables(model) - {unknown_key})}"
-                f" {model.keys_listed} lists the keys"
+                f" {model.place_of_key_list} lists the keys"
             )
             return f"unknown key {key} = {shortened_repr(value)};{hint}"
         case "missing" if isinstance(value, dict):
-            return f"the key {key} is missing; {model.keys_listed} lists the keys"
+            return f"the key {key} is missing; {model.place_of_key_list} lists the keys"
         case "key_missing":
             missing_key = f"{key}{'.' if key else ''}{fault['ctx']['key']}"
-            return f"the key {missing_key} is missing; {model.keys_listed} lists the keys"
+            return f"the key {missing_key} is missing; {model.place_of_key_list} lists the keys"
         case "union_tag_not_found":
-            return f"the key {key}.kind is missing; {model.keys_listed} lists the kinds"
+            return f"the key {key}.kind is missing; {model.place_of_key_list} lists the kinds"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
             return (
@@ -251,7 +251,7 @@ def _numbers_in(value: Any) -> Iterator[float]:
             yield from _numbers_in(part)
 
 
-def a_scale(number: float) -> float:
+def require_squarable(number: float) -> float:
     """A positive number as it is; ValueError where its square would be 0."""
     if number < 1 / LARGEST_NUMBER:
         raise ValueError(
@@ -261,8 +261,8 @@ def a_scale(number: float) -> float:
     return number
 
 
-class _OneDoor(ModelMetaclass):
-    """The constructor refuses in one sentence, as every other door does.
+class _RefusalsInOneSentence(ModelMetaclass):
+    """Metaclass of tables of keys: their constructor refuses in one sentence, as `checked` does.
 
     With an `__init__` of our own pydantic would forget that it reads JSON.
     """
@@ -271,11 +271,11 @@ class _OneDoor(ModelMetaclass):
         try:
             return super().__call__(*_nothing, **keys)
         except ValidationError as faults:
-            sentence = refusal(faults, _without_models(keys), cast("type[Frozen]", cls))
+            sentence = refusal_sentence(faults, _without_models(keys), cast("type[Frozen]", cls))
             raise InputError(f"{cls.__name__}: {sentence}") from faults
 
 
-class Frozen(BaseModel, metaclass=_OneDoor):
+class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
     """A frozen table of keys. Whatever is put into another table is checked again there, however it
     was made.
     """
@@ -290,9 +290,9 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         defer_build=True,
     )
 
-    keys_listed: ClassVar[str] = "`halfplane schema`"
+    place_of_key_list: ClassVar[str] = "`halfplane schema`"
     """Where a user finds the keys."""
-    written: ClassVar[tuple[str, ...]] = ()
+    keys_of_program: ClassVar[tuple[str, ...]] = ()
     """Keys that the program adds to those of the user, such as the record of a fit: they are not
     right for other values.
     """
@@ -353,7 +353,7 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         the program itself has written, such as the record of a fit, are left out: they are not
         right for other values.
         """
-        given_keys = self.model_fields_set - {*self.written}
+        given_keys = self.model_fields_set - {*self.keys_of_program}
         table = {key: value for key, value in self if key == "kind" or key in given_keys}
         for key, changed_value in changes.items():
             is_known = key in type(self).model_fields
@@ -371,7 +371,7 @@ class Frozen(BaseModel, metaclass=_OneDoor):
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
-        hidden_names = {*dir(BaseModel), "merged", "keys_listed", "written", "datum"}
+        hidden_names = {*dir(BaseModel), "merged", "place_of_key_list", "keys_of_program", "datum"}
         return sorted(
             name
             for name in super().__dir__()
@@ -404,7 +404,7 @@ class ShortForm:
 
 
 PositiveNumber = Annotated[float, Field(gt=0)]
-Positive = Annotated[PositiveNumber, AfterValidator(a_scale)]
+Positive = Annotated[PositiveNumber, AfterValidator(require_squarable)]
 """A scale: its square and the inverse of that are numbers."""
 
 
@@ -504,7 +504,9 @@ def checked(
             )
         return model.model_validate(keys, context=context)
     except ValidationError as faults:
-        raise InputError(f"{prefix}{refusal(faults, _without_models(keys), model)}") from faults
+        raise InputError(
+            f"{prefix}{refusal_sentence(faults, _without_models(keys), model)}"
+        ) from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
         raise InputError(f"{prefix}its tables are nested too deeply") from reason
 

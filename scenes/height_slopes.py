@@ -179,23 +179,26 @@ class _Samples:
         round-off
     polynomials
         (n, CHEBYSHEV_DEGREE + 1) Chebyshev polynomials T_k(place)
-    to_series
+    coefficients_from_values
         (n, CHEBYSHEV_DEGREE + 1) maps values at the places to least-squares coefficients: values @
-        to_series
+        coefficients_from_values
     """
 
     places: Array
     polynomials: Array
-    to_series: Array
+    coefficients_from_values: Array
 
     def series_and_roundoff(self, heights: Array) -> tuple[Array, Array]:
         """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) by least squares from heights (..., n)
         at the places, and the standard deviation (...,) of the heights' round-off, from the
         residuals.
         """
-        coefficients = heights @ self.to_series
+        coefficients = heights @ self.coefficients_from_values
         # Once more for the residuals: sums of many values lose more digits than one value has lost.
-        coefficients = coefficients + (heights - coefficients @ self.polynomials.T) @ self.to_series
+        coefficients = (
+            coefficients
+            + (heights - coefficients @ self.polynomials.T) @ self.coefficients_from_values
+        )
         residuals = heights - coefficients @ self.polynomials.T
         n_free = len(self.places) - CHEBYSHEV_DEGREE - 1
         return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)

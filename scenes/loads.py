@@ -30,7 +30,7 @@ from scenes.chebyshev import (
 )
 from scenes.column_names import aliases_of, normalised_name
 from scenes.errors import InputError, RowError
-from scenes.frozen import Frozen, Positive, PythonFunction, a_scale
+from scenes.frozen import Frozen, Positive, PythonFunction, require_squarable
 from scenes.measured import (
     DESCRIPTION_OF_COLUMNS,
     DESCRIPTION_OF_READ_AS,
@@ -143,7 +143,7 @@ _DESCRIPTION_OF_APPROACH = (
 )
 # 0 where the approach is stated in its place.
 _MeanNormalLoad = Annotated[
-    float, Field(ge=0), AfterValidator(lambda load: a_scale(load) if load else load)
+    float, Field(ge=0), AfterValidator(lambda load: require_squarable(load) if load else load)
 ]
 _DESCRIPTION_OF_MEAN_NORMAL_LOAD = (
     "P0, force per unit thickness (library: N/mm); needed unless the approach is stated"
@@ -894,7 +894,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         None, description="text table with the columns time, P, Q; path relative to the scene file"
     )
     rows: Table = Field(
-        default_factory=Table.of_a_file,
+        default_factory=Table.before_reading,
         description=(
             "the rows themselves, [time, P, Q] each, in place of a file (library: s, N/mm, N/mm)"
         ),
@@ -1173,7 +1173,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         if self.least_normal_load is None:
             if (first_row, row_beyond) == (0, len(self.rows)):
                 return self.rows
-            return Table.of(self.rows.values[first_row:row_beyond])
+            return Table.of_rows(self.rows.values[first_row:row_beyond])
         rows_between = self.rows.values[first_row:row_beyond].copy()
         is_below_least = rows_between[:, 1] < self.least_normal_load
         rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
@@ -1182,7 +1182,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         if first_loaded_row > 0:
             rows_between = rows_between[first_loaded_row - 1 :]
             rows_between[0, 1] = self.least_normal_load
-        return Table.of(rows_between)
+        return Table.of_rows(rows_between)
 
     def kept_rows(self) -> NDArray[np.float64]:
         """Rows (m, 3) of time, P and Q that the load path goes through: the used rows after means

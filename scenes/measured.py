@@ -36,14 +36,14 @@ class Table:
     """Rows of finite numbers as a read-only array (n_rows, n_columns); in a scene file, a list of
     lists.
 
-    >>> Table.of([[0, 0], [1, 2]]).values.shape
+    >>> Table.of_rows([[0, 0], [1, 2]]).values.shape
     (2, 2)
     """
 
     values: Array
 
     @classmethod
-    def of(cls, rows: ArrayLike | Table) -> Table:
+    def of_rows(cls, rows: ArrayLike | Table) -> Table:
         """Table (n_rows, n_columns) of lists, of an array or of another table: rows of equally many
         finite numbers; ValueError with the first row that is none.
         """
@@ -78,7 +78,7 @@ class Table:
         return f"Table({len(self.values)} rows of {self.values.shape[1]})"
 
     @classmethod
-    def of_a_file(cls) -> Table:
+    def before_reading(cls) -> Table:
         """What stands in place of rows until a file is read; without a row."""
         return cls(np.empty((0, 0)))
 
@@ -87,7 +87,7 @@ class Table:
         cls, _source: Any, _handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(
-            cls.of,
+            cls.of_rows,
             serialization=core_schema.plain_serializer_function_ser_schema(
                 lambda table: table.values.tolist()
             ),
@@ -331,11 +331,11 @@ class FromFile(Frozen):
                 f"{self.file}: {names_stated_twice[0]} is a column of the file and stated beside"
                 " it: leave one out"
             )
-        values = Table.of(self._with_stated_quantities(table.values)).values
+        values = Table.of_rows(self._with_stated_quantities(table.values)).values
         # The optional columns come last.
         n_table_columns = values.shape[1] - len(optional_names)
         values_of_keys: dict[str, Any] = {
-            self.table: Table.of(values[:, :n_table_columns]),
+            self.table: Table.of_rows(values[:, :n_table_columns]),
             "read_as": tuple(descriptions),
         }
         for number, name in enumerate(optional_names):
@@ -618,19 +618,19 @@ def reduced_record(
 
     Examples
     --------
-    >>> record = Table.of([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
+    >>> record = Table.of_rows([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
     >>> reduced_record(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
     [0.0, 8.0, -8.0]
     >>> reduced_record(record, 2, None, 0.0, 0.0)[:, 2].tolist()
     [2.5, 6.45, -8.0]
     """
-    values = means(rows.values, average)
+    values = means_of_neighbours(rows.values, average)
     if reduction is None:
         kept_values = values
     elif reduction == "turning_points":
         rows_of_ends = [0, len(values) - 1]
-        rows_of_turns_in_p = turning_points(values[:, 1], normal_threshold)
-        rows_of_turns_in_q = turning_points(values[:, 2], tangential_threshold)
+        rows_of_turns_in_p = rows_of_turning_points(values[:, 1], normal_threshold)
+        rows_of_turns_in_q = rows_of_turning_points(values[:, 2], tangential_threshold)
         kept_values = values[
             np.unique(np.concatenate([rows_of_ends, rows_of_turns_in_p, rows_of_turns_in_q]))
         ]
@@ -641,7 +641,7 @@ def reduced_record(
     return kept_values
 
 
-def means(values: Array, count: int) -> Array:
+def means_of_neighbours(values: Array, count: int) -> Array:
     """Mean of each `count` neighbouring rows of `values` (n, m); the last mean may be of fewer."""
     if count == 1:
         return values
@@ -651,12 +651,12 @@ def means(values: Array, count: int) -> Array:
     )
 
 
-def turning_points(values: Array, threshold: float) -> Rows:
+def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     """Row numbers (m,) of the turning points of a measured series `values` (n,), small swings left
     out: an extreme counts once the series has left it by more than the `threshold`. The first
     value may be one, the last is none.
 
-    >>> turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
+    >>> rows_of_turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
     [0, 3, 4]
     """
     steps = np.diff(values)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes.errors import InputError, first_line, in_words
-from scenes.files import check_size, within_memory
+from scenes.files import require_readable_size, within_memory
 
 # Bytes that are read at most, in the file and unpacked; what the file is to the user.
 LARGEST_SOLUTION_BYTES = 2**31
@@ -121,7 +121,7 @@ def read_netcdf(
     hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
-        check_size(path, _ROLE, LARGEST_SOLUTION_BYTES)
+        require_readable_size(path, _ROLE, LARGEST_SOLUTION_BYTES)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         # Arrays take the limit at most; as much again is left to buffers of the library.
         with (

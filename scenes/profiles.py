@@ -41,7 +41,7 @@ from scenes.chebyshev import (
     piecewise_series_of,
 )
 from scenes.errors import InputError, RowError
-from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
+from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal_sentence
 from scenes.measured import (
     DESCRIPTION_OF_COLUMNS,
     DESCRIPTION_OF_READ_AS,
@@ -263,7 +263,7 @@ class Fitted(Frozen):
 class MayBeFitted(Gap):
     """A profile whose numbers may be fitted to measured rows."""
 
-    written = ("fitted",)
+    keys_of_program = ("fitted",)
 
     fitted: Fitted | None = Field(
         None, description="where fitted numbers came from; written by `fit` of a tabulated profile"
@@ -691,7 +691,7 @@ class Tabulated(FromFile):
 
     table = "points"
     quantities: ClassVar[dict[str, Kind]] = {"x": "length", "h": "length"}
-    written = ("fitted",)
+    keys_of_program = ("fitted",)
     arc: ClassVar[None] = None
     kinks: ClassVar[tuple[float, ...]] = ()
     """Distances from the middle at which the curvature jumps [length]: none stated; it does a
@@ -703,7 +703,7 @@ class Tabulated(FromFile):
         None, description="text table with the columns x, h; path relative to the scene file"
     )
     points: Table = Field(
-        default_factory=Table.of_a_file,
+        default_factory=Table.before_reading,
         description=(
             "the rows themselves, [x, h] each, in place of a file, length units (library: mm)"
         ),
@@ -781,7 +781,7 @@ class Tabulated(FromFile):
             f"a profile of {len(self.points)} tabulated rows up to {self.datum_length:.6g} {length}"
         )
 
-    def curve(self) -> dict[str, Any]:
+    def keys_of_fitted_profile(self) -> dict[str, Any]:
         """The keys of the profile that `fit` makes of the rows: what stands in a scene in place of
         this one.
         """
@@ -814,7 +814,7 @@ class Tabulated(FromFile):
         """Number, counted from 0, of the last row with x <= `distance` [length]; -1 before all."""
         return int(np.searchsorted(self.points.values[:, 0], distance, side="right")) - 1
 
-    def place(self, row: int) -> str:
+    def place_in_input(self, row: int) -> str:
         """Where the user finds a row, counted from 0."""
         return (
             f"profile.file = {self.file!r}, row {row + 1}"
@@ -1013,7 +1013,7 @@ _ANY_PROFILE: TypeAdapter[Curve] = TypeAdapter(Curve, config=ConfigDict(defer_bu
 def _curve_of_rows(profile: Curve) -> Curve:
     """The curve through rows that come with the key `fit`; any other profile as it is."""
     return (
-        _ANY_PROFILE.validate_python(profile.curve())
+        _ANY_PROFILE.validate_python(profile.keys_of_fitted_profile())
         if profile.kind == "tabulated" and profile.fit is not None
         else profile
     )
@@ -1073,4 +1073,4 @@ def fit_profile(
     try:
         return _curve_of_rows(_ANY_PROFILE.validate_python(keys))  # type: ignore[return-value]
     except ValidationError as faults:
-        raise InputError(f"fit_profile: {refusal(faults, keys, Tabulated)}") from faults
+        raise InputError(f"fit_profile: {refusal_sentence(faults, keys, Tabulated)}") from faults

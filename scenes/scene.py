@@ -19,7 +19,15 @@ from scenes.arrays import LARGEST_NUMBER
 from scenes.bodies import Bodies, Elastic, Materials, Pad, ShoulderedPad
 from scenes.errors import InputError, shortened_repr
 from scenes.files import keys_of, parsed_toml, write_keys
-from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
+from scenes.frozen import (
+    Frozen,
+    Positive,
+    ShortForm,
+    checked,
+    did_you_mean,
+    require_squarable,
+    validated,
+)
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
 from scenes.measured import READING_KEYS, SCENE_UNITS
 from scenes.notebook_forms import registered_forms
@@ -137,7 +145,7 @@ class Friction(Frozen):
     @field_validator("coefficient")
     @classmethod
     def _require_scale_or_zero(cls, coefficient: float) -> float:
-        return a_scale(coefficient) if coefficient else coefficient
+        return require_squarable(coefficient) if coefficient else coefficient
 
 
 # |E| admitted of the project's own engines, where half-plane theory is exact for the bodies:

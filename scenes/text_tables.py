@@ -28,7 +28,7 @@ from scenes.arrays import LARGEST_NUMBER
 from scenes.clock_times import EXAMPLES_OF_CLOCK_TIMES, ClockColumn, is_clock_time
 from scenes.column_names import ALIASES, aliases_of, normalised_name
 from scenes.errors import InputError, shortened_repr
-from scenes.files import LARGEST_TEXT_BYTES, check_size
+from scenes.files import LARGEST_TEXT_BYTES, require_readable_size
 from scenes.unit_words import is_unit, name_without_unit, unit_in
 
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
@@ -257,7 +257,7 @@ def text_table(
             )
     longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
-        check_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
+        require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary:
             first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
         encodings = _encodings_of(first_bytes)

@@ -1085,7 +1085,7 @@ def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
             "write h with more digits, leave rows out until each rises by many steps, or give a"
             " formula that fits them"
         )
-    place = f"{profile.place(row_number)}, x = {x:.6g} and h = {h:.6g}"
+    place = f"{profile.place_in_input(row_number)}, x = {x:.6g} and h = {h:.6g}"
     message = (
         f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {advice}"
     )

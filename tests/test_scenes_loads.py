@@ -40,7 +40,7 @@ from scenes import (
     parabola_segment,
 )
 from scenes.errors import NotFoundError
-from scenes.measured import rows_within_tolerance, turning_points
+from scenes.measured import rows_of_turning_points, rows_within_tolerance
 
 TURN = 2 * math.pi
 ELLIPSE = ellipse_segment(4.0, 4.0 + TURN, (3.0, 1.1), (1.0, 0.7), 1.3)
@@ -444,7 +444,7 @@ def test_turning_points_are_those_of_the_definition(values: list[int], threshold
     more.
     """
     array = np.array(values, dtype=float)
-    turns = turning_points(array, threshold)
+    turns = rows_of_turning_points(array, threshold)
     ends = np.unique([0, *turns, len(values) - 1])
     inner = array[turns[turns > 0]] if len(turns) else array[:0]
     assert np.all(np.diff(turns) > 0)

@@ -148,5 +148,5 @@ def test_complex_numbers_in_a_stored_solution_are_refused(tmp_path: Any) -> None
 
 def test_rows_of_complex_numbers_are_no_table() -> None:
     with pytest.raises(ValueError, match="rows of equally many numbers"):
-        Table.of([[0.0, 1j], [1.0, 2.0]])
+        Table.of_rows([[0.0, 1j], [1.0, 2.0]])
     np.testing.assert_array_equal(real_numbers([1, 2.5], "load"), [1.0, 2.5])

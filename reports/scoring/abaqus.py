@@ -27,7 +27,7 @@ from scenes import InputError
 from scenes.array_types import Array
 from scenes.column_names import normalised_name
 from scenes.errors import shortened_repr
-from scenes.files import LARGEST_TEXT_BYTES, check_size
+from scenes.files import LARGEST_TEXT_BYTES, require_readable_size
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,7 +105,7 @@ def read_field_report(
         One sentence with file, line, value and rule: for values that are not nodal, no places,
         several surfaces in contact.
     """
-    check_size(
+    require_readable_size(
         path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )
     blocks = list(_tables_of_report(path))

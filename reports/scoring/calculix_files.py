@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from scenes import InputError
 from scenes.array_types import Array
-from scenes.files import check_size
+from scenes.files import require_readable_size
 
 Integers = NDArray[np.int64]
 
@@ -172,7 +172,9 @@ def read_frd(
 def _check_size(path: Path) -> None:
     """InputError for a file of more than half a GB, or one that can't be read."""
     try:
-        check_size(path, "the result", MOST_BYTES_OF_FILE, "write fewer sets or frames into it")
+        require_readable_size(
+            path, "the result", MOST_BYTES_OF_FILE, "write fewer sets or frames into it"
+        )
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 

@@ -25,7 +25,7 @@ from reports.scoring import vtk_files
 from scenes import InputError
 from scenes.array_types import Array
 from scenes.errors import in_words
-from scenes.files import check_size, within_memory
+from scenes.files import require_readable_size, within_memory
 
 Integers = NDArray[np.int64]
 
@@ -140,7 +140,9 @@ def _times_and_files(path: Path) -> list[tuple[float, Path]]:
 def _check_size(path: Path) -> None:
     """InputError for a field file that is too large or can't be read."""
     try:
-        check_size(path, "the result", MOST_BYTES_OF_FILE, "write the contact surface alone")
+        require_readable_size(
+            path, "the result", MOST_BYTES_OF_FILE, "write the contact surface alone"
+        )
     except OSError as reason:
         raise InputError(f"{path}: the result can't be read: {reason.strerror}") from reason
 

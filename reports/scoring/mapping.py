@@ -108,7 +108,7 @@ class Mapping(Frozen):
     (1.0, -1.0)
     """
 
-    keys_listed = "`halfplane score --mapping-example`"
+    place_of_key_list = "`halfplane score --mapping-example`"
 
     code: str = Field("", description="what computed it, with its version")
     surface: str | None = Field(

@@ -241,7 +241,7 @@ class Study(Frozen):
         its own edges
     """
 
-    keys_listed = "docs/sweeps.md"
+    place_of_key_list = "docs/sweeps.md"
 
     title: str = ""
     purpose: str = ""
