@@ -476,8 +476,8 @@ def phases_of(path, friction, cycles):
         end = LONG(leg.end)
         # A revolution ends where it began, to all digits.
         end = begin + TURN if isinstance(leg, HarmonicSegment) else end
-        first = tuple(map(LONG, getattr(leg, "first", ())))
-        last = tuple(map(LONG, getattr(leg, "last", ())))
+        first = tuple(map(LONG, getattr(leg, "first_point", ())))
+        last = tuple(map(LONG, getattr(leg, "last_point", ())))
         wholes[id(leg)] = Phase(leg, begin, end, first, last)
     if path.cycle:
         joint = wholes[id(path.initial_loading[-1])]
