@@ -829,9 +829,10 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     """The error that the finite radius L of a meshed half-plane makes in a metric phi:
     phi(L) − phi(infinity) on the coarse mesh.
 
-    Where the values for the three radii are neither equal nor of a plausible order, there is no
-    error, and the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies
-    with a size of their own.
+    Where the values for the three radii are neither equal nor of a plausible order, or the error is
+    smaller than what the run would state of the value on the coarse mesh, there is no error, and
+    the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies with a
+    size of their own.
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
@@ -844,7 +845,11 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     if term.uncertainty is None:
         return term
     how_measured = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
-    if term.kind == "exact" or _is_plausible(term.order, formal_order):
+    sizes = [run.size for run in refinements.mesh_runs]
+    stated_on_coarse_mesh = (metric.stated_by_result or 0.0) * max(sizes) / min(sizes)
+    is_resolved = not abs(term.value or 0.0) < stated_on_coarse_mesh
+    is_plausible = _is_plausible(term.order, formal_order) and is_resolved
+    if term.kind == "exact" or is_plausible:
         return replace(term, how_measured=how_measured)
     values = _finite_values(metric, runs)
     spread = max(values) - min(values)
