@@ -158,7 +158,7 @@ class SurfaceGrading:
         """Size of the elements at x = 0 [length]."""
         return self.size_at_middle / 2**self.halvings
 
-    def as_drawn(self, cells: Cells) -> SurfaceGrading:
+    def grading_for_gmsh(self, cells: Cells) -> SurfaceGrading:
         """Sizes at which gmsh draws the surface elements: these for triangles, twice these for
         quadrilaterals, since gmsh cuts each of its elements in four at the end.
         """
@@ -250,7 +250,7 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
     return round(n_triangles * order**2 / 2)
 
 
-def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
+def require_few_nodes(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
     """Refuse a mesh with too many nodes for memory, before it is made.
 
     Parameters
@@ -292,7 +292,7 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
 _CORNER_REFINEMENT = 64
 
 
-def rounded_lengths(values: ArrayLike) -> Array:
+def lengths_to_twelve_digits(values: ArrayLike) -> Array:
     """Lengths to twelve digits, any shape: on the last digit gmsh makes another mesh, and the
     answer would depend on the units.
     """
@@ -304,7 +304,7 @@ def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
     values = np.array(
         [grading.inner, grading.outer, grading.size, grading.edge_size, grading.radius]
     )
-    inner, outer, size, edge_size, radius = rounded_lengths(values * factor).tolist()
+    inner, outer, size, edge_size, radius = lengths_to_twelve_digits(values * factor).tolist()
     return SurfaceGrading(inner, outer, size, edge_size, radius, grading.halvings)
 
 
@@ -375,7 +375,7 @@ def size_formula(
         )
         # No larger than the corner's distances from the axis and from the contact side.
         surrounding_size = min(size_without_corner, x, depth)
-        corner_size = float(rounded_lengths(surrounding_size / _CORNER_REFINEMENT))
+        corner_size = float(lengths_to_twelve_digits(surrounding_size / _CORNER_REFINEMENT))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
             f" + {depth!r})^2))"

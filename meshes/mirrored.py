@@ -111,12 +111,12 @@ _AXIS_DISTANCE = 1e-9  # nodes nearer to x = 0 lie on it; lengths are of order o
 
 
 @dataclass(frozen=True)
-class _ReadMesh:
+class _MeshArrays:
     """A mesh as arrays, before it becomes one of scikit-fem."""
 
     points: Array  # (n_points, 2), x and y of the nodes
     elements: Indices  # (n_elements, nodes of one), node numbers in gmsh's order, corners first
-    boundary_points: dict[str, Indices]  # name of a boundary -> numbers of its nodes
+    boundary_nodes: dict[str, Indices]  # name of a boundary -> numbers of its nodes
 
     @property
     def corners_per_element(self) -> int:
@@ -157,10 +157,10 @@ def mirrored_mesh(
     """
     half_mesh = _mesh_of_half(draw, size, order, cells)
     if points_on_true_face is not None:
-        half_mesh = _ReadMesh(
-            points_on_true_face(half_mesh.points, half_mesh.boundary_points),
+        half_mesh = _MeshArrays(
+            points_on_true_face(half_mesh.points, half_mesh.boundary_nodes),
             half_mesh.elements,
-            half_mesh.boundary_points,
+            half_mesh.boundary_nodes,
         )
     whole_mesh = _renumbered_corners_first(_with_mirror_image(half_mesh))
     points = np.ascontiguousarray(whole_mesh.points.T)
@@ -173,7 +173,7 @@ def mirrored_mesh(
     straight_mesh.is_valid(raise_=True)
     mesh = _MESH_CLASSES[len(elements)](points, elements) if order == 2 else straight_mesh
     return mesh.with_boundaries(
-        {name: _facets(mesh, nodes) for name, nodes in whole_mesh.boundary_points.items()}
+        {name: _facets(mesh, nodes) for name, nodes in whole_mesh.boundary_nodes.items()}
     )
 
 
@@ -216,7 +216,7 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
 
 def _mesh_of_half(
     draw: Callable[[], Mapping[str, list[int]]], size_formula: str, order: int, cells: Cells
-) -> _ReadMesh:
+) -> _MeshArrays:
     """Mesh half a body (x >= 0) with gmsh and read nodes, elements and boundary nodes back.
 
     Parameters
@@ -242,7 +242,7 @@ def _mesh_of_half(
         return _mesh_from_gmsh(curves_by_name)
 
 
-def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _ReadMesh:
+def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _MeshArrays:
     """Mesh in gmsh's current model: coordinates of the nodes, node numbers of the elements and of
     each named boundary.
 
@@ -256,19 +256,19 @@ def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _ReadMesh:
     if len(element_types) != 1:
         raise ValueError("gmsh left elements of more than one kind")
     elements = node_of_tag[connectivity[0].astype(np.int64)].reshape(len(element_tags[0]), -1)
-    boundary_points = {}
+    boundary_nodes = {}
     for name, curve_tags in curves.items():
         tags_of_curves = [
             gmsh.model.mesh.getNodes(1, curve_tag, includeBoundary=True)[0]
             for curve_tag in curve_tags
         ]
-        boundary_points[name] = np.unique(
+        boundary_nodes[name] = np.unique(
             node_of_tag[np.concatenate(tags_of_curves).astype(np.int64)]
         )
-    return _ReadMesh(coordinates.reshape(-1, 3)[:, :2], elements, boundary_points)
+    return _MeshArrays(coordinates.reshape(-1, 3)[:, :2], elements, boundary_nodes)
 
 
-def _with_mirror_image(half_mesh: _ReadMesh) -> _ReadMesh:
+def _with_mirror_image(half_mesh: _MeshArrays) -> _MeshArrays:
     """Mesh of a whole body from that of its half x >= 0: the half and its mirror image in x = 0,
     which share the nodes on the axis.
 
@@ -283,17 +283,17 @@ def _with_mirror_image(half_mesh: _ReadMesh) -> _ReadMesh:
     mirrored_elements = mirror_image_of_node[half_mesh.elements][
         :, _NODES_OF_MIRRORED[half_mesh.elements.shape[1]]
     ]
-    return _ReadMesh(
+    return _MeshArrays(
         np.vstack([points, points[~is_on_axis] * [-1.0, 1.0]]),
         np.vstack([half_mesh.elements, mirrored_elements]),
         {
             name: np.union1d(nodes, mirror_image_of_node[nodes])
-            for name, nodes in half_mesh.boundary_points.items()
+            for name, nodes in half_mesh.boundary_nodes.items()
         },
     )
 
 
-def _renumbered_corners_first(mesh: _ReadMesh) -> _ReadMesh:
+def _renumbered_corners_first(mesh: _MeshArrays) -> _MeshArrays:
     """The mesh with its nodes renumbered: all corners of elements first, then mid-side and
     middle nodes, so that scikit-fem keeps these numbers.
 
@@ -304,8 +304,8 @@ def _renumbered_corners_first(mesh: _ReadMesh) -> _ReadMesh:
     nodes_in_order = np.concatenate([corner_nodes, np.setdiff1d(mesh.elements, corner_nodes)])
     new_number = np.full(len(mesh.points), -1)
     new_number[nodes_in_order] = np.arange(len(nodes_in_order))
-    boundary_points = {name: new_number[nodes] for name, nodes in mesh.boundary_points.items()}
-    return _ReadMesh(mesh.points[nodes_in_order], new_number[mesh.elements], boundary_points)
+    boundary_nodes = {name: new_number[nodes] for name, nodes in mesh.boundary_nodes.items()}
+    return _MeshArrays(mesh.points[nodes_in_order], new_number[mesh.elements], boundary_nodes)
 
 
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:

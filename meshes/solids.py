@@ -19,8 +19,8 @@ from meshes.bodies import (
     Cells,
     MeshSettings,
     SurfaceGrading,
-    check_count,
-    rounded_lengths,
+    lengths_to_twelve_digits,
+    require_few_nodes,
     scaled_grading,
     size_formula,
     surface_points,
@@ -73,7 +73,7 @@ def half_disc(
     """
     # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
-    unit_grading = scaled_grading(grading, 1 / length_unit).as_drawn(cells)
+    unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     element_size = size_formula(unit_grading, growth)
     unit_mesh = mirrored_mesh(lambda: _draw_quarter(unit_grading), element_size, order, cells)
     mesh = unit_mesh.scaled(float(length_unit))
@@ -150,7 +150,7 @@ def solid(
     face = face_of(shape, profile)
     # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
-    unit_grading = scaled_grading(grading, 1 / length_unit).as_drawn(cells)
+    unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     outline = _Outline(shape, face, length_unit)
     element_size = size_formula(unit_grading, growth, outline.sharp_corners)
     unit_mesh = mirrored_mesh(
@@ -161,7 +161,9 @@ def solid(
         outline.points_on_true_face,
     )
     mesh = unit_mesh.scaled(float(length_unit))
-    return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
+    return BodyMesh(
+        name, mesh, grading, mesh_quality(mesh, _cross_section_area(shape, face)), _supports(shape)
+    )
 
 
 def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGrading) -> None:
@@ -208,7 +210,7 @@ def _supports(shape: Solid) -> Mapping[str, str]:
     return {"base": "fixed"}
 
 
-def _area(shape: Solid, face: Face) -> float:
+def _cross_section_area(shape: Solid, face: Face) -> float:
     """Cross-section of a body [length^2], the reference for the area of its mesh.
 
     The material between the profiled face and the tangent at its highest point is missing from the
@@ -256,7 +258,7 @@ class _Outline:
         # The drop is that at the unrounded half-width. At the end of an arc of 90 degrees it
         # changes with the root of the half-width, and rounding this would cost half of the digits.
         face_drop = float(self._unrounded_depth(np.array(half_width)))
-        self._half_width, self._height, self._drop = rounded_lengths(
+        self._half_width, self._height, self._face_drop = lengths_to_twelve_digits(
             [half_width, height, face_drop]
         ).tolist()
         self._side_end = (self._half_width, -self._height)
@@ -264,7 +266,7 @@ class _Outline:
         self._has_sharp_base_corner = supports["base"] == "fixed" and "sides" not in supports
         self._step_corners: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            step_depth, half_width_below = rounded_lengths(
+            step_depth, half_width_below = lengths_to_twelve_digits(
                 np.array(shape.step) / length_unit
             ).tolist()
             self._step_corners = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
@@ -280,7 +282,7 @@ class _Outline:
 
     def _rounded_depth(self, x: Array) -> Array:
         """Depth of the face at x, to the twelve digits that are drawn; any shape."""
-        return rounded_lengths(self._unrounded_depth(x))
+        return lengths_to_twelve_digits(self._unrounded_depth(x))
 
     def _unrounded_depth(self, x: Array) -> Array:
         """Depth of the face at x below its highest point; any shape."""
@@ -322,7 +324,7 @@ class _Outline:
         sides = []
         last_point = face_end
         # A half-cylinder has no sides: its face goes down to the base.
-        if self._drop < self._height * (1 - 1e-9):
+        if self._face_drop < self._height * (1 - 1e-9):
             for x, y in (*self._step_corners, self._side_end):
                 corner_point = geometry.addPoint(x, y, 0)
                 sides.append(geometry.addLine(last_point, corner_point))
@@ -359,11 +361,11 @@ class _Outline:
         geometry = gmsh.model.geo
         face_end = self._half_width
         if self._face.arc is not None:
-            arc_begin, radius = rounded_lengths(
+            arc_begin, radius = lengths_to_twelve_digits(
                 np.array(self._face.arc) / self._length_unit
             ).tolist()
             if start >= arc_begin:
-                last_point = geometry.addPoint(face_end, -self._drop, 0)
+                last_point = geometry.addPoint(face_end, -self._face_drop, 0)
                 centre = geometry.addPoint(arc_begin, -radius, 0)
                 return [geometry.addCircleArc(first_point, centre, last_point)], last_point
         face_x = np.array([face_end])  # a flat face is one straight line
@@ -417,7 +419,7 @@ def check(
         For a mesh too large for memory, a face shorter than the contact, or a pad whose face goes
         below its base or shoulder.
     """
-    check_count(name, grading, mesh.growth, mesh.order)
+    require_few_nodes(name, grading, mesh.growth, mesh.order)
     if not isinstance(shape, HalfPlane):
         check_face(name, shape, profile, grading)
 

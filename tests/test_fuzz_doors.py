@@ -29,7 +29,7 @@ from command_line import forked, raising, refused, sentence
 from fuzzing import APART, DOORS, TOKENS, Door, attempt, outcome, spoilt
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings, SurfaceGrading, half_disc
-from meshes.bodies import check_count, number_of_body_nodes, number_of_contact_nodes
+from meshes.bodies import number_of_body_nodes, number_of_contact_nodes, require_few_nodes
 from refusals import refused_for, require_facts
 from reports.console import say, show_table
 from reports.folder import default_folder, replace_text, results_folder, usable_folder
@@ -327,7 +327,7 @@ def test_absurd_meshes_and_settings_are_refused_and_the_finest_of_the_project_ar
         MeshSettings(edge_element_size=1 / 1280),
         MeshSettings(far_radius=1000.0),
     ):
-        check_count(
+        require_few_nodes(
             "lower",
             SurfaceGrading(0.7, 1.06, mesh.element_size, mesh.edge_element_size, mesh.far_radius),
             mesh.growth,
