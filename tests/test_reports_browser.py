@@ -416,7 +416,7 @@ def test_the_paper_s_page_is_as_interactive(visit: Callable[..., Any], tmp_path:
     entry = page.locator("#figure_07a .legend li", has_text="f = 0.6")
     entry.click()
     assert not page.locator("#figure_07a .panel .curve.c2").is_visible()
-    page.locator("#panel-figure_07a").hover(position={"x": 500, "y": 400})
+    page.locator("#panel-figure_07a").hover(position={"x": 500, "y": 200})
     assert "f = 1: " in page.locator("#hint").inner_text()
     page.locator("#panel-figure_07a").focus()
     page.keyboard.press("+")
