@@ -29,6 +29,7 @@ from halfplane_fe.edges import (
     left_of_growth,
     stick_edges,
     stick_with_uncertainty,
+    uncertainty_by_growth,
 )
 from halfplane_fe.interface import least_depth
 from halfplane_fe.law import slip_sign
@@ -153,16 +154,23 @@ def _edges_put_right(
 
     is_thick = _is_thick(task)
 
-    def held_back(places: Array) -> Array:
+    growth = task.mesh.growth
+
+    def spacing_at(places: Array) -> Array:
         next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
-        spacing = np.minimum(x[next_node] - x[next_node - 1], task.spacing)
-        return held_back_by_growth(places, contact, task.mesh.growth, spacing)
+        return np.minimum(x[next_node] - x[next_node - 1], task.spacing)
+
+    def held_back(places: Array) -> Array:
+        return held_back_by_growth(places, contact, growth, spacing_at(places))
 
     is_pressed = (normal_load > 0)[:, None]
     for edge in ("contact_edge", "stick_edge"):
-        way = np.where(is_pressed, held_back(edges[f"{edge}s"]), 0.0)
-        edges[f"{edge}s"] = edges[f"{edge}s"] + way
-        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + left_of_growth(way, is_thick)
+        places = edges[f"{edge}s"]
+        way = np.where(is_pressed, held_back(places), 0.0)
+        by_growth = left_of_growth(way, is_thick)
+        by_growth = by_growth + uncertainty_by_growth(growth, spacing_at(places))
+        edges[f"{edge}s"] = places + way
+        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + by_growth
     ends = scaled_permanent_stick.places * half_width
     way_of_ends = held_back(ends)
     permanent_stick = Edges(
