@@ -151,28 +151,27 @@ def _edges_put_right(
     half_width = task.scales.half_width
     edges = {name: values * half_width for name, values in scaled_edges.items()}
     contact = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
-
-    is_thick = _is_thick(task)
-
     growth = task.mesh.growth
+    is_thick = _is_thick(task)
 
     def spacing_at(places: Array) -> Array:
         next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
         return np.minimum(x[next_node] - x[next_node - 1], task.spacing)
 
-    def held_back(places: Array) -> Array:
-        return held_back_by_growth(places, contact, growth, spacing_at(places))
-
     is_pressed = (normal_load > 0)[:, None]
     for edge in ("contact_edge", "stick_edge"):
         places = edges[f"{edge}s"]
-        way = np.where(is_pressed, held_back(places), 0.0)
-        by_growth = left_of_growth(way, is_thick)
-        by_growth = by_growth + uncertainty_by_growth(growth, spacing_at(places))
+        spacing = spacing_at(places)
+        held_back = held_back_by_growth(places, contact, growth, spacing)
+        way = np.where(is_pressed, held_back, 0.0)
         edges[f"{edge}s"] = places + way
-        edges[f"{edge}_uncertainty"] = edges[f"{edge}_uncertainty"] + by_growth
+        edges[f"{edge}_uncertainty"] = (
+            edges[f"{edge}_uncertainty"]
+            + left_of_growth(way, is_thick)
+            + uncertainty_by_growth(growth, spacing)
+        )
     ends = scaled_permanent_stick.places * half_width
-    way_of_ends = held_back(ends)
+    way_of_ends = held_back_by_growth(ends, contact, growth, spacing_at(ends))
     permanent_stick = Edges(
         places=ends + way_of_ends, uncertainty=scaled_permanent_stick.uncertainty * half_width
     )
@@ -287,7 +286,7 @@ def _arrays_of_stress_and_tilt(
     """Read-only series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk
     stresses of both bodies, tilt, and the moments of pressure and of shear about x = 0.
 
-    `states` hold the nodal_values forces p and q in units of `scales.load`.
+    `states` hold the nodal forces p and q in units of `scales.load`.
     """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
