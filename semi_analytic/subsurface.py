@@ -39,7 +39,7 @@ from scenes import ContactSolution, InputError, Scene, scene_of
 from scenes.array_types import Array, Complex, Indices
 from semi_analytic.answer import checked_numbers
 from semi_analytic.answer_by_memory import memory_at
-from semi_analytic.bulk_and_tilt import path_loads_and_contact
+from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.grid import (
     CELLS_ACROSS_CONTACT,
     INCREMENTS_PER_CYCLE,
@@ -235,8 +235,8 @@ def edge_tension(
     sign_of_body = np.array([[1.0], [-1.0]])  # lower, upper
     if scene.unsymmetric:
         answers = _answers_with_tractions(source, times)
-        _, profile = path_loads_and_contact(scene)
-        coarse_shears = _shears_on_coarse_grids(answers)
+        path_loads, profile = path_loads_and_contact(scene)
+        coarse_shears = _shears_on_coarse_grids(answers, path_loads, profile)
         for k, (answer, row) in enumerate(answers):
             tension, uncertainties[k] = _edge_tensions_of_answer(
                 answer, row, profile, coarse_shears[k]
@@ -433,9 +433,14 @@ def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
     return stresses
 
 
-def _shears_on_coarse_grids(answers: list[tuple[ContactSolution, int]]) -> list[Array | None]:
+def _shears_on_coarse_grids(
+    answers: list[tuple[ContactSolution, int]], path_loads: PathLoads, profile: TiltedProfile
+) -> list[Array | None]:
     """For each answer and number of its instant the shear (k,) at its points by grids of half as
     many cells and increments [stress]; None where the answer is not from grids.
+
+    All answers are of one scene, with these loads over time and this gap, as a contact under load
+    and tilt.
     """
     coarse_shears: list[Array | None] = [None] * len(answers)
     numbers_by_answer: dict[int, list[int]] = {}
@@ -446,10 +451,9 @@ def _shears_on_coarse_grids(answers: list[tuple[ContactSolution, int]]) -> list[
         answer = answers[numbers[0]][0]
         rows = [answers[number][1] for number in numbers]
         scene = answer.scene
-        path_loads, tilted_contact = path_loads_and_contact(scene)
         coarse_path = follow_on_grid(
             path_loads,
-            tilted_contact,
+            profile,
             scene.profile.height,
             scene.friction.coefficient,
             answer.x,
