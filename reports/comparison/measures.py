@@ -385,7 +385,7 @@ def _stated_uncertainty(
         the quantity in `record.errors` of half-plane theory, where `uncertainties` has none; ""
         where theory is exact
     """
-    if solution.engine == "semi_analytic" and name in solution.uncertainties:
+    if name in solution.uncertainties:
         return solution.uncertainties[name]
     if solution.engine == "semi_analytic":
         relative_error = solution.record.errors.get(name_of_error, 0.0)
@@ -394,7 +394,7 @@ def _stated_uncertainty(
         return None
     if name == "dissipation":
         return solution.dissipation_uncertainty
-    return solution.uncertainties.get(name, math.nan)
+    return math.nan
 
 
 def _place_of_largest_value(pair: Pair, values: Array) -> float:
