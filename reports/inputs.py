@@ -823,8 +823,9 @@ class _LawOfModulus:
         return self.laws_of_loads.change_by_load(key)
 
     def change_by_modulus(self, modulus: Input) -> _ChangeByInput:
-        """The change of each difference by one standard uncertainty of Young's modulus E, the same
-        E for both bodies: D_E = -(D_P + D_Q), with central differences for the loads P and Q.
+        """The change of each difference V of finite bodies from half-planes by one standard
+        uncertainty of Young's modulus E, relative and the same for both bodies: D_E = -(D_P + D_Q),
+        D_x = x dV/dx, with central differences for the loads P and Q.
         """
         by_p = self.laws_of_loads.derivative_by_load("normal_load")
         by_q = self.laws_of_loads.derivative_by_load("tangential_load")

@@ -140,7 +140,10 @@ class Span:
         return float(np.max(self.slip_zone_load(np.linspace(self.begin.time, self.end.time, 3))))
 
     def curve(self, time: float) -> Curve:
-        """The memory curve at a time of the segment; None out of contact."""
+        """The memory curve, the tangential force locked in up to each normal load, at a time of the
+        segment; None out of contact. A span without slip keeps what lies below P, a span with slip
+        is at the friction limit above P less its `slip_zone_load`.
+        """
         point = instant(self.segment, time)
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal_load)

@@ -1347,12 +1347,14 @@ class TiltedProfile:
         return np.asarray(np.sum(weight * eta * kernel, axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """The kernel of slip: pi/A times the slip s at points x outside, by a unit of M on the
-        contact interval of load `advance` [1]; 0 inside.
+        """The kernel of slip: pi/A times the slip s at points x outside, by a unit of the
+        tangential force M on the contact interval under the normal load `advance` [1]; 0 inside.
 
             tangential_fraction arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2)
 
-        t = x - m, m is the centre of the interval, c its half-length. `excess` is not used.
+        t = x - m, m is the centre of the interval, c its half-length. The skew part is that of bulk
+        strain or tilt in proportion to the load. `excess`, which contacts of other profiles need,
+        is not used.
         """
         del excess
         m, c = self.centre_and_half_width(advance)

@@ -72,9 +72,11 @@ class Job:
 
 def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
     """Make a command out of `solve_job`: the command reads the scene, claims the output folder,
-    calls `solve_job`, and turns failures into answers with their exit codes.
+    calls `solve_job`, and turns non-convergence and interruptions into answers with their exit
+    codes. Bad input stays an InputError, with the source in front.
 
-    What was solved before a failure or an interruption is kept in the folder. Where the folder
+    What was solved before a failure or an interruption is kept in the folder; an interruption
+    before two instants were solved ends as KeyboardInterrupt, and keeps nothing. Where the folder
     holds a file of somebody else that the command would write over, it is refused before anything
     is solved.
     """
@@ -105,7 +107,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
             partial_solution = stop.partial
             if partial_solution is None or len(partial_solution.time) < 2:
                 raise KeyboardInterrupt from stop
-            # "": the name of the engine
+            # a solution that converged gets the file name of its engine, which "" stands for
             stem = "" if partial_solution.record.converged else "partial"
             path = write_solution(partial_solution, folder, name=stem)
             complain(

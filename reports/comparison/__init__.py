@@ -174,7 +174,8 @@ def compare(
         it the error of the load increments is measured apart from all others
     plain_reference
         the reference with its own states, edges and dissipation, which the first table shows.
-        Needed where those of `reference` follow the rule of an external result; `reference` if None
+        Needed where those of `reference` are found from its tractions, by the rule that gave those
+        of an external result; `reference` if None
     scales_from
         a solution that the scales are taken from, where the reference holds few instants;
         `reference` if None

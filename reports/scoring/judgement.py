@@ -168,9 +168,11 @@ class Judgement:
         return is_apart, len(fit.causes), fit.n_parameters, fit.mean_square(self.channels)
 
     def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
-        """The fit of the causes of the pressure, in a list, to be named though the shear differs
-        for a reason that is not found; empty where they leave much of the pressure. The fit is to
-        pressure and shear, at the sizes of `pressure_fit`.
+        """The fit of the causes that explain the pressure, in a list, to be named though the shear
+        differs for a reason that is not found. It is to pressure and shear, at the sizes that the
+        causes have in `pressure_fit`, or `pressure_fit` itself where the shear has no theory.
+
+        Empty without causes, and where they leave much of the difference in pressure.
         """
         if not pressure_fit.causes:
             return []
