@@ -173,6 +173,7 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
         For an instant outside the solved time; for a solution without meshes.
     """
     _require_meshes("fields", solution)
+    # indices of the stored instants
     steps = [_nearest_step("fields", solution, float(instant)) for instant in instants]
     if not steps:
         return ()
@@ -189,8 +190,8 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
 
 
 def _require_meshes(caller: str, solution: ContactSolution) -> None:
-    """Refuse a solution that is not by finite elements or was read back from disk (InputError,
-    which names the `caller`): it has no meshes.
+    """Raise InputError for a solution without meshes: one that is not by finite elements, or that
+    was read back from disk. `caller` is the name of the public function for the message.
     """
     if not isinstance(solution, FiniteElementSolution):
         raise InputError(
@@ -202,11 +203,19 @@ def _fields_of_bodies(
     solution: FiniteElementSolution, steps: Sequence[int]
 ) -> list[list[BodyFields]]:
     """Nodal stress and displacement of the lower and of the upper body of a solution, in the common
-    frame (y out of the lower body). Each body has a list of fields, one for each step.
+    frame (y out of the lower body). Each body has a list of `BodyFields`, one for each step.
 
-    `steps` are indices of stored instants.
+    Parameters
+    ----------
+    solution
+        by finite elements: its `condensed_bodies` (lower, upper) hold mesh, material and order of
+        the elements
+    steps
+        indices of stored instants
     """
+    # s_xx at both edges of contact, (n_steps, 2, 2) by body and edge
     tension, tension_uncertainty = edge_tension(solution, steps)
+    # p and q on the lower body as sine series; None where fewer than three nodes touch
     tractions_at_steps = [
         tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
@@ -217,8 +226,10 @@ def _fields_of_bodies(
         )
         condensed_body = solution.condensed_bodies[body_number]
         mesh = condensed_body.body.mesh
+        # The mesh has y out of its own body: turned into the common frame.
         points = mesh.p.T * [1.0, _sign_of_y(body_number)]
         cells = _counter_clockwise_cells(points, cells_of(mesh, condensed_body.order))
+
         fields_of_steps = []
         for k, (step, step_tractions) in enumerate(zip(steps, tractions_at_steps, strict=True)):
             edges = (np.nan, np.nan) if step_tractions is None else step_tractions.edges
@@ -241,8 +252,8 @@ def _fields_of_bodies(
 
 
 def _sign_of_y(body_number: int) -> float:
-    """1 of the lower body (0), -1 of the upper one (1): y of a body's own frame in the common
-    one.
+    """Factor from a body's own y (out of the body) to the common y (out of the lower body): 1 of
+    the lower body (0), -1 of the upper one (1).
     """
     return 1.0 - 2.0 * body_number
 
@@ -263,6 +274,8 @@ def _displacement_and_stress(
 
     Parameters
     ----------
+    solution
+        by finite elements: used are its bodies, condensed bodies and interface states
     steps
         indices of stored instants
     tractions_at_steps
@@ -272,18 +285,22 @@ def _displacement_and_stress(
         0 of the lower body, 1 of the upper one
     """
     material = solution.condensed_bodies[body_number].material
-    sign_of_y = _sign_of_y(body_number)
-    bulk_stress = _bulk_stress(solution, steps, body_number)
+    sign_of_y = _sign_of_y(body_number)  # -1 of the upper body, whose own y points down
+    bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_steps,)
+
+    # Stress by the elements at all nodes, and that of the tractions at nodes near the contact.
     nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
     near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
-    stress = (
+    stress = (  # (n, 4, n_steps)
         nodal_fields.stress
         if near_contact is None
         else _joined_stress(nodal_fields, near_contact, material)
     )
-    places = nodal_fields.basis.mesh.p
+    places = nodal_fields.basis.mesh.p  # (2, n)
+    # from (2 n, n_steps), u_x and u_y of each node in turn, to (2, n, n_steps)
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
-    # The elements of other bodies have the bulk stress in them.
+
+    # Bulk stress of a half-plane is added; in other bodies the elements have it in them.
     if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[body_number]), HalfPlane):
         displacement = (
             displacement + displacement_by_unit_stress(material, *places)[..., None] * bulk_stress
@@ -299,8 +316,20 @@ def _displacement_and_stress(
 def _rigid_motion(
     solution: FiniteElementSolution, body_number: int, step: int, points: Array
 ) -> Array:
-    """Displacement (n, 2) of points of the upper body as it moves rigidly, by tilt, tangential
-    displacement and normal approach [length]; 0 of the lower body (`body_number` 0).
+    """Displacement (n, 2) of n points of a body as it moves rigidly at a stored step [length]: of
+    the upper body by tilt, tangential displacement and normal approach; 0 of the lower one.
+
+    Parameters
+    ----------
+    solution
+        its `tilt` (anticlockwise; None without tilt), `tangential_displacement` along x, and
+        `normal_approach`, positive downwards, are those of the upper body at each step
+    body_number
+        0 of the lower body, 1 of the upper one
+    step
+        index of a stored instant
+    points
+        (n, 2) places x, y in the common frame [length]
     """
     if body_number == 0:
         return np.zeros_like(points)
@@ -355,8 +384,9 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             "edge_tension: the answer has no meshes, so what the size of its bodies adds is not"
             " known; solve it again, with meshed bodies"
         )
+    # values, uncertainties, and possible change by slip zones narrower than the node spacing
     tension = _edge_tension(solution, steps)
-    # A narrow strip of new contact, or of slip, may lie between the nodes at an edge.
+    # A narrow strip of new contact, or of slip, may lie between the nodes at an edge. (n_steps, 2)
     change_by_new_contact = np.array(
         [_tension_change_by_new_contact(solution, step) for step in steps]
     )
@@ -386,39 +416,54 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     that there is no rim node.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
-    # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the
-    # `face_stress.N_DISTORTED_NODES` outermost ones
+    # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the three
+    # outermost ones on either side
+
+    Parameters
+    ----------
+    solution
+        its loads P and Q, edges of stick and contact, and nodal tractions at all stored instants
+    step
+        index of a stored instant
     """
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
+
+    # Look back for the stored step at which P began to grow in full stick.
     p_increments = np.diff(solution.normal_load[: step + 1])
     q_increments = np.diff(solution.tangential_load[: step + 1])
-    start_of_growth = step  # the stored step at which P began to grow in full stick
+    start_of_growth = step
     while (
         start_of_growth > 0
         and p_increments[start_of_growth - 1] > 0
         and _sticks_in_full(solution, start_of_growth)
     ):
         start_of_growth -= 1
-    nodal_tractions = _nodal_tractions(solution, step)
+    nodal_tractions = _nodal_tractions(solution, step)  # of the nodes that touch
     if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
         return np.zeros(2)
+
+    # Pressure at the rim node of the left and of the right side: it gives K.
     rim_nodes = [N_DISTORTED_NODES, -1 - N_DISTORTED_NODES]
-    pressure = nodal_tractions.pressure[rim_nodes]
-    depths_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
-    # q/p in the strip of each increment.
+    rim_pressure = nodal_tractions.pressure[rim_nodes]
+    distances_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
+
+    # Jump of q/p between the strip of each increment and the contact before it.
     q_over_p = q_increments[start_of_growth:] / p_increments[start_of_growth:]
     # q/p at the edge before each increment: before the first, that of the rim node.
     ratio_before = np.tile(np.append(np.nan, q_over_p[:-1])[:, None], 2)
-    ratio_before[0] = nodal_tractions.shear[rim_nodes] / pressure
+    ratio_before[0] = nodal_tractions.shear[rim_nodes] / rim_pressure
     strip_widths = np.abs(
         solution.contact_edges[step] - solution.contact_edges[start_of_growth:step]
     )
     jump_of_ratio = np.abs(q_over_p[-1] - ratio_before)
-    pressure_at_width = pressure * np.sqrt(strip_widths / depths_of_rim)
-    depths_of_outermost = np.abs(nodal_tractions.x[[0, -1]] - solution.contact_edges[step])
-    share_of_jump = np.where(strip_widths < depths_of_outermost, 1.0, _SHARE_SHOWN_BY_A_NODE)
-    share_of_jump[strip_widths >= depths_of_rim] = 0.0
+
+    # Change of s_xx by each strip, (n_increments, 2): (4/pi) c K sqrt(w).
+    pressure_at_width = rim_pressure * np.sqrt(strip_widths / distances_of_rim)
+    distances_of_outermost = np.abs(nodal_tractions.x[[0, -1]] - solution.contact_edges[step])
+    # 1 while no node lies in the strip, a quarter up to the rim node, 0 beyond it
+    share_of_jump = np.where(strip_widths < distances_of_outermost, 1.0, _SHARE_SHOWN_BY_A_NODE)
+    share_of_jump[strip_widths >= distances_of_rim] = 0.0
     tension_changes = share_of_jump * 4 / np.pi * jump_of_ratio * pressure_at_width
     return np.asarray(tension_changes.max(axis=0))
 
@@ -451,14 +496,19 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
 
     Parameters
     ----------
+    solution
+        by finite elements or by kernels
     steps
         (n_steps,) indices of stored instants
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
     tension_changes_by_unseen_slip = np.zeros((len(steps), 2, 2))
+
+    # Tension that the tractions alone cause, of opposite sign in the two half-planes.
     tractions_in_contact: dict[int, Tractions] = {}  # by position in `steps`
     for k, step in enumerate(steps):
+        # sine series of p and q, and how uncertain the tension (2,) at both edges is by the fit
         fit_of_step = tractions_with_uncertainty(_nodal_tractions(solution, step))
         if fit_of_step.tractions is not None:
             tractions_in_contact[k] = fit_of_step.tractions
@@ -468,6 +518,8 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
         elif solution.normal_load[step] > 0:
             values[k] = math.nan
             uncertainties[k] = math.nan
+
+    # Tension by bulk stress and by the finite size of the bodies.
     if tractions_in_contact:
         positions = list(tractions_in_contact)
         added_tension, added_uncertainty = _added_edge_tension(
@@ -488,6 +540,8 @@ def _added_edge_tension(
 
     Parameters
     ----------
+    solution
+        by finite elements, or by kernels: then `solution.kernels` holds those of both bodies
     steps
         (n_steps,) indices of stored instants
     tractions_at_steps
@@ -500,8 +554,8 @@ def _added_edge_tension(
         of which there is neither a fit beside the contact nor kernels (displacements of its face
         by unit forces, minus those of a half-plane)
     """
-    bodies = solution.scene.bodies
-    material = solution.scene.material
+    bodies = solution.scene.bodies  # shapes of the lower and the upper body
+    material = solution.scene.material  # elastic constants of both; `alike` if they are equal
     added_tension = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros(2)
     bulk_stresses = [_bulk_stress(solution, steps, body_number) for body_number in (0, 1)]
@@ -509,9 +563,12 @@ def _added_edge_tension(
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
     for body_number, name in enumerate(_BODY_NAMES):
+        # To a half-plane only the bulk stress adds.
         if isinstance(getattr(bodies, name), HalfPlane):
             added_tension[:, body_number] = bulk_stresses[body_number][:, None]
             continue
+
+        # Effect of the size: by a fit to the stress of the elements, or by kernels of thin bodies.
         size_fit: _SizeFit | None = None
         if isinstance(solution, KernelSolution):
             kernels = getattr(solution.kernels, name)
@@ -526,6 +583,8 @@ def _added_edge_tension(
             kernels = _kernels_of_thin_body(solution, body_number) if size_fit is None else None
         if body_number == 0:
             size_fit_of_lower = size_fit
+
+        # Tension by that effect under the tractions on this body, in its own frame.
         tractions_on_body = [
             _tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
         ]
@@ -550,7 +609,14 @@ def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> 
     the displacement of the face by unit forces. None for a body of which they are not known.
 
     They take two linear solves on coarse meshes, about half a second; those of the last two bodies
-    that were asked for are kept. Bodies that mirror each other have those of the lower one.
+    that were asked for are cached. Bodies that mirror each other have those of the lower one.
+
+    Parameters
+    ----------
+    solution
+        its scene, and the places `x` of its contact nodes, which span the part that may touch
+    body_number
+        0 of the lower body, 1 of the upper one
     """
     scene = solution.scene
     largest_x = float(np.abs(solution.x).max())
@@ -568,7 +634,8 @@ def _flat_body_kernels(scene: Scene, body_number: int, largest_x: float) -> Body
     name = _BODY_NAMES[body_number]
     # Distance from a force at which a half-plane's surface has no displacement.
     datum_length = max(scene.profile.datum_length, largest_x)
-    work_counts: Counter[str] = Counter()  # not reported
+    work_counts: Counter[str] = Counter()  # counts of meshes and solves, not reported
+    # Both calls raise InputError for a body whose kernels are not derived.
     try:
         require_known_effects(name, getattr(scene.bodies, name), scene)
         return body_kernels(scene, name, largest_x, datum_length, work_counts)
@@ -596,10 +663,11 @@ def _size_tension_by_kernels(
         tractions on the body in its own frame at each step, as sine series over the contact
     """
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-    angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES
+    angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES  # 128 across the contact
     tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
     for k, step_tractions in enumerate(tractions_on_body):
+        # Point forces: p and q, sums of sines of the angle, times the length that each point has.
         x_in_contact = step_tractions.middle - step_tractions.half_width * np.cos(angles)
         point_lengths = step_tractions.half_width * np.sin(angles) * math.pi / _N_ANGLES
         pressing_forces, shear_forces = (
@@ -611,6 +679,7 @@ def _size_tension_by_kernels(
                 step_tractions.shear[:_N_ANGLES],
             )
         )
+        # (2,) strain along the face at both edges, and its difference between the two meshes
         strain, strain_difference = kernels.strain(
             np.array(step_tractions.edges), x_in_contact, pressing_forces, shear_forces
         )
@@ -642,8 +711,15 @@ class _SizeFit:
     uncertainty: float
 
     def tension(self, tractions_on_body: Sequence[Tractions], bulk_stress: Array) -> Array:
-        """Stress s_xx (n_steps, 2) that the size adds at both edges of contact, by the tractions on
-        the body in its own frame [stress].
+        """Stress s_xx (n_steps, 2) that the finite size of a body adds at both edges of contact
+        [stress], by the regression on moments of its tractions and on its bulk stress.
+
+        Parameters
+        ----------
+        tractions_on_body
+            tractions on the body in its own frame at each step; their `edges` are those of contact
+        bulk_stress
+            (n_steps,) of the body; no predictor where it is 0 all along [stress]
         """
         size_effect = self.size_effect_of(
             _predictors(tractions_on_body, bulk_stress)[:, : len(self.predictor_units)]
@@ -687,6 +763,8 @@ def _size_fit(
 
     Parameters
     ----------
+    solution
+        by finite elements
     body_number
         0 of the lower body, 1 of the upper one
     steps
@@ -700,8 +778,10 @@ def _size_fit(
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     if _distance_of_fit(shape, half_width) is None:
         return None
+
+    # Fit the stress by the size at the sampled steps, to nodes beside the contact.
     evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
-    sampled_indices = sorted(set(evenly_spread.tolist()))
+    sampled_indices = sorted(set(evenly_spread.tolist()))  # positions in `steps`
     sampled_steps = [steps[k] for k in sampled_indices]
     nodal_fields = _nodal_fields(solution, body_number, sampled_steps, bulk_stress[sampled_indices])
     near_contact = _near_contact(
@@ -709,6 +789,9 @@ def _size_fit(
     )
     if near_contact is None or near_contact.size_effect is None:
         return None
+
+    # Regression of the coefficients of that fit on the predictors of all steps. These are int p x^k
+    # dx and int q x^k dx, k = 0, 1, 2, then the bulk stress: (n_steps, 7).
     predictors = _predictors(
         [_tractions_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
         bulk_stress,
@@ -725,12 +808,12 @@ def _size_fit(
     size_fit = _SizeFit(
         near_contact.size_effect, regression_matrix, predictor_units, uncertainty=0.0
     )
-    origin = np.zeros(1)  # the fit is checked at the middle of the face
-    stress_of_fit = size_fit.size_effect_of(predictors).stress(origin, origin)
-    stress_missed_by_fit = near_contact.size_effect.stress(origin, origin) - stress_of_fit
-    uncertainty = float(
-        near_contact.size_effect.error.max() + np.abs(stress_missed_by_fit[:, 0]).max()
-    )
+
+    # Uncertainty: standard error of the fit, and what the regression misses at x = y = 0.
+    origin = np.zeros(1)
+    stress_by_regression = size_fit.size_effect_of(predictors).stress(origin, origin)
+    stress_missed = near_contact.size_effect.stress(origin, origin) - stress_by_regression
+    uncertainty = float(near_contact.size_effect.error.max() + np.abs(stress_missed[:, 0]).max())
     return replace(size_fit, uncertainty=uncertainty)
 
 
@@ -775,14 +858,16 @@ def stress(
         half-widths from the contact, or close to a support or side, or with bulk stress where
         nothing touches: `fields` has the stress there.
     """
+    # Refuse what has no answer; bring times and places into arrays.
     _require_meshes("stress", solution)
     if body not in _BODY_NAMES:
         raise InputError(f"stress: body is lower or upper, not {body!r}")
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
+    # indices of the stored instants
     steps = [_nearest_step("stress", solution, float(instant)) for instant in instant_times]
     body_number = _BODY_NAMES.index(body)
-    sign_of_y = _sign_of_y(body_number)
-    x_places, y_places = np.broadcast_arrays(
+    sign_of_y = _sign_of_y(body_number)  # -1 of the upper body
+    x_places, y_places = np.broadcast_arrays(  # in the body's own frame: y <= 0 inside
         np.atleast_1d(np.asarray(x, dtype=float)),
         np.atleast_1d(sign_of_y * np.asarray(y, dtype=float)),
     )
@@ -791,7 +876,10 @@ def stress(
             f"stress: y = {sign_of_y * float(y_places.max()):.6g} is outside the {body} body; y"
             " points out of the lower one"
         )
-    bulk_stress = _bulk_stress(solution, steps, body_number)
+    bulk_stress = _bulk_stress(solution, steps, body_number)  # (n_instants,)
+
+    # Stress of a half-plane under the tractions. These are sine series of p and q, on the lower
+    # body, then on this one; None where fewer than three nodes touch.
     tractions_at_steps = [
         tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
@@ -802,6 +890,8 @@ def stress(
     stress = np.zeros((len(steps), len(x_places), 4))
     half_plane_stress = _stress_of_tractions(tractions_on_body, x_places, y_places)
     stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
+
+    # Bulk stress of a half-plane; of other bodies the fitted stress by their size contains it.
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk_stress[:, None]
     elif bulk_stress.any() or any(
@@ -818,9 +908,11 @@ def stress(
                 " tractions alone give its stress"
             )
         stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
-    stress[..., 2] *= sign_of_y  # s_xy from the body's own frame to the common one
+
+    # Into the common frame, with s_zz of plane strain.
+    stress[..., 2] *= sign_of_y  # s_xy changes its sign with y
     poisson_ratio = solution.condensed_bodies[body_number].material.poisson_ratio
-    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])  # plane strain
+    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
     for k, step in enumerate(steps):
         if tractions_at_steps[k] is None and solution.normal_load[step] > 0:
             stress[k] = math.nan
@@ -858,16 +950,19 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     edge of contact, with its place, time and uncertainty.
 
     None where at no instant of that cycle three nodes touch, and where it is not known what the
-    size of a body adds (`why_tension_is_unknown`). Just after a load reverses, the new slip zone is
-    narrower than an element, so that the stress is still that from before. The largest tension
+    size of a body adds to the stress of a half-plane. Just after a load reverses, the new slip zone
+    is narrower than an element, so that the stress is still that from before. The largest tension
     comes before a reversal. Where bulk stress still rises, the largest value may be of an instant
     after it: it is then uncertain by how far it exceeds that of any instant before.
     """
     if why_tension_is_unknown(solution) is not None:
         return None
+    # Candidates: indices of up to some forty stored steps with the highest estimates of tension.
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
+
+    # s_xx at all candidates, (n_steps, 2, 2) by body and edge.
     nodal_tractions_at_steps = [_nodal_tractions(solution, step) for step in steps]
     tractions_at_steps = [
         tractions(nodal_tractions) for nodal_tractions in nodal_tractions_at_steps
@@ -880,14 +975,18 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     values = np.array(tension_by_tractions) + added_tension
     if np.isnan(values).any():
         return None
+
     # Two halves of a cycle may mirror each other but for round-off: the first instant is taken.
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
     candidate, body_number, edge_number = (int(index) for index in largest_index)
     fit_uncertainty = tractions_with_uncertainty(
         nodal_tractions_at_steps[candidate]
-    ).tension_uncertainty
-    tension_change_unseen = np.array(
+    ).tension_uncertainty  # (2,) by edge
+
+    # Uncertainty by slip that no node shows yet: at most by how far the largest value exceeds that
+    # of the instants and edges without such slip. (n_steps, 2) by edge
+    change_by_unseen_slip = np.array(
         [
             tension_change_by_unseen_slip(nodal_tractions, step_tractions)
             for nodal_tractions, step_tractions in zip(
@@ -895,14 +994,14 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
             )
         ]
     )
-    values_without_unseen_slip = np.where(tension_change_unseen[:, None, :] > 0, -math.inf, values)
+    values_without_unseen_slip = np.where(change_by_unseen_slip[:, None, :] > 0, -math.inf, values)
     largest_tension = float(values[candidate, body_number, edge_number])
     tension_before_reversal = max(float(values_without_unseen_slip.max()), 0.0)
     uncertainty_by_unseen_slip = min(
-        float(tension_change_unseen[candidate, edge_number]),
+        float(change_by_unseen_slip[candidate, edge_number]),
         largest_tension - tension_before_reversal,
     )
-    edges = tractions_at_steps[candidate].edges
+    edges = tractions_at_steps[candidate].edges  # left and right edge of contact
     return LargestTension(
         value=largest_tension,
         uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
@@ -915,12 +1014,14 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
 
 def why_tension_is_unknown(solution: ContactSolution) -> str | None:
-    """Reason in words why `largest_edge_tension` is not known of a solution; None where neither
-    body is the reason. It is found without a fit.
+    """Reason in words why the largest tension s_xx at the edges of contact is not known of a
+    solution; None where neither body is the reason. No fit is made to find it.
 
     The stress that the finite size of each body adds on its face must be known: by a fit beside the
-    contact, or by kernels.
+    contact, for which its supports and sides must be far enough away, or by kernels (displacements
+    of its face by unit forces, minus those of a half-plane).
     """
+    # Answers that were read back from disk have neither meshes nor kernels.
     if not _has_data_of_size_effect(solution):
         return "the answer has no meshes, which the stress of its bodies needs"
     if not isinstance(solution, FiniteElementSolution):
@@ -940,7 +1041,9 @@ def why_tension_is_unknown(solution: ContactSolution) -> str | None:
 
 
 def _why_no_kernels(shape: Shape, scene: Scene) -> str:
-    """What keeps the kernels of a body from being known, in words that follow its name."""
+    """What keeps the kernels of a body from being known, in words that follow its name in a
+    message: a curved face, bulk stress, rollers with free sides, or else its thinness.
+    """
     if not isinstance(shape, Block | TShape):
         return "its face is curved"
     if not scene.load.is_driven and has_bulk_stress(scene.load.path()):
@@ -959,8 +1062,10 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     bulk stress and body size add, interpolated in time. Fits cost most: they are made in the order
     of a cheaper bound by nodal tractions, until no step left can be among the highest.
 
-    Between half-planes without bulk stress the estimate is exact, and one candidate is enough.
+    Between half-planes without bulk stress the estimate is exact, and one candidate is enough;
+    else there are forty.
     """
+    # Tension by nodal tractions at each step of the cycle with three nodes in contact.
     cycle = [int(step) for step in solution.last_cycle]
     nodal_tractions = {step: _nodal_tractions(solution, step) for step in cycle}
     nodal_tension = {
@@ -973,6 +1078,8 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     n_candidates = 1 if is_exact else _N_CANDIDATE_STEPS
     if len(nodal_tension) <= n_candidates:
         return list(nodal_tension)
+
+    # Upper bounds: 1.3 times that, plus the tension by bulk stress and body size, (2, 2) a step.
     added_tension = dict.fromkeys(nodal_tension, np.zeros((2, 2)))
     if not is_exact:
         added_tension = _interpolated_added_tension(
@@ -982,6 +1089,8 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         step: _LARGEST_RATIO_TO_NODAL * tension + float(added_tension[step].max())
         for step, tension in nodal_tension.items()
     }
+
+    # Estimates by fits, highest bound first, until no bound exceeds the lowest one that counts.
     estimates: dict[int, float] = {}
     for step in sorted(upper_bounds, key=lambda step: -upper_bounds[step]):
         highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
@@ -991,6 +1100,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         tension_estimate = np.outer([1.0, -1.0], tension_at_edges) + added_tension[step]
         estimates[step] = float(tension_estimate.max())
     highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
+
     # Instants that are alike but for round-off are all candidates, or none.
     least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
     return [step for step in cycle if estimates.get(step, -math.inf) >= least_estimate]
@@ -1003,7 +1113,13 @@ def _interpolated_added_tension(
     contact. For the index of each stored step it is (2, 2) by body and edge [stress].
 
     It is computed at six steps and interpolated in time by a cubic spline; 0 where it is not known.
-    `nodal_tractions` maps the index of a stored step to the tractions at its nodes.
+
+    Parameters
+    ----------
+    solution
+        by finite elements or by kernels; `time` holds the instant of each stored step
+    nodal_tractions
+        index of a stored step -> pressure and shear at the nodes that touch then
     """
     steps = list(nodal_tractions)
     evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS_OF_SEARCH).round().astype(int)
@@ -1030,18 +1146,24 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
 
     Q is the load, or on curved faces the resultant of the nodal shear, as p carries a part of Q
     there. Also whether a body is of finite size, and whether the materials differ.
+
+    Parameters
+    ----------
+    solution
+        used are its tractions, loads and edges at the step, and the scene: friction, profile, and
+        bodies, whose `faces_are_true` where curved faces are meshed as such
+    step
+        index of a stored instant
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
     friction = solution.scene.friction.coefficient
-    # A node that just meets or leaves the other face has no pressure but round-off: it counts as
-    # open, whatever that is.
+    # A node that just meets or leaves the other face has no pressure but round-off, up to 1e-9 of
+    # the largest: it counts as open, whatever that is.
     is_closed = pressure > _NEGLIGIBLE_PRESSURE * np.max(pressure)
     tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
-        tangential_load = float(
-            shear @ solution.face_lengths
-        )  # on curved faces p carries a part of Q
+        tangential_load = float(shear @ solution.face_lengths)
     step_before = max(step - 1, 0)
     rise_of_p = float(solution.normal_load[step] - solution.normal_load[step_before])
     rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
@@ -1068,21 +1190,21 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
 
 
 def profile_kinks(scene: Scene) -> Array:
-    """Places where the curvature of the profile jumps, and E* times the jump: (k, 2), left side
+    """Places x where the curvature of the profile jumps, and E* times the jump: (k, 2), left side
     subtracted from right [length, stress/length].
 
-    Curvatures on either side are second differences of the height h with a step of a thousandth of
-    the place. Each kink at x > 0 has its mirror image at -x.
+    Curvatures on either side are second differences of the height h with a spacing of a thousandth
+    of the place. Each kink at x > 0 has its mirror image at -x.
     """
     kinks = []
-    for place in scene.profile.kinks:
-        step = _STEP_AT_KINK * place
+    for place in scene.profile.kinks:  # x > 0 of each jump of the curvature
+        spacing = _STEP_AT_KINK * place
         height_far_left, height_left, height_middle, height_right, height_far_right = (
-            scene.profile.height(place + step * np.arange(-2, 3))
+            scene.profile.height(place + spacing * np.arange(-2, 3))
         )
         second_difference_left = height_far_left - 2 * height_left + height_middle
         second_difference_right = height_middle - 2 * height_right + height_far_right
-        curvature_jump = (second_difference_right - second_difference_left) / step**2
+        curvature_jump = (second_difference_right - second_difference_left) / spacing**2
         kinks += [(place, curvature_jump), (-place, -curvature_jump)]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     return np.array(kinks).reshape(-1, 2) * [1.0, modulus]
@@ -1123,6 +1245,9 @@ def _nodal_fields(
 
     Parameters
     ----------
+    solution
+        used are its condensed bodies (mesh and material) and the nodal contact forces of its
+        interface states, in units of `solution.scales.load`
     body_number
         0 of the lower body, 1 of the upper one
     steps
@@ -1131,14 +1256,19 @@ def _nodal_fields(
         (k,) of this body at the steps [stress]
     """
     condensed_body = solution.condensed_bodies[body_number]
+    # Contact forces p and q of the nodes (n, k), then those on this body in its own frame.
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
     forces = body_forces(*solution.condensed_bodies, pressure, shear)[_BODY_NAMES[body_number]]
-    # Mixed elements have a part of the mean stress as a further unknown.
+
+    # Displacement of all nodes (n_dofs, k) under them. Mixed elements have a part of the mean
+    # stress as a further unknown, (n_corners, k).
     basis, displacements, mean_stresses = displacement_fields(
         condensed_body, forces, solution.scene.profile.datum_length, bulk_stress
     )
+
+    # Stress of the elements, averaged at the nodes.
     stresses = []
     for displacement, mean_stress in zip(displacements.T, mean_stresses.T, strict=True):
         stress, areas_around_nodes = _nodal_stress(basis, displacement, mean_stress, condensed_body)
@@ -1190,14 +1320,18 @@ def _near_contact(
 
     Parameters
     ----------
+    solution
+        its scene, with the shapes of the bodies and the profile of their faces
     body_number
         0 of the lower body, 1 of the upper one
     nodal_fields
-        stress and displacement at its nodes by the elements, at k steps
+        by the elements: stress (n, 4, k) at the nodes of this body at k steps, their mesh
+        (`basis.mesh`), and the area of the elements around each
     tractions_at_steps
         (k,) tractions on the lower body at the steps, as sine series; None where fewer than three
         nodes touch
     """
+    # Distance from the middle of the contact up to which stress is that of the tractions.
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     half_widths = [
         step_tractions.half_width
@@ -1210,6 +1344,8 @@ def _near_contact(
     largest_distance = _distance_of_fit(shape, half_width)
     if largest_distance is None:
         return None
+
+    # Nodes within it.
     x_of_mesh, y_of_mesh = nodal_fields.basis.mesh.p
     depth_of_face = face_of(shape, solution.scene.profile).depth(np.abs(x_of_mesh))
     y_below_face = np.minimum(y_of_mesh + depth_of_face, 0.0)  # as if the face were flat
@@ -1220,6 +1356,9 @@ def _near_contact(
         None if step_tractions is None else _tractions_on_body(step_tractions, body_number)
         for step_tractions in tractions_at_steps
     ]
+
+    # Fit of the stress by the size: element stress minus half-plane stress, weighted by area, at
+    # nodes deeper than 0.15 half-widths or further than 1.2 half-widths from the middle.
     size_effect = None
     if not isinstance(shape, HalfPlane):
         is_beside = (np.abs(x) > _ACCURATE_DISTANCE * half_width) & (y < 0)
@@ -1239,6 +1378,9 @@ def _near_contact(
 def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
     """Largest distance from the middle of the contact at which the stress that the finite size of a
     body adds is fitted [length]; None where a support or a side is too near for the fit.
+
+    It is three half-widths of contact, or 0.8 of the way to the nearest support or side where that
+    is shorter; too near means below 1.5 half-widths. `half_width` is that of the contact [length].
     """
     largest_distance = min(
         _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * _distance_to_support(shape)
@@ -1282,24 +1424,30 @@ def _joined_stress(
     Parameters
     ----------
     nodal_fields
-        stress by the elements at all nodes
+        its `stress` (n, 4, k) is that by the elements at all nodes
     near_contact
-        the nodes close to the contact, the tractions on the body, and the stress that its size adds
+        the m nodes close to the contact: numbers (`nodes`), places (`x`, `y`) and their largest
+        distance from its middle; the tractions on the body at each step, and the stress that its
+        finite size adds (`size_effect`)
     material
         of the body; its Poisson ratio gives s_zz in plane strain
     """
+    # Stress s_xx, s_yy, s_xy by the tractions at the nodes close to the contact, (m, 3, k).
     x = near_contact.x
     y = near_contact.y
     nodes = near_contact.nodes
     traction_stress = _stress_of_tractions(near_contact.tractions, x, y)
     if near_contact.size_effect is not None:
         traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
+
+    # Weight of that stress: 1 inside, falling to 0 across the blending zone.
     blending_width = _BLENDING_SHARE * near_contact.largest_distance
     s = np.clip((near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
     has_tractions = np.array(
         [step_tractions is not None for step_tractions in near_contact.tractions]
     )
     weight = (s**2 * (3 - 2 * s))[:, None, None] * has_tractions
+
     stress = nodal_fields.stress.copy()
     stress[nodes, :3] = (1 - weight) * stress[nodes, :3] + weight * traction_stress
     stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
@@ -1315,14 +1463,17 @@ def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
     """Node numbers of elements, (n_elements, nodes of one), with those that run clockwise reversed:
     readers of VTU files would give them negative areas.
 
-    `points` are (n, 2), `cells` list corners, then mid-side nodes, then the middle.
+    `points` are (n, 2) places of the nodes. `cells` are the node numbers of each element: corners,
+    then mid-side nodes, then the middle.
     """
+    # Twice the signed area of each element's polygon of corners; negative if it runs clockwise.
     n_corners = 3 if cells.shape[1] in (3, 6) else 4
     corners = points[cells[:, :n_corners]]
     next_corners = np.roll(corners, -1, axis=1)
     x = corners[..., 0]
     y = corners[..., 1]
     twice_area = (x * next_corners[..., 1] - next_corners[..., 0] * y).sum(axis=1)
+    # _NODES_OF_MIRRORED: order of the nodes of an element that is run through the other way round
     return np.where(twice_area[:, None] < 0, cells[:, _NODES_OF_MIRRORED[cells.shape[1]]], cells)
 
 
@@ -1335,7 +1486,8 @@ def _nodal_stress(
     Stress at quadrature points is extrapolated to the nodes of each element, then averaged there
     with the areas as weights.
 
-    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`
+    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`;
+    # s_xx, s_yy, s_xy, s_zz stress at the quadrature points, (n_elements, n_quadrature)
 
     Parameters
     ----------
@@ -1349,6 +1501,7 @@ def _nodal_stress(
     condensed_body
         the body, with its material and the order of its elements
     """
+    # Stress at the quadrature points by Hooke's law in plane strain.
     lam, _, mu = split_lame(condensed_body.material, condensed_body.order)
     strain = sym_grad(basis.interpolate(displacement))
     mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
@@ -1358,10 +1511,14 @@ def _nodal_stress(
     s_xx = s_zz + 2 * mu * strain[0, 0]
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
+
+    # Extrapolated to the nodes of each element, (4, n_elements, nodes of one).
     stress_at_element_nodes = (
         np.stack((s_xx, s_yy, s_xy, s_zz))
         @ _matrix_of_extrapolation_to_nodes(basis, condensed_body.order).T
     )
+
+    # Mean over the elements around each node, weighted by their areas.
     element_areas = basis.dx.sum(axis=1)[:, None]
     cells = cells_of(basis.mesh, condensed_body.order).ravel()
     n_nodes = basis.mesh.p.shape[1]
@@ -1382,8 +1539,12 @@ def _matrix_of_extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
 
     The polynomial is constant for displacements of `order` 1, and linear (bilinear on a
     quadrilateral) of order 2: at the quadrature points stresses of that degree are most accurate.
+    `basis` is the finite-element basis of the displacement.
+
     Source: Zienkiewicz and Zhu (1992), Int. J. Numer. Meth. Engng 33, 1331-1364.
     """
+    # Places of an element's nodes in the reference element, (2, n_nodes): corners, then mid-side
+    # nodes and the middle where the element has them.
     refdom = basis.mesh.refdom
     corners = np.asarray(refdom.p, dtype=float)
     groups_of_nodes = [corners]
@@ -1391,13 +1552,14 @@ def _matrix_of_extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
         groups_of_nodes.append(corners[:, np.array(refdom.facets).T].mean(axis=1))
     if basis.interior_dofs.size:
         groups_of_nodes.append(corners.mean(axis=1, keepdims=True))
-    n_terms = 1 if order == 1 else refdom.nnodes
+    n_terms = 1 if order == 1 else refdom.nnodes  # monomials of the polynomial
 
     def polynomial(points: Array) -> Array:
         """Monomials 1, x, y, x y at points, (n_points, n_terms)."""
         monomials = [np.ones(points.shape[1]), *points, points[0] * points[1]]
         return np.column_stack(monomials[:n_terms])
 
+    # Least squares with the quadrature weights `basis.W` at the quadrature points `basis.X`.
     root_of_weights = np.sqrt(basis.W)[:, None]
     least_squares = np.linalg.pinv(root_of_weights * polynomial(basis.X)) * root_of_weights.T
     return np.asarray(polynomial(np.hstack(groups_of_nodes)) @ least_squares)
