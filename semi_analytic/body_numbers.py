@@ -28,7 +28,8 @@ NUMBERS = (
 
 def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
     """The numbers by which finite bodies differ from half-planes, checked; None where all of them
-    are 0, so that the bodies are half-planes.
+    are 0, so that the bodies are half-planes. `NUMBERS` lists the attributes of `BodyEffects` that
+    half-planes do not have, each an `Estimate` with a `value`.
 
     Raises
     ------
@@ -42,6 +43,7 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
             f"effects: a BodyEffects is needed, as halfplane_fe.body_effects(scene) makes it, not"
             f" {type(effects).__name__}"
         )
+    # every attribute that is an Estimate
     for field in fields(effects):
         number = getattr(effects, field.name)
         if not isinstance(number, Estimate):

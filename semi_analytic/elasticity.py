@@ -45,6 +45,7 @@ def coupling_constant(materials: Materials) -> float:
     nu_2 = materials.lower.poisson_ratio
     g_1 = shear_modulus(materials.upper)
     g_2 = shear_modulus(materials.lower)
+    # numerator of beta, then half of its denominator
     coupling_difference = (1 - 2 * nu_1) / g_1 - (1 - 2 * nu_2) / g_2
     compliance_sum = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
     return coupling_difference / (2 * compliance_sum)

@@ -131,14 +131,16 @@ class HertzContact:
         [force per thickness], in closed form.
 
         P_x is the load at which the edge of contact is at x. S times A/pi, A = 2/E*, is the
-        displacement at x by the flat punches that end within x. S = P arccosh(sqrt(P_x/P)) + P_x -
-        sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The initial gap closes where the edge
-        comes: x^2/(2 R) = (A/pi) S(x, P_x).
+        displacement at x by the flat punches that end within x. S = P
+        arccosh(sqrt(P_x/P)) + P_x - sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The initial
+        gap closes where the edge comes: x^2/(2 R) = (A/pi) S(x, P_x). a(eta) is the half-width
+        under the load eta, R the radius of the parabola.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
         0.18
         """
+        # P_x
         load_at_x = self.load(x)
         punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
         load_left_to_x = load_at_x - punch_load
@@ -148,17 +150,19 @@ class HertzContact:
             * punch_load
             / (load_at_x + np.sqrt(load_at_x * load_left_to_x) + _SMALLEST_FLOAT)
         )
+        # `_arccosh_root`: arccosh(sqrt(P_x/P)) from P_x - P and P
         return punch_load * _arccosh_root(load_left_to_x, punch_load) + algebraic_term
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """First moment of the slip integral, int eta' arccosh(|x|/a(eta')) d eta' over the loads
         eta' < min(eta, P_x), eta = `load`, in closed form [force^2 per thickness^2].
 
-        P_x is the load at which the edge of contact is at x. The integral is (eta^2/2)
-        arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s =
-        sqrt(P_x - eta). It is found by parts: the second term is a quarter of
-        int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
+        a(eta') is the half-width under the load eta', P_x the load at which the edge of contact is
+        at x. The integral is (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3)
+        (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta). It is found by parts: the second term is a
+        quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
         """
+        # P_x
         load_at_x = self.load(x)
         punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
         load_left_to_x = load_at_x - punch_load
@@ -166,6 +170,7 @@ class HertzContact:
         r = np.sqrt(load_at_x)
         s = np.sqrt(load_left_to_x)
         algebraic_term = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
+        # `_arccosh_root`: arccosh(sqrt(P_x/eta)) from P_x - eta and eta
         return punch_load**2 / 2 * _arccosh_root(load_left_to_x, punch_load) + algebraic_term / 4
 
     def edge_advance(self, load: ArrayLike) -> Array:
@@ -175,7 +180,10 @@ class HertzContact:
     load_at = load
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) from P_x - eta >= 0 and a(eta)."""
+        """arccosh(|x|/a(eta)) of a point x outside a flat punch, from `excess` P_x - eta >= 0 and
+        `advance` a(eta); 0 for a = 0. P_x is the load at which the edge of contact is at x, a(eta)
+        the half-width under the load eta; a^2/P is `square_width_per_load`.
+        """
         del x
         half_width = np.asarray(advance, dtype=float)
         return np.arcsinh(
@@ -184,13 +192,17 @@ class HertzContact:
         )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0."""
+        """1/sqrt(a(eta)^2 - x^2) of a point x inside a flat punch, from `excess` eta - P_x > 0; 0
+        where that is 0. P_x is the load at which the edge of contact is at x, a(eta) the half-width
+        under the load eta; a^2/P is `square_width_per_load`.
+        """
         del x, advance
         square = self.square_width_per_load * np.asarray(excess, dtype=float)
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """0: closed forms keep 1e-13 of their own value, which is less than what counts as an
+        """Error of the values of the method called `name` at its `arguments`: 0, in their common
+        shape. Closed forms keep 1e-13 of their own value, which is less than what counts as an
         error.
         """
         del name
@@ -208,33 +220,41 @@ class HertzContact:
         >>> round(float(contact.approach_integral(25 * np.pi)) / (25 * np.pi), 12)
         0.5
         """
-        p = np.asarray(load, dtype=float)
-        return p * (self.log_datum_ratio(p) + 0.5) * (p > 0)
+        loads = np.asarray(load, dtype=float)
+        return loads * (self.log_datum_ratio(loads) + 0.5) * (loads > 0)
 
     def approach_moment(self, load: ArrayLike) -> Array:
         """int_0^P eta ln(2 L/a(eta)) d eta [force^2 per thickness^2] = (P^2/2) [ln(2 L/a) +
         1/4].
         """
-        p = np.asarray(load, dtype=float)
-        return p * p / 2 * (self.log_datum_ratio(p) + 0.25) * (p > 0)
+        loads = np.asarray(load, dtype=float)
+        return loads * loads / 2 * (self.log_datum_ratio(loads) + 0.25) * (loads > 0)
 
     def log_datum_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); 0 is returned for P = 0, where it is multiplied by P."""
-        p = np.asarray(load, dtype=float)
+        loads = np.asarray(load, dtype=float)
         return -0.5 * np.log(
-            np.where(p > 0, p, 1.0) * self.square_width_per_load / (2 * self.datum_length) ** 2
+            np.where(loads > 0, loads, 1.0)
+            * self.square_width_per_load
+            / (2 * self.datum_length) ** 2
         )
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
-        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P -
-        P_c: [P ln(P/P_c) - P + P_c]/2.
+        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P = `load`
+        and P - P_c = `slip_zone_load`: [P ln(P/P_c) - P + P_c]/2. It is the kernel of the friction
+        work; a(eta) is the half-width under the load eta, P_c the load at the stick edge.
+        `log_excess(r)` is -ln(1 - r) - r.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        p = np.asarray(load, dtype=float)
-        return p / 2 * log_excess(np.asarray(slip_zone_load, dtype=float) / np.where(p > 0, p, 1.0))
+        loads = np.asarray(load, dtype=float)
+        return (
+            loads
+            / 2
+            * log_excess(np.asarray(slip_zone_load, dtype=float) / np.where(loads > 0, loads, 1.0))
+        )
 
 
 _SMALLEST_FLOAT = np.finfo(float).tiny

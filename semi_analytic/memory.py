@@ -83,10 +83,13 @@ def combination_change(
     earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
     """Change of a combination c_P P + c_Q Q of the loads from an `earlier` instant of the path, on
-    any segment, to `time` (any shape) on a load segment [force per thickness].
+    any segment, to `time` (any shape) on a load segment [force per thickness]. The `combination`
+    holds the factors c_P as `normal` and c_Q as `tangential`; an instant holds its segment, P and Q
+    as `normal_load` and `tangential_load`.
     """
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)
+    # P and Q at the begin of the later segment
     begin = instant(segment, segment.start)
     change_before_segment = combination.normal * (begin.normal_load - earlier.normal_load)
     change_before_segment += combination.tangential * (
@@ -165,10 +168,13 @@ class Piece(NamedTuple):
 
     def slope_at(self, eta: Array) -> Array:
         """dM/d eta at loads eta (n,): (n,). On an arc it is dQ/dP of the load path, taken as 0
-        where both loads turn at once.
+        where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
+        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but
+        for an arc.
         """
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
+        # dP/dt and dQ/dt of the path at which it had P = eta
         normal_rate, tangential_rate = self.anchor.segment.rates(time_of_load_on_arc(self, eta))
         return np.divide(
             tangential_rate, normal_rate, out=np.zeros(eta.shape), where=normal_rate != 0
@@ -191,9 +197,12 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     """Tangential force M at loads eta on one piece, any shape [force per thickness]."""
-    step = np.asarray(eta, dtype=float) - piece.anchor.normal_load
+    load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     if piece.arc is None:
-        return piece.anchor.tangential_load + (piece.slope + piece.bend * step) * step
+        return (
+            piece.anchor.tangential_load
+            + (piece.slope + piece.bend * load_from_anchor) * load_from_anchor
+        )
     return piece.anchor.tangential_load + piece.anchor.segment.change_of(
         TANGENTIAL_LOAD, time_of_load_on_arc(piece, eta), piece.anchor.time
     )
@@ -217,7 +226,8 @@ def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
 
 def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
     """Tangential force M(eta) of the flat punches up to the load eta, at loads eta in [0, P], any
-    shape [force per thickness].
+    shape [force per thickness]. `pieces` yields the pieces of the curve, each from its
+    `bottom_load` to its `top_load` in eta, without the bottom itself.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(
@@ -261,7 +271,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
     """The memory curve M(eta) after loading in full stick: the path of P and Q from time `begin` of
-    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P.
+    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P. `curve` is
+    the memory before, None if out of contact.
 
     M(eta) is the tangential force of the flat punches up to the load eta.
 
@@ -271,6 +282,7 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     >>> piece.top_load, piece.slope, force_up_to(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
+    # dQ/dP and half of d2Q/dP2 of the path; None where Q(P) is no straight line or parabola
     slope_and_bend = segment.slope_and_bend(end.time)
     if slope_and_bend is None:
         return Piece(curve, end.normal_load, end, slope=0.0, arc=(begin, end.time))
@@ -285,9 +297,9 @@ def slip_to(
     P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
 
     M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
-    change. `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is added.
-    Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in first
-    loading.
+    change. `direction` is +1 or -1; `end` holds P and Q as `normal_load` and `tangential_load`.
+    `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is added. Masing rule:
+    after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in first loading.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -303,8 +315,10 @@ def slip_to(
     >>> round(slip_zone_load, 12), forces.round(12).tolist()
     (0.2, [0.2, 0.4, 0.3])
     """
+    # keep the curve up to P_c
     if curve is not None:
         curve = unload_to(curve, min(end.normal_load - slip_zone_load, curve.top_load))
+    # no slip zone: nothing to add
     if end.normal_load <= (curve.top_load if curve is not None else 0.0):
         return curve
     return Piece(curve, end.normal_load, end, direction * friction)
@@ -312,7 +326,9 @@ def slip_to(
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
-    dM/d eta = s f, so that q = s f p there. Slip in that direction passes it at once.
+    dM/d eta = s f, so that q = s f p there. Slip in that direction passes it at once. Only a
+    straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a curved part of the load
+    path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -333,7 +349,10 @@ def slip_combination_on_piece(
     """Change of s M(eta) - f eta on a piece from its anchor to loads eta, any shape [force per
     thickness]; s is the `direction` of slip, M(eta) the memory curve.
 
-    The stick edge is at eta when the path's s Q - f P has changed as much since the anchor.
+    `anchor` is the instant of the load path at which the piece was made. There dM/d eta is `slope`,
+    `bend` half of d2M/d eta2. An `arc` is a curved part of the load path, passed in full stick;
+    there M and eta are Q and P of the path. The stick edge is at eta when the path's s Q - f P has
+    changed as much since the anchor.
     """
     if piece.arc is not None:
         return piece.anchor.segment.change_of(
@@ -341,8 +360,8 @@ def slip_combination_on_piece(
             time_of_load_on_arc(piece, eta),
             piece.anchor.time,
         )
-    step = np.asarray(eta, dtype=float) - piece.anchor.normal_load
-    return (direction * (piece.slope + piece.bend * step) - friction) * step
+    load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
+    return (direction * (piece.slope + piece.bend * load_from_anchor) - friction) * load_from_anchor
 
 
 def load_of_slip_zone(
@@ -353,7 +372,8 @@ def load_of_slip_zone(
 
     M(eta) is the tangential force of the flat punches up to the load eta, P_c the load at the stick
     edge. There s M(P_c) - f P_c = s Q - f P, s the direction of slip. With the changes dP, dQ since
-    the piece's anchor, P - P_c is computed without subtracting P_c from P:
+    the piece's anchor, P - P_c is computed without subtracting P_c from P. The anchor is the
+    instant at which the piece was made; slope is dM/d eta there, bend half of d2M/d eta2:
 
         line      P - P_c = s (dQ - slope dP)/(f - s slope)
         parabola  P - P_c = dP + y,    (f - s slope) y + s bend y^2 = s dQ - f dP
@@ -364,21 +384,24 @@ def load_of_slip_zone(
     >>> round(float(load_of_slip_zone(pressed, 1, 0.5, segment, 1.0)), 12)  # Q/f
     0.6
     """
+    # an arc: a curved part of the load path, passed in full stick
     if piece.arc is not None:
         return _load_of_slip_zone_on_arc(piece, direction, friction, segment, time)
-    steepness = friction - direction * piece.slope
+    # f - s slope: how far the slope is from the Coulomb limit
+    coulomb_margin = friction - direction * piece.slope
     if piece.bend == 0:
-        force_beyond_line = combination_change(
+        shear_beyond_line = combination_change(
             piece.anchor, segment, Combination(-piece.slope, 1.0), time
         )
-        return direction * force_beyond_line / steepness
-    change_since_anchor = combination_change(
+        return direction * shear_beyond_line / coulomb_margin
+    # s dQ - f dP since the anchor
+    slip_combination_change = combination_change(
         piece.anchor, segment, slip_combination(direction, friction), time
     )
     signed_bend = direction * piece.bend
-    discriminant = steepness**2 + 4 * signed_bend * change_since_anchor
+    discriminant = coulomb_margin**2 + 4 * signed_bend * slip_combination_change
     root = np.sqrt(np.maximum(discriminant, 0.0))
-    load_from_edge_to_anchor = 2 * change_since_anchor / (steepness + root)
+    load_from_edge_to_anchor = 2 * slip_combination_change / (coulomb_margin + root)
     return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + load_from_edge_to_anchor
 
 
@@ -393,17 +416,23 @@ def _load_of_slip_zone_on_arc(
     `direction` of slip. If P and Q are a single wave on one segment, that time is the mirror image
     of `time` about the extreme of s Q - f P; else it is found by iteration along the arc.
     """
+    # times on the load segment of the piece's `anchor`, the instant at the end of the arc
     arc_begin, arc_end = _times_of_arc(piece)
+    # s Q - f P
     combination = slip_combination(direction, friction)
     arc_segment = piece.anchor.segment
     if arc_segment is segment:
+        # None where P and Q are no single wave
         mirrored_time = segment.mirrored_time(combination, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
-    change_since_anchor = combination_change(piece.anchor, segment, combination, time)
+    slip_combination_change = combination_change(piece.anchor, segment, combination, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin,
     # round-off would leave half the digits.
-    time_at_stick_edge = arc_segment.time_of(combination, change_since_anchor, arc_end, arc_begin)
+    time_at_stick_edge = arc_segment.time_of(
+        combination, slip_combination_change, arc_end, arc_begin
+    )
+    # P now minus P at the anchor
     load_from_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
     return load_from_anchor - arc_segment.change_of(NORMAL_LOAD, time_at_stick_edge, arc_end)
 
@@ -414,9 +443,9 @@ def is_same_memory(
     """Whether two memory curves M(eta) agree, M within `tolerance` times f P and their largest load
     within `tolerance` times P: then loads that follow have the same tractions and slip after both.
 
-    M(eta) is the tangential force of the flat punches up to the load eta; f is `friction`. The
-    curves are compared at the ends of their pieces and at three loads in between. None, out of
-    contact, agrees with None only.
+    M(eta) is the tangential force of the flat punches up to the load eta; f is `friction`. `pieces`
+    yields the pieces of a curve, `force_up_to` gives M at loads eta. The curves are compared at the
+    ends of their pieces and at three loads in between. None, out of contact, agrees with None only.
 
     >>> is_same_memory(None, None, 0.5)
     True
@@ -427,12 +456,13 @@ def is_same_memory(
     if abs(curve.top_load - other_curve.top_load) > tolerance * largest_load:
         return False
     least_top = min(curve.top_load, other_curve.top_load)
-    end_loads = {0.0, least_top}
+    piece_end_loads = {0.0, least_top}
     for piece in (*pieces(curve), *pieces(other_curve)):
-        end_loads.add(min(piece.top_load, least_top))
-    sorted_ends = np.array(sorted(end_loads))
+        piece_end_loads.add(min(piece.top_load, least_top))
+    sorted_end_loads = np.array(sorted(piece_end_loads))
     compared_loads = [
-        sorted_ends[:-1] + np.diff(sorted_ends) * fraction for fraction in (0.25, 0.5, 0.75, 1.0)
+        sorted_end_loads[:-1] + np.diff(sorted_end_loads) * fraction
+        for fraction in (0.25, 0.5, 0.75, 1.0)
     ]
     eta = np.unique(np.concatenate(compared_loads))
     difference = np.abs(force_up_to(curve, eta) - force_up_to(other_curve, eta))
@@ -479,15 +509,20 @@ class Snapshot:
         indices of these instants, ascending.
 
         M(eta) is the tangential force of the flat punches up to the load eta. Instants at which the
-        whole contact slips are in no group.
+        whole contact slips are in no group. `piece_number` (n,) is the index of each instant's
+        piece in `sticking_pieces`, which has None for slip of the whole contact.
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")
-        numbers, starts = np.unique(self.piece_number[order_by_piece], return_index=True)
-        pairs = []
+        piece_numbers, first_of_piece = np.unique(
+            self.piece_number[order_by_piece], return_index=True
+        )
+        pieces_and_instants = []
         for piece_number, (start, end) in zip(
-            numbers.tolist(), pairwise([*starts.tolist(), len(order_by_piece)]), strict=True
+            piece_numbers.tolist(),
+            pairwise([*first_of_piece.tolist(), len(order_by_piece)]),
+            strict=True,
         ):
             piece = self.sticking_pieces[piece_number]
             if piece is not None:
-                pairs.append((piece, order_by_piece[start:end]))
-        return tuple(pairs)
+                pieces_and_instants.append((piece, order_by_piece[start:end]))
+        return tuple(pieces_and_instants)

@@ -228,8 +228,8 @@ class PunchSuperposition:
     # --- fields of the normal problem
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Contact pressure p(x, P) >= 0 at the point x under the load P [stress]: 0 outside the
-        contact, infinite at the tip of a sharp wedge.
+        """Contact pressure p(x, P) >= 0 at the point x under the load P [stress], arrays that
+        broadcast: 0 outside the contact, infinite at the tip of a sharp wedge.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -238,6 +238,7 @@ class PunchSuperposition:
         >>> round(float(contact.pressure(0.6, np.pi / 4)), 12)  # (E*/2 R) sqrt(a^2 - x^2), a = 1
         0.4
         """
+        # the pressure, but finite at the tip of a sharp wedge
         pressure = self.pressure_rise(x, load)
         if not self._is_sharp_wedge:
             return pressure
@@ -249,7 +250,8 @@ class PunchSuperposition:
         [stress].
 
         At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), g = dP/da, L the
-        datum length: differences of it are right.
+        datum length: differences of it are right. `_pressure_and_error` takes the power of the load
+        in the integrand, here 0, |x| and P.
         """
         pressure, _ = self._pressure_and_error(0, np.abs(as_floats(x)), as_floats(load))
         return pressure if self._is_sharp_wedge else np.maximum(pressure, 0.0)
@@ -258,6 +260,7 @@ class PunchSuperposition:
         """First moment over the load of the pressure rise at x, int_0^P eta dp(x, eta)
         [stress * load]; eta is the load on the way to P.
         """
+        # 1: the power of eta in the integrand
         moment, _ = self._pressure_and_error(1, np.abs(as_floats(x)), as_floats(load))
         return np.maximum(moment, 0.0)
 
@@ -280,14 +283,17 @@ class PunchSuperposition:
         0.18
         """
         distance = np.abs(as_floats(x))
+        # 0: no power of eta in the integrand
         integral, _ = self._arccosh_integral_and_error(0, distance, as_floats(load))
         return np.maximum(integral, 0.0)
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """First moment of the slip integral, int eta arccosh(|x|/a(eta)) d eta over loads
-        eta < min(P, P_x) [(force per thickness)^2].
+        eta < min(P, P_x) [(force per thickness)^2]. a(eta) is the contact half-width under the load
+        eta, P_x the load at which the edge of contact reaches x.
         """
         distance = np.abs(as_floats(x))
+        # 1: eta to the first power in the integrand
         moment, _ = self._arccosh_integral_and_error(1, distance, as_floats(load))
         return np.maximum(moment, 0.0)
 
@@ -301,7 +307,8 @@ class PunchSuperposition:
         """Integral int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
         thickness]; times A/pi it is the normal approach of the two half-planes.
 
-        L is the distance of the datum, A = 2/E*, a(eta) the contact half-width under the load eta.
+        L is the distance of the datum of rigid movements, A = 2/E*, a(eta) the contact half-width
+        under the load eta.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -313,22 +320,28 @@ class PunchSuperposition:
         0.5
         """
         loads = as_floats(load)
+        # a - a_0, a_0 the half-width without load
         advance = self.law.edge_advance(loads)
+        # int_0^a P/alpha d alpha; 0: without a further power of P
         integral_of_load, _ = self._load_per_width_integral_and_error(0, advance)
         return loads * self._log_datum_ratio(advance) + integral_of_load
 
     def approach_moment(self, load: ArrayLike) -> Array:
         """First moment int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d
-        alpha [(force per thickness)^2]; L is the distance of the datum.
+        alpha [(force per thickness)^2]; L is the distance of the datum of rigid movements, a(eta)
+        the contact half-width under the load eta.
         """
         loads = as_floats(load)
+        # a - a_0, a_0 the half-width without load
         advance = self.law.edge_advance(loads)
+        # int_0^a P^2/(2 alpha) d alpha; 1: with a further power of P
         integral_of_half_square, _ = self._load_per_width_integral_and_error(1, advance)
         return loads * loads * self._log_datum_ratio(advance) / 2 + integral_of_half_square
 
     def _log_datum_ratio(self, advance: Array) -> Array:
         """ln(2 L/a) from the advance a - a_0 of the edge of contact beyond the half-width a_0
-        without load.
+        without load. L is `datum_length`, the distance of the datum of rigid movements, a_0
+        `least_half_width`, 0 without a flat.
         """
         if self.least_half_width > 0:
             return np.log(2 * self.datum_length / self.least_half_width) - np.log1p(
@@ -355,10 +368,12 @@ class PunchSuperposition:
         advance
             a(eta) - a(0) [length]
         """
+        # `_advance_to`: |x| - a(0), at least 0
         advance_to_x, load_between, punch_advance = np.broadcast_arrays(
             self._advance_to(x), as_floats(excess), as_floats(advance)
         )
         punch_half_width = punch_advance + self.least_half_width
+        # x^2 - a^2, without cancellation
         difference_of_squares = self._difference_of_squares(
             punch_advance, np.maximum(advance_to_x, punch_advance), load_between
         )
@@ -369,7 +384,8 @@ class PunchSuperposition:
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a^2 - x^2) [1/length] of a point x inside a flat punch of half-width a(eta): pi
-        times the pressure of the punch per load.
+        times the pressure of the punch per load. `least_half_width` is a(0). Where the root is 0
+        the value is 0.
 
         Parameters
         ----------
@@ -385,6 +401,7 @@ class PunchSuperposition:
             np.abs(as_floats(x)), as_floats(excess), as_floats(advance)
         )
         advance_to_x = np.minimum(distance - self.least_half_width, punch_advance)
+        # a^2 - x^2, without cancellation
         difference_of_squares = self._difference_of_squares(
             advance_to_x, punch_advance, load_between
         )
@@ -405,7 +422,10 @@ class PunchSuperposition:
         ----------
         inner_advance, outer_advance
             a - a_0 of both, a_0 the half-width without load [length]
+        load_between
+            P at the outer half-width minus P at the inner one [force per thickness]
         """
+        # advances at which the edge of contact is at a corner, where dP/da is not smooth, ascending
         corner_advances = self.law.corner_advances
         difference_of_squares = np.array(
             (outer_advance - inner_advance)
@@ -414,6 +434,7 @@ class PunchSuperposition:
         n_corners_between = np.searchsorted(corner_advances, outer_advance) - np.searchsorted(
             corner_advances, inner_advance
         )
+        # as a share of the outer square: 1e-6 across several corners, else 1 %
         largest_close_share = np.where(
             n_corners_between > 1, _CLOSE_SQUARE_SHARE_ACROSS_CORNERS, _CLOSE_SQUARE_SHARE
         )
@@ -422,6 +443,7 @@ class PunchSuperposition:
             difference_of_squares < largest_close_share * outer_square
         )
         if np.any(is_close):
+            # mean of dP/d(a^2) between the two
             mean_rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
             difference_of_squares[is_close] = load_between[is_close] / np.where(
                 mean_rate > 0, mean_rate, np.inf
@@ -431,20 +453,28 @@ class PunchSuperposition:
     def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
         """Mean of dP/d(a^2) between two contact half-widths that are close, (n,) [stress/length].
 
-        Both are given by their advance a - a_0 beyond the half-width a_0 without load. Where a
-        corner of the profile lies between them dP/da is not smooth. The rises of P and a^2 are then
-        the sums of those before and behind the corner.
+        Both are given by their advance a - a_0 beyond the half-width a_0 without load. dP/da is not
+        smooth at a corner of the profile, the first of which is at the advance 0. Further corners
+        behind it are integrated across: they lie closer together than the two half-widths. The
+        rises of P and a^2 are then the sums of those before and behind the corner.
         """
+
+        # at least four last digits of range, so that there is a mean
         end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         corner_advances = self.law.corner_advances
         corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
-        next_corner = np.append(corner_advances, np.inf)[corner_below + 1]
+        next_corner_advance = np.append(corner_advances, np.inf)[corner_below + 1]
+        # half the rises of P and of a^2, from a corner on, up to the next one
         half_rise_of_load, half_rise_of_square = self._half_rises(
-            inner_advance, np.minimum(next_corner, end_advance), corner_advances[corner_below]
+            inner_advance,
+            np.minimum(next_corner_advance, end_advance),
+            corner_advances[corner_below],
         )
-        crossing_numbers = np.flatnonzero(next_corner < end_advance)
+
+        # the rises behind that corner, where the range goes on there
+        crossing_numbers = np.flatnonzero(next_corner_advance < end_advance)
         half_rise_of_load_behind, half_rise_of_square_behind = self._half_rises(
-            next_corner[crossing_numbers],
+            next_corner_advance[crossing_numbers],
             end_advance[crossing_numbers],
             corner_advances[corner_below[crossing_numbers] + 1],
         )
@@ -460,13 +490,14 @@ class PunchSuperposition:
 
         Gauss' rule in r, d = `corner_advance` + r^2, from the last corner of the profile before the
         first advance: P is smooth in r. Half, because dd = 2 r dr, and the factor 2 is left out.
+        `law.stiffness` is dP/da, `least_half_width` a without load.
         """
-        nodes, weights_of_nodes = gauss_rule(6)
+        unit_nodes, weights_of_unit_range = gauss_rule(6)
         begin_root = np.sqrt(np.maximum(begin_advance - corner_advance, 0.0))
         root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
-        roots = begin_root[:, None] + root_length[:, None] * nodes
-        advance = corner_advance[:, None] + roots * roots
-        weight = root_length[:, None] * weights_of_nodes * roots
+        nodes_in_root = begin_root[:, None] + root_length[:, None] * unit_nodes
+        advance = corner_advance[:, None] + nodes_in_root * nodes_in_root
+        weight = root_length[:, None] * weights_of_unit_range * nodes_in_root
         half_rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
         half_rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
         return half_rise_of_load, half_rise_of_square
@@ -478,7 +509,8 @@ class PunchSuperposition:
         thickness]: the integral of the slip from the edge of stick c = a(P_c) to that of contact.
 
         The friction work is (f A/pi) int Lam dw over the slip, with w = +-Q - f P and A = 2/E*.
-        `load` is P, `slip_zone_load` is P - P_c, P_c the load at the stick edge.
+        `load` is P, `slip_zone_load` is P - P_c, P_c the load at the stick edge; both broadcast.
+        Lam is 0 where nothing slips.
 
         Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha. Close together, that would lose
         digits: there it is int (P - eta) d ln(a(eta)).
@@ -493,16 +525,16 @@ class PunchSuperposition:
         all_loads, loads_above_stick = np.broadcast_arrays(
             as_floats(load), as_floats(slip_zone_load)
         )
-        is_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
-        is_integral = ~is_difference & (loads_above_stick > 0)
+        is_by_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
+        is_by_integral = ~is_by_difference & (loads_above_stick > 0)
         kernel = np.zeros(all_loads.shape)
-        if np.any(is_difference):
-            kernel[is_difference] = self._kernel_as_difference(
-                all_loads[is_difference], loads_above_stick[is_difference]
+        if np.any(is_by_difference):
+            kernel[is_by_difference] = self._kernel_as_difference(
+                all_loads[is_by_difference], loads_above_stick[is_by_difference]
             )
-        if np.any(is_integral):
-            kernel[is_integral] = self._kernel_as_integral(
-                all_loads[is_integral], loads_above_stick[is_integral]
+        if np.any(is_by_integral):
+            kernel[is_by_integral] = self._kernel_as_integral(
+                all_loads[is_by_integral], loads_above_stick[is_by_integral]
             )
         return kernel
 
@@ -512,18 +544,25 @@ class PunchSuperposition:
         Gauss' rule.
 
         Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
-        P - P_c, P_c the load at the stick edge.
+        P - P_c, P_c the load at the stick edge; a(eta) is the contact half-width under the load
+        eta, c = a(P_c). Gauss' rule suits a range of loads without a corner of the profile that is
+        below 0.3 of the distance from P_c to the load at the corner below.
         """
+        # P_c
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)
+
+        # index in `_corner_loads`, the loads P at which the edge of contact is at a corner, 0 first
         corner_below = np.maximum(
             np.searchsorted(self._corner_loads, stick_edge_load, side="right") - 1, 0
         )
         next_corner_load = np.append(self._corner_loads, np.inf)[corner_below + 1]
         load_from_corner = stick_edge_load - self._corner_loads[corner_below]
+        # _SHORT_LOAD_RANGE_SHARE: 0.3
         is_short = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
         suits_gauss_rule = is_short & (load <= next_corner_load)
         if self.half_width_may_be_steep:
             # twelve nodes would miss a half-width at which P hardly grows
+            # _FAR_LOAD_SHARE: 2 %
             suits_gauss_rule &= load_above_stick <= _FAR_LOAD_SHARE * load
         return np.asarray(~suits_gauss_rule & (load_above_stick > _FAR_LOAD_SHARE * load))
 
@@ -533,21 +572,26 @@ class PunchSuperposition:
 
         `load` is P, `load_above_stick` is P - P_c. P_c is their difference, known to the last digit
         of P. It is a quarter of that digit at least: of P_c = 0 the logarithm would be 700.
+        `law.edge_advance` is a - a_0 as a function of the load.
         """
         stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
         contact_advance, stick_advance = self.law.edge_advance(np.stack([load, stick_edge_load]))
-        least_half_width = np.finfo(float).tiny * np.maximum(contact_advance, 1.0)
-        stick_half_width = np.maximum(self.least_half_width + stick_advance, least_half_width)
+        # the smallest floating-point number, in place of c = 0
+        least_stick_half_width = np.finfo(float).tiny * np.maximum(contact_advance, 1.0)
+        stick_half_width = np.maximum(self.least_half_width + stick_advance, least_stick_half_width)
         relative_rise = (contact_advance - stick_advance) / stick_half_width
         return np.log1p(relative_rise), contact_advance, stick_advance
 
     def _kernel_as_difference(self, load: Array, load_above_stick: Array) -> Array:
         """Lam(P, P_c) as P ln(a/c) - int_c^a P/alpha d alpha [force per thickness], alpha the
-        half-widths between stick c and contact a.
+        half-widths between stick c and contact a. `load` is P, `load_above_stick` is P - P_c, P_c
+        the load at the edge of stick.
         """
+        # ln(a/c), a - a_0 and c - a_0, a_0 the half-width without load
         log_width_ratio, contact_advance, stick_advance = self._log_width_ratio(
             load, load_above_stick
         )
+        # int_0^a P/alpha d alpha and the same up to c
         both_integrals, _ = self._load_per_width_integral_and_error(
             0, np.stack([contact_advance, stick_advance])
         )
@@ -556,18 +600,21 @@ class PunchSuperposition:
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
         """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) over loads eta from P_c to P, a sum
-        of positive terms, (n,) [force per thickness].
+        of positive terms, (n,) [force per thickness]. a(eta) is the contact half-width under the
+        load eta.
 
         Each integral is cut where the edge of contact passes a corner of the profile. `load` is P,
-        `load_above_stick` is P - P_c, (n,) each.
+        `load_above_stick` is P - P_c, P_c the load at the stick edge, (n,) each.
         """
         kernel = np.zeros(load.shape)
         stick_edge_load = load - load_above_stick
+        # indices in `_corner_loads`, the loads at which the edge of contact is at a corner, 0 first
         first_corner = np.searchsorted(self._corner_loads, stick_edge_load, side="right")
         last_corner = np.maximum(
             np.searchsorted(self._corner_loads, load, side="left"), first_corner
         )
         n_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
+        # _INTEGRALS_AT_ONCE: 4096, which bounds the memory
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
             # each part belongs to one integral, and lies behind the corner number `corner_below`
@@ -591,9 +638,10 @@ class PunchSuperposition:
         (n,) [force per thickness]: the parts of Lam(P, P_c).
 
         A part begins at P_c, or at the load P_b of its corner if that is larger. It ends at P, or
-        at the load of the next corner. a(eta) is a smooth function of sqrt(eta - P_b), and Gauss'
-        rule in that root holds. Close to no load a goes as any power of eta: there a rule for
-        singular ends is used.
+        at the load of the next corner. a(eta), the contact half-width under the load eta, is a
+        smooth function of sqrt(eta - P_b), and Gauss' rule in that root holds. P_c is the load at
+        the stick edge. Close to no load a goes as any power of eta: there a rule for singular ends
+        is used.
 
         Parameters
         ----------
@@ -602,7 +650,8 @@ class PunchSuperposition:
         load_above_stick
             P - P_c, which has more digits than the difference of both
         corner_below
-            number of the corner of the part in `_corner_loads`
+            number of the part's corner in `_corner_loads`, the loads P at which the edge of contact
+            is at a corner, 0 first
         """
         corner_loads = np.append(self._corner_loads, np.inf)
         stick_edge_load = load - load_above_stick
@@ -611,32 +660,36 @@ class PunchSuperposition:
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
         ends_at_load = corner_loads[corner_below + 1] >= load
         load_above_begin = np.maximum(load_above_stick - (begin_load - stick_edge_load), 0.0)
-        load_spans = np.where(ends_at_load, load_above_begin, end_load - begin_load)
+        load_range = np.where(ends_at_load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
-        suits_gauss_rule = (corner_below > 0) | (load_spans < _SHORT_LOAD_RANGE_SHARE * begin_load)
-        for is_gauss_rule in (True, False):
-            parts_of_rule = suits_gauss_rule == is_gauss_rule
-            if not np.any(parts_of_rule):
+
+        # _SHORT_LOAD_RANGE_SHARE: 0.3
+        suits_gauss_rule = (corner_below > 0) | (load_range < _SHORT_LOAD_RANGE_SHARE * begin_load)
+        for takes_gauss_rule in (True, False):
+            uses_rule = suits_gauss_rule == takes_gauss_rule
+            if not np.any(uses_rule):
                 continue
-            begin_column = begin_load[parts_of_rule, None]
-            span_column = load_spans[parts_of_rule, None]
-            if is_gauss_rule:
+            begin_column = begin_load[uses_rule, None]
+            range_column = load_range[uses_rule, None]
+            if takes_gauss_rule:
+                # nodes, as eta minus the load at the begin of the part, and weights, (parts, nodes)
                 loads_from_begin, weights = _nodes_in_root(
-                    begin_column - corner_loads[corner_below[parts_of_rule], None], span_column
+                    begin_column - corner_loads[corner_below[uses_rule], None], range_column
                 )
             else:
                 loads_from_begin, weights = (
-                    values[:, 0] for values in graded_nodes(0.0, span_column)
+                    values[:, 0] for values in graded_nodes(0.0, range_column)
                 )
+            # a(eta) - a_0, a_0 the half-width without load
             advance = self.law.edge_advance(begin_column + loads_from_begin)
             # dP/d ln(a) = a dP/da
             log_stiffness = (self.least_half_width + advance) * self.law.stiffness(advance)
             # P - eta from P - P_c, which keeps its digits
-            load_above_node = load_above_stick[parts_of_rule, None] - (
-                (begin_column - stick_edge_load[parts_of_rule, None]) + loads_from_begin
+            load_above_node = load_above_stick[uses_rule, None] - (
+                (begin_column - stick_edge_load[uses_rule, None]) + loads_from_begin
             )
             integrand = load_above_node / np.where(log_stiffness > 0, log_stiffness, np.inf)
-            integrals[parts_of_rule] = np.sum(weights * integrand, axis=-1)
+            integrals[uses_rule] = np.sum(weights * integrand, axis=-1)
         return integrals
 
     # --- errors
@@ -645,29 +698,33 @@ class PunchSuperposition:
         """Estimated error of the values that the method called `name` returns for these arguments,
         in their units; not below the true error.
 
-        It is the sum of three: what the Chebyshev series leave out, what the last digit of a
-        half-width changes, and the error of P(a) itself. The last of the `arguments` is the load,
-        except for "dissipation_kernel", which has P and P - P_c.
+        `name` is "pressure", "slip_integral", these with "_moment", "approach_integral",
+        "approach_moment" or "dissipation_kernel". The error is the sum of three: what the Chebyshev
+        series leave out, what the last digit of a half-width changes, and the error of P(a) itself.
+        The last of the `arguments` is the load, except for "dissipation_kernel", which has P and
+        P - P_c.
         """
         argument_arrays = np.broadcast_arrays(*(as_floats(argument) for argument in arguments))
         if name == "dissipation_kernel":
             return self._error_of_dissipation_kernel(*argument_arrays)
+        # 1 for moments, where the load stands in front of the integrand
         load_power = int(name.endswith("_moment"))
         method_name = name.removesuffix("_moment")
         # |x| of a field at points; the load again of the two others
-        first_argument = argument_arrays[0]
+        point_or_load = argument_arrays[0]
         load = argument_arrays[-1]
         advance = self.law.edge_advance(load)
         half_width = self.least_half_width + advance
         # The relative change of the value is that of `sensitive_length`, which round-off of a
         # half-width changes most.
+        # an integral and the error of its Chebyshev series
         if method_name == "pressure":
-            distance = np.abs(first_argument)
+            distance = np.abs(point_or_load)
             value, error = self._pressure_and_error(load_power, distance, load)
             error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
             sensitive_length = np.abs(half_width - distance)
         elif method_name == "slip_integral":
-            distance = np.abs(first_argument)
+            distance = np.abs(point_or_load)
             value, error = self._arccosh_integral_and_error(load_power, distance, load)
             sensitive_length = np.minimum(half_width, distance) - self.least_half_width
         else:
@@ -677,26 +734,32 @@ class PunchSuperposition:
             )
             sensitive_length = half_width
         least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
+        # eight round-offs of the half-width over that length
         relative_last_digit = 8 * _EPS * half_width / np.maximum(sensitive_length, least_length)
         return error + (relative_last_digit + self.relative_roundoff + 50 * _EPS) * np.abs(value)
 
     def _error_of_dissipation_kernel(self, load: Array, load_above_stick: Array) -> Array:
         """Estimated error of the kernel of friction work Lam(P, P_c) = int ln(a(eta)/c) d eta, not
-        below the true one [force per thickness]; `load` is P, `load_above_stick` is P - P_c.
+        below the true one [force per thickness]; `load` is P, `load_above_stick` is P - P_c. P_c is
+        the load at the stick edge, c its half-width.
 
         Integrated as a sum of positive terms Lam has some round-offs of itself. As the difference
         P ln(a/c) - int P/alpha d alpha it has round-offs of both terms, and what the Chebyshev
         series of the integral leaves out.
         """
         kernel = self.dissipation_kernel(load, load_above_stick)
+        # ln(a/c), and a - a_0 with a_0 the half-width without load
         log_width_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
+        # int_0^a P/alpha d alpha and the error of its Chebyshev series
         integral_to_contact, series_error = self._load_per_width_integral_and_error(
             0, contact_advance
         )
         size_of_terms = load * log_width_ratio + np.abs(integral_to_contact)
         error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
+        # where the kernel is taken as that difference
         is_difference = self._is_exact_as_difference(load, load_above_stick)
         error_of_difference = np.where(is_difference, error_of_difference, 0.0)
+        # _ROUND_OFFS_OF_KERNEL: 100; relative_roundoff: that of P(a) itself
         return (
             error_of_difference + (_ROUND_OFFS_OF_KERNEL * _EPS + self.relative_roundoff) * kernel
         )
@@ -711,7 +774,8 @@ class PunchSuperposition:
 
         alpha is the half-width of a punch, eta the normal load up to it, k = 0 (1 for moments). The
         integral is a Chebyshev series in v, next to x with alpha = |x| + |x - b| sinh^2 v, b the
-        nearest corner of the profile. So the edge of contact is |x - b| sinh^2 v beyond x.
+        nearest corner of the profile (the advances of all are `law.corner_advances`, 0 among them).
+        So the edge of contact is |x - b| sinh^2 v beyond x.
 
         A change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times that. At
         x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the change is
@@ -734,6 +798,8 @@ class PunchSuperposition:
         change_per_relative_distance = self.law.stiffness(advance) * root_ratio / np.pi
         if load_power:
             change_per_relative_distance = change_per_relative_distance * self.law.load(advance)
+
+        # |x - b|, at least 1e-24 of the advance
         advance_to_x = distance - self.least_half_width
         distance_to_corners = np.abs(advance_to_x[..., None] - self.law.corner_advances)
         distance_to_corner = np.maximum(
@@ -764,10 +830,11 @@ class PunchSuperposition:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
         the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0.
 
-        `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With
-        `load_power` 1 the load eta stands in front of the integrand. A primitive, the integral as a
-        function of its upper end, keeps its digits over a limited ratio of advances. Where these
-        are wider apart they are grouped into bands, each within that ratio.
+        `kind` names the integral: "pressure", "outside" (of arccosh, for a point outside the
+        punches) or "logarithm". With `load_power` 1 the load eta stands in front of the integrand.
+        A primitive, the integral as a function of its upper end, keeps its digits over a limited
+        ratio of advances. Where these are wider apart they are grouped into bands, each within that
+        ratio.
         """
         is_positive = advance > 0
         if not np.any(is_positive) or not np.size(x):
@@ -775,6 +842,7 @@ class PunchSuperposition:
             return zeros, zeros
         largest_advance = float(np.max(advance))
         least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
+        # _advance_ratio_of_primitive: the ratio of advances that one primitive serves
         if largest_advance < least_advance * self._advance_ratio_of_primitive:
             return self._integral_and_error_in_band(kind, load_power, x, advance)
         points, advances = np.broadcast_arrays(x, advance)
@@ -808,11 +876,11 @@ class PunchSuperposition:
         contact, and its error. `x` and `advance` broadcast; an advance may be 0.
 
         The advances are those of one band: their ratio is small enough for one stored primitive,
-        the integral as a function of the advance. `kind` names the integral; with `load_power` 1
-        the load eta stands in front of the integrand.
+        the integral as a function of the advance. `kind` names the integral, "pressure", "outside"
+        or "logarithm"; with `load_power` 1 the load eta stands in front of the integrand.
         """
         n_points = np.shape(x)[-1] if np.ndim(x) else 1
-        # A primitive takes some kilobytes a point: many points are taken in chunks.
+        # A primitive takes some kilobytes a point: above 4096 points they are taken in chunks.
         if n_points > _POINTS_OF_PRIMITIVE:
             advance_of_points = np.broadcast_to(
                 advance, np.broadcast_shapes(np.shape(x), np.shape(advance))
@@ -827,11 +895,15 @@ class PunchSuperposition:
                 integrals.append(integral)
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
+
+        # every place once, and the number of each point in it
         unique_x, number_in_unique_x = np.unique(np.ravel(x), return_inverse=True)
+        # the primitive from the cache, and the number of each place in it
         primitive, number_in_primitive = self._cached_primitive(
             kind, load_power, unique_x, float(np.max(advance))
         )
         point_number = number_in_primitive[number_in_unique_x].reshape(np.shape(x))
+        # the integral at these points up to the advance, and its error
         return primitive(*np.broadcast_arrays(point_number, advance))
 
     def _cached_primitive(
@@ -841,12 +913,15 @@ class PunchSuperposition:
         eight of this `kind` and `load_power` serves; with the numbers that the points `x` have in
         it, (k,).
 
-        A primitive is the integral at all its points as a function of its upper end.
+        A primitive is the integral at all its points as a function of its upper end. It keeps its
+        points `x`, ascending, and its own `largest_advance`. The cache `_primitives` has a list for
+        each `kind` and `load_power`, the latest first.
 
         Parameters
         ----------
         kind, load_power
-            which integral; with 1 the load stands in front of the integrand
+            which integral ("pressure", "outside", "logarithm"); with 1 the load stands in front of
+            the integrand
         x
             (k,) distances |x| of the points [length], ascending
         largest_advance
@@ -860,6 +935,7 @@ class PunchSuperposition:
             has_range = largest_advance <= primitive.largest_advance < advance_limit
             if has_range and np.array_equal(primitive.x[point_numbers], x):
                 return primitive, point_numbers
+        # none serves: a new one, `law` being P(a) of the profile
         primitive = primitive_of(kind, load_power, x, largest_advance, self.law)
         cached_primitives[:] = [primitive, *cached_primitives[: _CACHED_PRIMITIVES - 1]]
         return primitive, np.arange(len(x))
@@ -871,9 +947,11 @@ class PunchSuperposition:
         sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
 
         alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
-        `load_power` 1 the load eta stands in front of g. At the tip of a sharp wedge the integral
-        has no lower end: there it is (g/pi) ln(a/L), of which only differences have a meaning.
+        `load_power` 1 the load eta stands in front of g. `least_half_width` is a without load, that
+        of a flat. At the tip of a sharp wedge the integral has no lower end: there it is (g/pi)
+        ln(a/L), of which only differences have a meaning.
         """
+        # half-width a under the load, minus that without load
         advance = self.law.edge_advance(load)
         is_inside = distance < self.least_half_width + advance
         pressure, error = self._integral_and_error(
@@ -896,11 +974,12 @@ class PunchSuperposition:
 
         By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
         upper end, the smaller of a and |x|. W = P; with `load_power` 1, where the load stands in
-        front, W = P^2/2.
+        front, W = P^2/2. Advances are half-widths minus `least_half_width`, that without load.
         """
         advance = self.law.edge_advance(load)
         advance_to_x = self._advance_to(distance)
         end_advance = np.minimum(advance, advance_to_x)
+        # the integral by parts, without the term at the upper end
         integral, error = self._integral_and_error("outside", load_power, distance, end_advance)
         end_load = np.minimum(load, self.law.load(advance_to_x))
         end_half_width = end_advance + self.least_half_width
@@ -909,16 +988,19 @@ class PunchSuperposition:
             (advance_to_x - end_advance) * (advance_to_x + end_advance + 2 * self.least_half_width)
         )
         arccosh = np.arcsinh(root_of_squares / np.where(end_half_width > 0, end_half_width, np.inf))
+        # _integral_of_load_power: W of a load
         return integral + _integral_of_load_power(load_power, end_load) * arccosh, error
 
     def _load_per_width_integral_and_error(
         self, load_power: int, advance: Array
     ) -> tuple[Array, Array]:
         """Integral int_0^a P/alpha d alpha over the half-widths alpha of flat punches up to that
-        with this `advance`, and its error [force per thickness].
+        with this `advance` a - a_0, and its error [force per thickness], shape of `advance`; a_0 is
+        the half-width without load.
 
         With `load_power` 1 it is int_0^a P^2/(2 alpha) d alpha [(force per thickness)^2].
         """
+        # the integral does not depend on a point: one point, 0, for all
         value, error = self._integral_and_error(
             "logarithm", load_power, np.zeros(1), advance.reshape(-1, 1)
         )
@@ -963,13 +1045,15 @@ class Panels:
         """Each panel cut into as few equal parts as are not longer than `largest_length`, in order.
 
         A panel is a range of the integration variable v that one Chebyshev series serves. The last
-        part of a panel ends exactly where the panel did.
+        part of a panel ends exactly where the panel did. `begin_v` and `end_v` (n,) are the ends of
+        the panels in v.
         """
         n_parts = np.maximum(np.ceil((self.end_v - self.begin_v) / largest_length), 1).astype(int)
         panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
         first_part_of_panel = np.cumsum(n_parts) - n_parts
         number_in_panel = np.arange(len(panel_of_part)) - np.repeat(first_part_of_panel, n_parts)
         part_length = ((self.end_v - self.begin_v) / n_parts)[panel_of_part]
+        # for each part, the panel it is cut from
         uncut_panels = self.take(panel_of_part)
         begin_v = uncut_panels.begin_v + number_in_panel * part_length
         is_last_of_panel = number_in_panel == n_parts[panel_of_part] - 1
@@ -985,7 +1069,8 @@ class Panels:
 
     def advance_beyond_v0(self, kind: IntegralKind, v: Array) -> Array:
         """Advance of the edge of contact from its place at v = 0 to that at v, (n,) or (n, nodes)
-        as v [length].
+        as v [length]. `kind` names the integral: "pressure", "outside" or "logarithm". `scale` (n,)
+        is the factor of v of each panel.
         """
         scale = self.scale.reshape(-1, *[1] * (v.ndim - 1))
         if kind == "pressure":
@@ -1026,15 +1111,20 @@ class Primitive:
         numbers, arrays of one shape, and its error.
 
         The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
-        series of the integral. The series is then evaluated at v.
+        series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
+        number of each panel, its ends `begin_v` and `end_v`, and advance and factor of v where v is
+        0. `coefficients` (m, n) and `error` (n,) are of its series.
         """
         panels = self.panels
+        # number of the panel begins, in order of their advance, that are not above the advance
         rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
+        # integers that sort by point, then by advance
         key = self._key(point_number, rank_of_advance)
         panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
         # Below the first panel of a point its integral is still 0.
         first_panel_of_point = np.searchsorted(panels.point_number, point_number)
         panel_number = np.maximum(panel_number, first_panel_of_point)
+        # the variable v at the advance, d0 + d(v) by the formula of this `kind`
         v = _integration_variable(
             self.kind,
             advance,
@@ -1084,7 +1174,7 @@ def _integration_variable(
         logarithm    d = d0 + v^2
 
     d0 = `advance_at_v0`; d = a - a_0 is counted from the half-width a_0 without load [length].
-    `distance_beyond_flat` is x - a_0 of the point.
+    `distance_beyond_flat` is x - a_0 of the point. The `kind` of the integral selects the formula.
     """
     root_of_distance = np.sqrt(np.maximum(advance - advance_at_v0, 0.0))
     if kind == "pressure":
@@ -1102,14 +1192,16 @@ def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     Both are (n, nodes), for n spans of integration. A span begins at `begin_distance` (n, 1) beyond
     its corner and has the length `span` (n, 1).
     """
-    nodes, weights_of_nodes = gauss_rule(_NODES_BETWEEN_CORNERS)
+    # on [0, 1]
+    unit_nodes, unit_weights = gauss_rule(_NODES_BETWEEN_CORNERS)
     begin_root = np.sqrt(begin_distance)
     # length 0 of a span that round-off has closed
-    root_length = span / np.where(
+    # sqrt(distance) at the end of the span minus that at its begin
+    root_range = span / np.where(
         span > 0, begin_root + np.sqrt(begin_root * begin_root + span), 1.0
     )
-    distances_from_begin = root_length * nodes * (2 * begin_root + root_length * nodes)
-    weights = 2 * root_length * weights_of_nodes * (begin_root + root_length * nodes)
+    distances_from_begin = root_range * unit_nodes * (2 * begin_root + root_range * unit_nodes)
+    weights = 2 * root_range * unit_weights * (begin_root + root_range * unit_nodes)
     return distances_from_begin, weights
 
 
@@ -1149,20 +1241,24 @@ def primitive_of(
     Parameters
     ----------
     kind, load_power
-        which integral; with 1 the load eta stands in front of the integrand
+        which integral ("pressure", "outside", "logarithm"); with 1 the load eta stands in front of
+        the integrand
     x
         (k,) distances of the points from the middle [length], ascending
     law
-        P(d) of the profile
+        P(d) of the profile; its `corner_advances` are the d at which dP/dd is not smooth,
+        `least_half_width` is a_0
     """
     # Octaves, so that a small advance has digits of its own.
     octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
     corners = law.corner_advances[law.corner_advances < largest_advance]
     ends_of_ranges = np.append(np.union1d(corners, octaves), largest_advance)
+    # smooth ranges of v for each point, which are then cut to the largest length of this kind
     panels_of_points = _panels_of_points(
         kind, x, law.least_half_width, ends_of_ranges, law.corner_advances
     )
     panels_to_resolve = panels_of_points.cut_to(_LARGEST_PANEL_LENGTH[kind])
+    # halved until the series are resolved; a point without a panel gets one of zeros
     integrand_series = _with_empty_panels(
         _resolved_series(kind, load_power, panels_to_resolve, law), x
     )
@@ -1173,9 +1269,11 @@ def primitive_of(
     )
     panels = integrand_series.panels
 
+    # integrate the series over v, and add the integral over the panels before
     coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
     coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
     integrals_of_panels = np.sum(coefficients, axis=0)
+    # at x = 0 the first range is integrated as a power of the half-width
     integral_before_panels = _pressure_of_smallest_punches(
         kind, load_power, x, float(ends_of_ranges[1]), law
     )
@@ -1232,13 +1330,15 @@ def _resolved_series(
 
     Halving ends after twelve times. Last coefficients that it does not make smaller are round-off
     of P(d) and dP/dd: they count as error. `kind` and `load_power` name the integral, `law` is P(d)
-    of the profile. Panels come back in any order.
+    of the profile, d the advance of the edge of contact. Panels come back in any order.
     """
     finished_series: list[_PanelSeries] = []
     last_coefficients_before = np.full(len(panels.point_number), np.inf)
     for n_halvings in range(_MOST_HALVINGS + 1):
+        # (n, nodes) over v
         coefficients = _series_of_integrand(kind, load_power, panels, law)
         half_length = (panels.end_v - panels.begin_v) / 2
+        # size of the last coefficients of each series, (n,)
         last_coefficients = truncation_error(coefficients)
         size_of_integral = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
@@ -1247,11 +1347,14 @@ def _resolved_series(
             term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
             size_of_integral = np.maximum(size_of_integral, term_at_end)
         truncation_errors = last_coefficients * half_length
+        # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
         is_small = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
+        # _COEFFICIENT_RATIO_WITHOUT_GAIN: 0.9 of the coefficients before halving
         is_round_off = (
             last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_before
         )
         is_finished = is_small | is_round_off | (n_halvings == _MOST_HALVINGS)
+        # finished panels are set aside, the others halved
         series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
         finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))
         if np.all(is_finished):
@@ -1269,11 +1372,15 @@ def _series_of_integrand(
     kind: IntegralKind, load_power: int, panels: Panels, law: ContactLaw
 ) -> Array:
     """Coefficients (n, nodes) of the Chebyshev series of an integrand over v on n panels, in chunks
-    that bound the memory.
+    that bound the memory. `kind` and `load_power` name the integral, `law` is P of the profile. A
+    panel is a range of v, from `begin_v` to `end_v`. CHEBYSHEV_NODES are those of [-1, 1].
     """
     series_of_chunks = [np.empty((0, len(CHEBYSHEV_NODES)))]
-    for k in range(0, len(panels.point_number), _PANELS_AT_ONCE):
-        chunk = panels.take(np.arange(k, min(k + _PANELS_AT_ONCE, len(panels.point_number))))
+    # _PANELS_AT_ONCE: 20,000
+    for first_panel in range(0, len(panels.point_number), _PANELS_AT_ONCE):
+        chunk = panels.take(
+            np.arange(first_panel, min(first_panel + _PANELS_AT_ONCE, len(panels.point_number)))
+        )
         v = (
             chunk.begin_v[:, None]
             + (chunk.end_v - chunk.begin_v)[:, None] * (1 + CHEBYSHEV_NODES) / 2
@@ -1283,7 +1390,8 @@ def _series_of_integrand(
 
 
 def _with_empty_panels(series_of_panels: _PanelSeries, x: Array) -> _PanelSeries:
-    """Panels with their Chebyshev series, such that every point of `x` (k,) has at least one.
+    """Panels, ranges of the integration variable v, with their Chebyshev series, such that every
+    point of `x` (k,) has at least one. `panels.point_number` is the point to which each belongs.
 
     A point without a panel, whose integral is 0 everywhere, gets one with zero coefficients:
     look-ups by point then need no special case.
@@ -1355,7 +1463,7 @@ def _panels_of_points(
     Parameters
     ----------
     kind
-        which integral
+        which integral: "pressure", "outside" (zero for half-widths above x) or "logarithm"
     least_half_width
         contact half-width a_0 without load [length]
     ends_of_ranges
@@ -1364,6 +1472,7 @@ def _panels_of_points(
         advances at which the edge is at a corner of the profile, ascending [length]
     """
     corner_below = np.searchsorted(corner_advances, ends_of_ranges[:-1], side="right") - 1
+    # the corner below each range, from where v is measured
     corner_advance = corner_advances[np.clip(corner_below, 0, None)]  # (n,), one for each range
     distance_beyond_flat = x - least_half_width
     column_of_zeros = 0 * distance_beyond_flat[:, None]
@@ -1385,6 +1494,7 @@ def _panels_of_points(
     point_number, _ = nonempty_ranges
     advance_at_v0 = ranges.advance_at_v0[nonempty_ranges]
     scale = ranges.scale[nonempty_ranges]
+    # v at both ends of each range
     begin_v, end_v = (
         _integration_variable(
             kind,
@@ -1411,7 +1521,8 @@ def _ranges_of_pressure(
     Parameters
     ----------
     ranges
-        of the advance of the half-width, cut at the corners of the profile
+        of the advance of the half-width, cut at the corners of the profile; `advance_at_v0` holds
+        the advance at the corner before each
     x
         |x| of the points [length]
     least_half_width
@@ -1429,6 +1540,7 @@ def _ranges_of_pressure(
         np.abs(advance_to_x - corner_advance),
         2 * advance_to_x,
     )
+    # 1e-24 of the largest advance, in place of 0
     least_squared_scale = max(_LEAST_DISTANCE_RATIO * ends_of_ranges[-1], 1e-300)
     # At x = 0 without a flat the first range is integrated as a power of a, by
     # `_pressure_of_smallest_punches`.
@@ -1453,7 +1565,8 @@ def _integrand(
 
     a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
     without load. W = P; with `load_power` 1 it is P^2/2, and of the pressure P stands in front of
-    g. A panel is a range of v for one point x, on which the integrand is smooth.
+    g. A panel is a range of v for one point x, on which the integrand is smooth. v is 0 at the
+    advance `advance_at_v0`, and `scale` is its factor; `law.stiffness` is g.
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
@@ -1477,13 +1590,13 @@ def _integrand(
             / np.sqrt(half_width_beyond_x * (half_width + x))
             / np.pi
         )
-    weight = _integral_of_load_power(load_power, law.load(advance))  # W
-    weight_over_width = np.where(
-        half_width > 0, weight / np.where(half_width > 0, half_width, 1.0), 0.0
+    load_integral = _integral_of_load_power(load_power, law.load(advance))  # W
+    load_integral_over_width = np.where(
+        half_width > 0, load_integral / np.where(half_width > 0, half_width, 1.0), 0.0
     )
     # sqrt(x - a) of the root of squares cancels against da/dv
     outside_factor = x / np.sqrt(x + half_width) if kind == "outside" else 1.0
-    return weight_over_width * 2 * root_of_distance * outside_factor
+    return load_integral_over_width * 2 * root_of_distance * outside_factor
 
 
 def _pressure_of_smallest_punches(
@@ -1493,7 +1606,8 @@ def _pressure_of_smallest_punches(
     [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches.
 
     At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
-    is integrated as that. With `load_power` 1 the load stands in front of g.
+    is integrated as that; P goes as the power `law.power` of alpha. With `load_power` 1 the load
+    stands in front of g.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))

@@ -66,7 +66,8 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
 
     A singularity beyond an end lies on the line Im s = pi, however near the end it is. Roots and
     logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
-    With a `stride` of 2 every second node is taken, which halves the number of digits.
+    With a `stride` of 2 every second node is taken, which halves the number of digits. GRADED_RULE
+    is that rule on [0, 1].
 
     >>> nodes, weights = graded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -74,10 +75,14 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
     """
     begin_column = np.asarray(begin, dtype=float)[..., None]
     end_column = np.asarray(end, dtype=float)[..., None]
-    length = end_column - begin_column
-    distance = length * _DISTANCE_FROM_NEARER_END[::stride]
-    nodes = np.where(_IN_LOWER_HALF[::stride], begin_column + distance, end_column - distance)
-    return nodes, length * (stride * GRADED_RULE.weight[::stride])
+    range_length = end_column - begin_column
+    distance_from_nearer_end = range_length * _DISTANCE_FROM_NEARER_END[::stride]
+    nodes = np.where(
+        _IN_LOWER_HALF[::stride],
+        begin_column + distance_from_nearer_end,
+        end_column - distance_from_nearer_end,
+    )
+    return nodes, range_length * (stride * GRADED_RULE.weight[::stride])
 
 
 @cache
@@ -91,8 +96,8 @@ def gauss_rule(count: int) -> tuple[Array, Array]:
     """
     nodes, weights = np.polynomial.legendre.leggauss(count)
     rule = (1 + nodes) / 2, weights / 2
-    for part in rule:
-        part.flags.writeable = False
+    for nodes_or_weights in rule:
+        nodes_or_weights.flags.writeable = False
     return rule
 
 
@@ -107,10 +112,13 @@ def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
+    # nodes t and weights on [0, 1]
     t, weight = gauss_rule(24)
     begin_column = np.asarray(begin, dtype=float)[..., None]
-    length = np.asarray(end, dtype=float)[..., None] - begin_column
-    return begin_column + length * (t * t * (3 - 2 * t)), length * (weight * 6 * t * (1 - t))
+    range_column = np.asarray(end, dtype=float)[..., None] - begin_column
+    return begin_column + range_column * (t * t * (3 - 2 * t)), range_column * (
+        weight * 6 * t * (1 - t)
+    )
 
 
 class PanelNodes(NamedTuple):
@@ -139,7 +147,8 @@ def panel_nodes(
     at both ends and at `cut_places`; distances from both ends are free of cancellation.
 
     The range is cut into panels at the `cut_places`, which ascend, each an array like `end`. A
-    place outside of a range makes no panel in it, or one without length.
+    place outside of a range makes no panel in it, or one without length. GRADED_RULE holds the
+    nodes on [0, 1] as distances from both ends, and their weights.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
@@ -154,10 +163,12 @@ def panel_nodes(
     ]
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]
     panel_end = np.stack(panel_ends[1:], axis=-1)[..., None]
-    length = panel_end - panel_begin
-    distance_to_begin = length * GRADED_RULE.distance_from_begin
-    distance_to_end = length * GRADED_RULE.distance_from_end
-    from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_begin
-    from_end = (end_places[..., None, None] - panel_end) + distance_to_end
-    places = np.where(_IN_LOWER_HALF, panel_begin + distance_to_begin, panel_end - distance_to_end)
-    return PanelNodes(places, from_begin, from_end, length * GRADED_RULE.weight)
+    panel_length = panel_end - panel_begin
+    distance_to_panel_begin = panel_length * GRADED_RULE.distance_from_begin
+    distance_to_panel_end = panel_length * GRADED_RULE.distance_from_end
+    from_begin = (panel_begin - begin_places[..., None, None]) + distance_to_panel_begin
+    from_end = (end_places[..., None, None] - panel_end) + distance_to_panel_end
+    places = np.where(
+        _IN_LOWER_HALF, panel_begin + distance_to_panel_begin, panel_end - distance_to_panel_end
+    )
+    return PanelNodes(places, from_begin, from_end, panel_length * GRADED_RULE.weight)
