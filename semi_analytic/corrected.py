@@ -147,6 +147,12 @@ def curvatures_of(effects: BodyEffects) -> Curvatures:
     Second order [1/(stress length^2)]: N, N_Q of the gap per P and per Q, T, T_P of the tangential
     displacement of the faces per Q and per P. Fourth order [1/(stress length^4)]: N_4, T_4, the
     factors of x^4/24, and N_22, T_22, those of the mixed term x^2 s^2 of the kernel.
+
+    Parameters
+    ----------
+    effects
+        what the finite bodies add to the compliance of half-planes; each number is an `Estimate`,
+        whose `value` is taken and whose `uncertainty` is left out
     """
     return Curvatures(
         normal=effects.normal_curvature.value,
@@ -167,8 +173,15 @@ def dimensionless_tilt_and_strain(
     alpha_Q, e_P, e_Q) P0/(a0/R).
 
     a0/R = 4 P0/(pi E* a0) by Hertz' law, for any profile; a0 is `half_width`, E* `modulus`.
+
+    Parameters
+    ----------
+    effects
+        what the finite bodies add to the compliance of half-planes, each number with its
+        uncertainty
     """
     load_over_slope = math.pi * modulus * half_width / 4
+    # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt under P and Q, strain under P and Q.
     return tuple(getattr(effects, name).value * load_over_slope for name in TILT_AND_STRAIN_NAMES)
 
 
@@ -201,12 +214,15 @@ class TiltAndStrainPart(NamedTuple):
         return self.second_order is not None or self.work_on_grids is not None
 
     def work(self, cycle: int) -> Estimate:
-        """Friction work that tilt and bulk strain add in the cycle of that index [energy per
-        thickness]; in the last known one where the index is beyond it, 0 where none is known.
+        """Friction work that tilt and bulk strain of the finite bodies add in the cycle of index
+        `cycle`, from 0 or from the end if negative, with its uncertainty [energy per thickness].
+
+        An index beyond the last known cycle takes that cycle. It is 0 where no work is known. The
+        source is the second order in tilt and strain, else a numerical solution on grids.
         """
         if not self.has_work:
             return ZERO_ESTIMATE
-        added_work = self.work_on_grids
+        added_work = self.work_on_grids  # the same in each cycle
         if self.second_order is not None:
             works = self.second_order.works
             added_work = works[min(cycle, len(works) - 1)]
@@ -274,15 +290,17 @@ def notes_of_effects(
     half_width, modulus
         contact half-width [length] and E* [stress], which make tilt and strain dimensionless
     tilt_and_strain
-        work that tilt and bulk strain add, or why it is left out
+        `work(-1)` is the work that tilt and bulk strain add in the last cycle, by grids if
+        `work_on_grids` is not None; `left_out` says why none is added
     words
-        of the values that contain each kind of effect
+        texts on the values that contain each kind of effect
     """
     yield f"effects: {words.even} of the bodies are in these values"
-    sizes = dimensionless_tilt_and_strain(effects, half_width, modulus)
-    if not any(sizes):
+    odd_sizes = dimensionless_tilt_and_strain(effects, half_width, modulus)
+    if not any(odd_sizes):
         return
-    numbers_text = ", ".join(f"{size:.3g}" for size in sizes)
+    # alpha: tilt, e: bulk strain; of each P and Q cause a part.
+    numbers_text = ", ".join(f"{odd_size:.3g}" for odd_size in odd_sizes)
     sizes_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({numbers_text})"
     if tilt_and_strain.has_work:
         added_work = tilt_and_strain.work(-1)
@@ -294,6 +312,7 @@ def notes_of_effects(
         )
         return
     consequence = "which change the dissipation in the second order"
+    # Dundurs' beta is 0 for like materials.
     if effects.dundurs_beta:
         consequence = "which change the dissipation in the first order: the materials are unlike"
     reason_text = ""
@@ -313,7 +332,8 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
     values, and which are left out.
 
     How large tilt and strain are is not stated: that needs one contact half-width. N and N_Q are
-    curvatures of the gap per P and per Q, T and T_P those of the faces per Q and per P.
+    curvatures of the gap per P and per Q, T and T_P those of the faces per Q and per P. N_4, T_4,
+    N_22 and T_22 are the terms of fourth order in x.
     """
     yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
     if has_next_order(effects):
@@ -353,13 +373,15 @@ class PathRows:
 
     @property
     def cycles(self) -> list[slice]:
-        """Rows of each cycle, from the one at which it begins to the one at which it ends; all rows
-        of a path that does not repeat.
+        """Rows of each cycle as slices, from the one at which it begins to the one at which it
+        ends; all rows as a single slice for a path that does not repeat (`period` None).
         """
         if self.period is None:
             return [slice(0, len(self.time))]
+        # end_rows: row at which the initial loading ends, then that at which each cycle ends.
         return [
-            slice(self.end_rows[k], self.end_rows[k + 1] + 1) for k in range(len(self.end_rows) - 1)
+            slice(self.end_rows[cycle], self.end_rows[cycle + 1] + 1)
+            for cycle in range(len(self.end_rows) - 1)
         ]
 
 
@@ -396,18 +418,22 @@ class _HalfPlanePath:
 
     @property
     def cycle_ends(self) -> list[float]:
-        """Times of the ends of the initial loading and of two cycles; of the start and the end of a
-        path without cycle.
+        """Times of the ends of the initial loading and of the first two cycles, 3 in all; for a
+        path without cycle (`period` None) of its start and its end, 2 in all.
         """
+        # instants: those at which half-plane theory was solved, ascending; start: the first of
+        # them.
         end_time = float(self.instants[-1])
         if self.period is None:
             return [self.start, end_time]
+        # path.cycles: the cycles that half-plane theory followed.
         cycle_start = end_time - len(self.path.cycles) * self.period
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
-        """Instants at which the load path is cut into straight steps, with the loads P and Q there:
-        those of `time` (n,) within the path, its start, and the ends of the cycles.
+        """Ends of the straight steps by which the load path is followed, with the loads P and Q
+        there: the instants `time` (n,) that lie within the path, its start, and the ends of the
+        cycles.
 
         Of two instants nearer than 1e-12 of the path's duration one is left out, never the end of
         a cycle. Where the bodies are pulled apart, P < 0, the load of the contact is 0.
@@ -417,6 +443,7 @@ class _HalfPlanePath:
         InputError
             If more instants result than can be followed.
         """
+        # Ends of the initial loading and of two cycles; start and end of a path without cycle.
         cycle_ends = self.cycle_ends
         duration = cycle_ends[-1] - self.start
         times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
@@ -426,16 +453,20 @@ class _HalfPlanePath:
         times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
         instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
         instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
+        # _MOST_ROWS: 200,000.
         if len(instants) > _MOST_ROWS:
             raise InputError(
                 f"effects: the load path has {len(instants):,} rows and corrected theory follows"
                 f" {_MOST_ROWS:,} at most: take a part of the path, or half-planes without effects"
             )
+        # A series is linear between given rows of loads; any other path is a smooth curve over
+        # time.
         if isinstance(self.path, LoadSeries):
             normal_load, tangential_load = _loads_of_series(self.path, instants)
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
         rows_of_ends = tuple(int(np.argmin(np.abs(instants - end))) for end in cycle_ends)
+        # Without a cycle the path has its last row as the only end.
         if self.period is None:
             rows_of_ends = rows_of_ends[1:]
         contact_load = np.maximum(normal_load, 0.0)
@@ -449,14 +480,18 @@ class _HalfPlanePath:
         cycle, as a rule a steady one, are taken in both. A `time` after them is moved back by whole
         periods.
         """
+        # Instants of half-plane theory; ends of the initial loading and of two cycles.
         instants = self.instants
         cycle_ends = self.cycle_ends
         path_end = cycle_ends[-1]
         if self.period is not None:
+            # path.cycles: the cycles that half-plane theory followed.
             time_before_last_cycle = (len(self.path.cycles) - 1) * self.period
-            of_last_cycle = instants[instants >= cycle_ends[0] + time_before_last_cycle]
-            in_first_cycle = of_last_cycle - time_before_last_cycle
-            instants = np.concatenate([instants, in_first_cycle, in_first_cycle + self.period])
+            instants_of_last_cycle = instants[instants >= cycle_ends[0] + time_before_last_cycle]
+            instants_in_first_cycle = instants_of_last_cycle - time_before_last_cycle
+            instants = np.concatenate(
+                [instants, instants_in_first_cycle, instants_in_first_cycle + self.period]
+            )
         if time is not None:
             time_in_path, _ = time_in_followed_path(time, self.start, path_end, self.period)
             instants = np.append(instants, np.clip(time_in_path, self.start, path_end))
@@ -465,25 +500,25 @@ class _HalfPlanePath:
     def rows_with_turning_points(
         self, rows: PathRows, friction: float, curvatures: Curvatures, largest_parabola_load: float
     ) -> PathRows:
-        """Straight steps of the load path, cut further at the instants at which slip reverses for
-        six flat punches inside the contact. A path that is a series of loads keeps its steps.
+        """Ends of the straight steps of a load path, with further instants at which slip reverses
+        for six flat punches inside the contact. A path that is a series of loads keeps its steps.
 
-        Slip reverses where the Coulomb bound of a punch has a turning point over time:
+        Slip reverses where the Coulomb bound_of_punch of a punch has a turning point over time:
 
-            bound = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
+            bound_of_punch = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
         of a parabola's punches up to this one. Half-planes, kn = kt = 0, turn at other instants.
-        The fourth order is left out of the bound here.
+        The fourth order is left out of the bound_of_punch here.
 
         Parameters
         ----------
         rows
-            ends of the steps so far
+            ends of the steps so far: `time` and the loads P and Q there, (n,) each
         friction
             f
         curvatures
-            what P and Q add to kn and kt, per unit of load
+            what the finite bodies add to kn and kt per unit of P and of Q
         largest_parabola_load
             G of the largest punch [force per thickness times length]
         """
@@ -493,14 +528,19 @@ class _HalfPlanePath:
         tangential_load = rows.tangential_load
         gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
         face_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
+        # Turning points of the bound in both directions, by punch; G of a punch is a fraction of
+        # the largest.
         turning_times_of_punches = []
         for direction in (1, -1):
             load_term = tangential_load - direction * friction * normal_load
             curvature_factor = direction * friction * gap_curvature - face_curvature
             for parabola_fraction in _PARABOLA_FRACTIONS:
-                bound = load_term + parabola_fraction * largest_parabola_load * curvature_factor
-                turning_times_of_punches.append(_turning_points(rows.time, bound))
+                bound_of_punch = (
+                    load_term + parabola_fraction * largest_parabola_load * curvature_factor
+                )
+                turning_times_of_punches.append(_turning_points(rows.time, bound_of_punch))
         turning_times = np.concatenate(turning_times_of_punches)
+        # Turning points next to the end of a step, within 2 % of it, are left out.
         row_after = np.clip(np.searchsorted(rows.time, turning_times), 1, len(rows.time) - 1)
         step_duration = rows.time[row_after] - rows.time[row_after - 1]
         fraction_of_step = (turning_times - rows.time[row_after - 1]) / step_duration
@@ -511,25 +551,36 @@ class _HalfPlanePath:
 
 
 def _turning_points(time: Array, values: Array) -> Array:
-    """Times of the turning points of `values` (n,) over `time` (n,): vertices of the parabolas
-    through three successive points, where the slope changes its sign.
+    """Times at which a sampled function has a maximum or minimum: vertices of the parabolas through
+    three successive points, where the slope changes its sign. `values` (n,) are its values at
+    `time` (n,).
     """
-    steps = np.diff(time)
-    slopes = np.diff(values) / steps
-    numbers = np.flatnonzero(slopes[1:] * slopes[:-1] < 0) + 1
-    slopes_before = slopes[numbers - 1]
-    second_derivatives = (slopes[numbers] - slopes_before) / (
-        (steps[numbers - 1] + steps[numbers]) / 2
+    durations = np.diff(time)
+    slopes = np.diff(values) / durations
+    turning_rows = np.flatnonzero(slopes[1:] * slopes[:-1] < 0) + 1
+    slopes_before = slopes[turning_rows - 1]
+    second_derivatives = (slopes[turning_rows] - slopes_before) / (
+        (durations[turning_rows - 1] + durations[turning_rows]) / 2
     )
-    middle_times = (time[numbers - 1] + time[numbers]) / 2
+    middle_times = (time[turning_rows - 1] + time[turning_rows]) / 2
     return np.asarray(middle_times - slopes_before / second_derivatives)
 
 
 def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
     """P and Q of a load series, linear between its rows, at instants `time` (n,), (n,) each; also
     in cycles after those that theory followed.
+
+    Parameters
+    ----------
+    series
+        load path that is linear between rows; each of its `parts` (initial loading, cycles) has
+        `rows` (r, 3) of time, P and Q and a `delay`, the time at which it begins; `period` is the
+        duration of a cycle or None
+    time
+        (n,) instants
     """
     rows = np.concatenate([part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts])
+    # Instants after the last row go back by whole periods; a slack of 1e-12 periods is allowed.
     time_in_path = time
     if series.period is not None:
         path_end = float(rows[-1, 0])
@@ -573,6 +624,8 @@ class PathSeries:
     @cached_property
     def half_width(self) -> Array:
         """Contact half-width a, (n,) [length]; while bodies are apart that of the flat, or 0."""
+        # edge_s: coordinate s of the edge of contact in the table of flat punches, which gives
+        # c(s). least_half_width: of the flat part of the profile, 0 without one.
         half_width = self.followed_path.table.half_width(self.followed_path.edge_s)
         return np.where(
             self.followed_path.normal_load > 0, half_width, self.contact.least_half_width
@@ -583,11 +636,13 @@ class PathSeries:
         """Half-width c of the stick zone, (n,) [length]; a in full stick and while bodies are
         apart, NaN in full slip and where a is 0.
         """
+        # slip_direction: +1 or -1, 0 in full stick; innermost_slip_s: coordinate s of the inner end
+        # of all slip zones in the table of flat punches, 0 in full slip.
         followed_path = self.followed_path
-        slips = followed_path.slip_direction != 0
+        has_slip = followed_path.slip_direction != 0
         half_width_of_slip = followed_path.table.half_width(followed_path.innermost_slip_s)
-        stick_half_width = np.where(slips, half_width_of_slip, self.half_width)
-        is_full_slip = slips & (followed_path.innermost_slip_s <= 0)
+        stick_half_width = np.where(has_slip, half_width_of_slip, self.half_width)
+        is_full_slip = has_slip & (followed_path.innermost_slip_s <= 0)
         return np.where((stick_half_width <= 0) | is_full_slip, np.nan, stick_half_width)
 
     @cached_property
@@ -600,13 +655,18 @@ class PathSeries:
         plus sliding as a whole, plus what tilt adds. The integral is that of half-planes; the rest
         is by finite bodies. p_k and q_k are the moments int x^k p dx and int x^k q dx; T, N_Q, T_4
         are curvatures per load, c_t is a compliance.
+
+        # notation: A = 2/E*, L datum length, c half-width of a flat punch, M tangential force that
+        #           the punches up to c carry
         """
+        # shear_integral: int ln(2 L/c) dM; unit_compliance: A/pi.
         _, shear_integral = self._logarithm_integrals
         displacement = self.unit_compliance * shear_integral
         if self.rigid_displacement is not None:
             displacement = displacement + self.rigid_displacement
         if self.effects is None:
             return displacement
+        # Of the curvatures: `tangential` is T, `normal_under_shear` N_Q, `tangential_fourth` T_4.
         curvatures = curvatures_of(self.effects)
         followed_path = self.followed_path
         # T q_2 + N_Q p_2 + T_4 q_4/12
@@ -619,9 +679,13 @@ class PathSeries:
                 twice_by_moments
                 + curvatures.tangential_fourth * followed_path.shear_fourth_moment / 12
             )
-        by_compliance = self.effects.tangential_compliance.value * followed_path.tangential_load
-        by_tilt, _ = self._displacements_by_tilt
-        return np.asarray(displacement + by_compliance + twice_by_moments / 2 + by_tilt)
+        displacement_by_compliance = (
+            self.effects.tangential_compliance.value * followed_path.tangential_load
+        )
+        displacement_by_tilt, _ = self._displacements_by_tilt
+        return np.asarray(
+            displacement + displacement_by_compliance + twice_by_moments / 2 + displacement_by_tilt
+        )
 
     @cached_property
     def normal_approach(self) -> Array:
@@ -632,11 +696,16 @@ class PathSeries:
         plus what tilt adds. The integral is that of half-planes; the rest is by finite bodies. p_k
         and q_k are the moments int x^k p dx and int x^k q dx; N, T_P, N_4 are curvatures per load,
         c_n is a compliance.
+
+        # notation: A = 2/E*, L datum length, c half-width of a flat punch, P here the normal load
+        #           that the punches up to c carry
         """
+        # pressure_integral: int ln(2 L/c) dP; unit_compliance: A/pi.
         pressure_integral, _ = self._logarithm_integrals
         approach = self.unit_compliance * pressure_integral
         if self.effects is None:
             return approach
+        # Of the curvatures: `normal` is N, `tangential_under_pressure` T_P, `normal_fourth` N_4.
         curvatures = curvatures_of(self.effects)
         followed_path = self.followed_path
         # N p_2 + T_P q_2 + N_4 p_4/12
@@ -650,9 +719,11 @@ class PathSeries:
                 twice_by_moments
                 + curvatures.normal_fourth * followed_path.pressure_fourth_moment / 12
             )
-        by_compliance = self.effects.normal_compliance.value * followed_path.normal_load
-        _, by_tilt = self._displacements_by_tilt
-        return np.asarray(approach + by_compliance + twice_by_moments / 2 + by_tilt)
+        approach_by_compliance = self.effects.normal_compliance.value * followed_path.normal_load
+        _, approach_by_tilt = self._displacements_by_tilt
+        return np.asarray(
+            approach + approach_by_compliance + twice_by_moments / 2 + approach_by_tilt
+        )
 
     @cached_property
     def _displacements_by_tilt(self) -> tuple[Array, Array]:
@@ -663,7 +734,11 @@ class PathSeries:
         The moment of its pressure is then m = -R alpha P. By reciprocity m moves the bodies by
         alpha_Q m tangentially and alpha_P m normally. A tilted parabola is pressed in by R
         alpha^2/2 less.
+
+        # notation: P, Q normal and tangential load of the contact, alpha_P, alpha_Q tilt per unit
+        #           of each
         """
+        # HertzContact: contact of a parabola of radius `radius`.
         normal_load = self.followed_path.normal_load
         no_displacement = np.zeros(len(normal_load))
         if self.effects is None or not isinstance(self.contact, HertzContact):
@@ -683,15 +758,25 @@ class PathSeries:
         [force per thickness]; times A/pi the displacements of half-planes with datum length L.
 
         P(c) and M(c) are the normal and the tangential force that punches up to c carry.
+
+        With finite bodies L is the datum length of their effects, else that of the contact. Both
+        integrals are 0 while the bodies are apart.
         """
         followed_path = self.followed_path
         datum_length = (
             self.contact.datum_length if self.effects is None else self.effects.datum_length
         )
-        at_tops = followed_path.table.logarithm_integrals(followed_path.pieces.top_s, datum_length)
-        at_edge = followed_path.table.logarithm_integrals(followed_path.edge_s, datum_length)
-        return followed_path.pressure_integral(at_edge), followed_path.shear_integral(
-            at_tops, at_edge
+        # M(c) is a chain of pieces: the integrals up to the top of each piece, and up to the edge
+        # of contact at each instant. top_s and edge_s: coordinate s of the half-width c in the
+        # table.
+        integrals_at_tops = followed_path.table.logarithm_integrals(
+            followed_path.pieces.top_s, datum_length
+        )
+        integrals_at_edge = followed_path.table.logarithm_integrals(
+            followed_path.edge_s, datum_length
+        )
+        return followed_path.pressure_integral(integrals_at_edge), followed_path.shear_integral(
+            integrals_at_tops, integrals_at_edge
         )
 
     @cached_property
@@ -705,7 +790,8 @@ class PathSeries:
         f times the largest pressure of the path counts as 0.
         """
         followed_path = self.followed_path
-        directions = np.zeros(len(followed_path.edge_s), dtype=np.int64)
+        shear_signs = np.zeros(len(followed_path.edge_s), dtype=np.int64)
+        # Curvatures x^2/2 and x^4/24 that the loads add to gap and faces, (n,) each.
         curvatures = (
             followed_path.normal_curvature,
             followed_path.tangential_curvature,
@@ -713,18 +799,21 @@ class PathSeries:
             followed_path.tangential_fourth,
         )
         if not np.any(curvatures):
-            return directions
+            return shear_signs
+        # Pressure at x = 0 under the largest P.
         row_of_largest_load = np.array([np.argmax(followed_path.normal_load)])
         largest_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
         tolerance = _EXCESS_TOLERANCE_SHARE * followed_path.friction * largest_pressure
         # A few places may miss the largest excess: a hundredth of it is suspect.
-        all_rows = np.arange(len(directions))
+        all_rows = np.arange(len(shear_signs))
+        # _PLACES_CHECKED_FIRST: 30 places, _PLACES_CHECKED: 100.
         excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
         is_suspect = (excess > tolerance / 100).astype(float)
+        # The instant itself, and two on either side.
         rows_to_check = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
         excess, signs_of_shear = self._excess_over_limit(rows_to_check, _PLACES_CHECKED)
-        directions[rows_to_check] = np.where(excess > tolerance, signs_of_shear, 0)
-        return directions
+        shear_signs[rows_to_check] = np.where(excess > tolerance, signs_of_shear, 0)
+        return shear_signs
 
     def _excess_over_limit(self, rows: Indices, n_places: int) -> tuple[Array, Array]:
         """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p),
@@ -734,18 +823,25 @@ class PathSeries:
         The maximum is over `n_places` places from the middle to the edge of the path's largest
         contact. It is 0 at the least: outside the contact q and p are 0.
         """
-        fractions = np.sin(np.linspace(0.0, math.pi / 2, n_places))
-        fields_at_places = PointFields(self, float(np.max(self.half_width)) * fractions)
+        fractions_of_half_width = np.sin(np.linspace(0.0, math.pi / 2, n_places))
+        fields_of_places = PointFields(
+            self, float(np.max(self.half_width)) * fractions_of_half_width
+        )
         largest_excess = np.zeros(len(rows))
         signs_of_shear = np.zeros(len(rows))
+        # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the memory.
         for first in range(0, len(rows), _ROWS_AT_ONCE):
             chunk = slice(first, first + _ROWS_AT_ONCE)
-            shear = fields_at_places.shear_of_memory(rows[chunk])
-            limit = self.followed_path.friction * fields_at_places.pressure(rows[chunk])
+            shear = fields_of_places.shear_of_memory(rows[chunk])
+            limit = self.followed_path.friction * fields_of_places.pressure(rows[chunk])
             excess = np.nan_to_num(np.abs(shear) - limit)
-            place = np.argmax(excess, axis=1)[:, None]
-            largest_excess[chunk] = np.take_along_axis(excess, place, axis=1)[:, 0]
-            signs_of_shear[chunk] = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
+            place_of_largest_excess = np.argmax(excess, axis=1)[:, None]
+            largest_excess[chunk] = np.take_along_axis(excess, place_of_largest_excess, axis=1)[
+                :, 0
+            ]
+            signs_of_shear[chunk] = np.sign(
+                np.take_along_axis(shear, place_of_largest_excess, axis=1)[:, 0]
+            )
         return largest_excess, signs_of_shear
 
     @cached_property
@@ -754,9 +850,14 @@ class PathSeries:
         return {}
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """Extra slip inside the contact at those of the instants `rows` at which |q| of the memory
-        curve exceeds f p, each with the index of its instant in `rows`.
+        """Extra slip inside the contact at those of the instants `rows` at which the shear |q| of
+        the memory curve exceeds the Coulomb limit f p, each with the index of its instant in
+        `rows`.
+
+        The memory curve is the locked-in tangential force over the half-width of the flat punches.
+        Extra slip that was computed before is taken from a cache.
         """
+        # _shear_signs_beyond_limit: sign of q where it exceeds the limit, else 0, by instant.
         for index in np.flatnonzero(self._shear_signs_beyond_limit[rows]).tolist():
             row = int(rows[index])
             if row not in self._inner_slips:
@@ -768,8 +869,9 @@ class PathSeries:
         curve exceeds the Coulomb limit, |q| > f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `inner_slip` finds the slip from q and f p, from the half-widths of contact and stick, and
-        from those at which slip zones of the memory curve end.
+        The extra slip is the least that brings |q| down to f p. It follows from q and f p over x,
+        from the half-widths of contact and stick, and from those at which slip zones of the memory
+        curve end.
         """
         followed_path = self.followed_path
 
@@ -779,21 +881,32 @@ class PathSeries:
             pressure = fields_at_x.pressure(np.array([row]))[0]
             return shear, followed_path.friction * pressure
 
+        # stick_edge_s, inner_zone_s: coordinates s of the stick edge and of both ends of an inner
+        # slip zone in the table of punches.
         half_width = float(self.half_width[row])
-        ends_of_zones = followed_path.table.half_width(
+        half_widths_at_zone_ends = followed_path.table.half_width(
             [followed_path.stick_edge_s[row], *followed_path.inner_zone_s[row]]
         )
-        # Without slip at the edge all of the contact sticks.
-        stick_half_width = ends_of_zones[0] if followed_path.direction[row] else half_width
-        direction = int(self._shear_signs_beyond_limit[row])
+        # direction: that of slip at the edge, 0 where it sticks: then all of the contact sticks.
+        stick_half_width = (
+            half_widths_at_zone_ends[0] if followed_path.direction[row] else half_width
+        )
+        # Sign of q where it exceeds f p: slip has that direction_of_extra_slip.
+        direction_of_extra_slip = int(self._shear_signs_beyond_limit[row])
         return inner_slip(
-            shear_and_limit, direction, half_width, ends_of_zones, stick_half_width, self.modulus
+            shear_and_limit,
+            direction_of_extra_slip,
+            half_width,
+            half_widths_at_zone_ends,
+            stick_half_width,
+            self.modulus,
         )
 
     def loop_work(self, rows: slice) -> float:
         """Work of the loads in a cycle, the closed integral of Q dU + P d(approach), for its
         instants `rows` [energy per thickness].
         """
+        # area_of_loop: integral of a load over its displacement, by the trapezoidal rule.
         followed_path = self.followed_path
         tangential_work = area_of_loop(
             followed_path.tangential_load[rows], self.tangential_displacement[rows]
@@ -802,9 +915,11 @@ class PathSeries:
         return tangential_work + normal_work
 
     def work(self, rows: slice) -> float:
-        """Friction work of the steps of a cycle, or of the path, for its instants `rows` [energy
+        """Friction work of all steps of a cycle, or of the path, for its instants `rows` [energy
         per thickness].
         """
+        # step_work: work of the step that ends at each instant, without the factor A/pi; the first
+        # instant ends none of this cycle.
         return self.unit_compliance * float(np.sum(self.followed_path.step_work[rows][1:]))
 
 
@@ -821,6 +936,7 @@ class PointFields:
     """
 
     def __init__(self, series: PathSeries, x: Array) -> None:
+        """Keep the followed path and the distances |x| (k,) at which fields are evaluated."""
         self.series = series
         self._followed_path = series.followed_path
         self._x = x
@@ -828,26 +944,35 @@ class PointFields:
         self._known_slip: tuple[Indices, Array] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 
     def pressure(self, rows: Indices) -> Array:
-        """Pressure p at instants `rows`, at the points, (n, k) [stress]."""
+        """Contact pressure p at instants number `rows` (n,), at the k points, (n, k) [stress]: that
+        of the profile plus that by the gap_curvature which the bodies add to the gap.
+        """
         followed_path = self._followed_path
+        # Load that the flat punches of the profile carry up to the edge of contact, coordinate
+        # edge_s.
         profile_load = followed_path.table.profile_load(followed_path.edge_s[rows])[:, None]
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
-        curvature = followed_path.normal_curvature[rows]
+        gap_curvature = followed_path.normal_curvature[rows]
         fourth_coefficient = followed_path.normal_fourth[rows]
         return profile_pressure + self._traction_of_curvature(
-            self.series.half_width[rows], curvature, fourth_coefficient
+            self.series.half_width[rows], gap_curvature, fourth_coefficient
         )
 
     def shear(self, rows: Indices) -> Array:
-        """Shear traction q at instants `rows`, at the points, (n, k) [stress]."""
+        """Shear traction q at instants number `rows` (n,), at the k points, (n, k) [stress], with
+        the extra slip inside the contact.
+        """
         shear = self.shear_of_memory(rows)
         for index, extra_slip in self.inner_slips(rows):
             shear[index] += extra_slip.shear
         return shear
 
     def shear_of_memory(self, rows: Indices) -> Array:
-        """Shear traction q at instants `rows`, at the points, (n, k) [stress], as the memory curve
-        has it: without the extra slip inside the contact.
+        """Shear traction q at instants number `rows` (n,), at the k points, (n, k) [stress],
+        without the extra slip inside the contact.
+
+        It is the shear of the memory curve (locked-in tangential force over the half-width of the
+        flat punches), plus that by the curvature which the loads give to the faces.
         """
         followed_path = self._followed_path
         shear_of_faces = self._traction_of_curvature(
@@ -858,8 +983,8 @@ class PointFields:
         return self._shear_of_memory_curves(rows) + shear_of_faces
 
     def shear_at(self, row: int) -> Array:
-        """Shear traction q at the points at instant number `row`, (k,) [stress], as the memory
-        curve has it: `shear_of_memory` of one instant, without a table of all its pieces.
+        """Shear traction q at the k points at the single instant number `row`, (k,) [stress],
+        without the extra slip inside the contact.
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
         punches. It is a chain of pieces from the middle outwards, on each of which F is linear in
@@ -869,8 +994,10 @@ class PointFields:
         """
         followed_path = self._followed_path
         pieces = followed_path.pieces
-        # The first one is the empty curve, which has no punches.
+        # From the empty curve, number 0, which has no punches, to the uppermost piece.
         piece_numbers = pieces.piece_numbers_of_curve(int(followed_path.uppermost_piece[row]))
+        # Pressures of the punches up to the top of each piece, (pieces, k): of the profile, of
+        # x^2/2 and of x^4/24. top_s: coordinate s of the top in the table of punches.
         profile_pressures = self.series.contact.pressure_rise(
             self._x, pieces.profile_load[piece_numbers, None]
         )
@@ -890,14 +1017,20 @@ class PointFields:
         return np.asarray(shear + shear_of_faces[0])
 
     def slip(self, rows: Indices) -> Array:
-        """Relative slip s of the faces at instants `rows`, at the points, (n, k) [length]."""
+        """Relative slip s of the faces at instants number `rows` (n,), at the k points, (n, k)
+        [length].
+
+        The last slip that was computed is kept. It is used again if it contains all of these
+        instants.
+        """
+        # Numbers of the instants of the kept slip, ascending, and that slip.
         known_rows, known_slip = self._known_slip
         if len(known_rows):
             index_in_known = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
             if np.array_equal(known_rows[index_in_known], rows):
                 return known_slip[index_in_known]
         slip = self._slip(rows)
-        if np.all(np.diff(rows) > 0):
+        if np.all(np.diff(rows) > 0):  # ascending, as a search among them needs
             self._known_slip = (rows, slip)
         return slip
 
@@ -911,12 +1044,14 @@ class PointFields:
         followed_path = self._followed_path
         slip = self._slip_of_memory_curves(rows)
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
-        curvature = followed_path.tangential_curvature[rows, None]
+        face_curvature = followed_path.tangential_curvature[rows, None]
         fourth_coefficient = followed_path.tangential_fourth[rows, None]
-        if np.any(curvature) or np.any(fourth_coefficient):
+        if np.any(face_curvature) or np.any(fourth_coefficient):
+            # Displacements per curvature that punches up to the edge of contact make at the points.
             parabola_integral, fourth_integral = self._slip_integrals(self.series.half_width[rows])
-            slip = slip + curvature * (parabola_integral - self._x**2 / 2)
+            slip = slip + face_curvature * (parabola_integral - self._x**2 / 2)
             slip = slip + fourth_coefficient * (fourth_integral - self._x**4 / 24)
+        # rigid_displacement: sliding as a whole and movement while apart, (n,) [length].
         if self.series.rigid_displacement is not None:
             slip = slip + self.series.rigid_displacement[rows, None]
         for index, extra_slip in self.inner_slips(rows):
@@ -924,8 +1059,11 @@ class PointFields:
         return np.asarray(slip)
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
-        """Extra slip at the points at those of the instants `rows` at which |q| of the memory curve
-        exceeds f p, each with the index of its instant in `rows`.
+        """Shear and slip that the extra slip adds at the k points, at those of the instants `rows`
+        at which |q| of the memory curve exceeds f p, each with the index of its instant in `rows`.
+
+        The memory curve is the locked-in tangential force over the half-width of the flat punches.
+        What was computed before for an instant is taken from a cache.
         """
         for index, inner_slip_of_row in self.series.inner_slips(rows):
             row = int(rows[index])
@@ -943,9 +1081,10 @@ class PointFields:
         instants `rows` of that cycle.
 
         Each step adds the mean of f p at its two ends times the distance that the point slips. A
-        point inside the smaller stick zone of the step does not slip. A pressure that is not finite
-        counts as 0.
+        point inside the smaller of the stick zones at both ends of the step does not slip. A
+        pressure that is not finite counts as 0.
         """
+        # edge_s has one entry per instant: its length is the number of instants.
         row_numbers = np.arange(len(self._followed_path.edge_s))[rows]
         friction_limit = self._followed_path.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
@@ -953,6 +1092,7 @@ class PointFields:
         slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
         stick_half_width = np.nan_to_num(self.series.stick_half_width[row_numbers])
         least_stick_half_width = np.minimum(stick_half_width[1:], stick_half_width[:-1])[:, None]
+        # slip_direction: of the step that ends at the instant, 0 in full stick.
         step_has_slip = self._followed_path.slip_direction[row_numbers[1:], None] != 0
         point_slips = step_has_slip & (self._x >= least_stick_half_width)
         return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
@@ -963,13 +1103,19 @@ class PointFields:
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
         On each of its pieces dF = profile_slope d eta + parabola_slope dG + fourth_slope dG_4. The
-        shear is the integral of the same with the pressure of each punch: of the profile, of x^2/2
-        and of x^4/24.
+        shear is the integral of dF times the pressure that a punch makes per unit load.
+
+        # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
+        #           x^2/2 and of x^4/24, profile_slope etc. dF per unit of each
         """
         followed_path = self._followed_path
+        # Only the pieces that these instants need, with the number of the outermost piece of each
+        # curve.
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[rows]
         )
+        # Pressures of the punches up to the top of each piece, (pieces, k). top_s: coordinate s of
+        # the top in the table of punches.
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.profile_load[:, None])
         slopes_and_pressures = [(pieces.profile_slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
@@ -980,6 +1126,7 @@ class PointFields:
                 (pieces.parabola_slope, parabola_pressures),
                 (pieces.fourth_slope, fourth_pressures),
             ]
+        # Sums along each curve from the middle of the contact to the top of each piece.
         return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
     def _slip_of_memory_curves(self, rows: Indices) -> Array:
@@ -987,12 +1134,21 @@ class PointFields:
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
         The slip is the integral of dF times the slip that a punch under unit force makes outside of
-        itself. On each piece of the curve dF is a sum of slopes times loads of the punches.
+        itself. On each piece of the curve dF = profile_slope d eta + parabola_slope dG +
+        fourth_slope dG_4.
+
+        # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
+        #           x^2/2 and of x^4/24
         """
         followed_path = self._followed_path
+        # Only the pieces that these instants need, with the number of the outermost piece of each
+        # curve.
         pieces, uppermost_pieces = followed_path.pieces.pieces_of_curves(
             followed_path.uppermost_piece[rows]
         )
+        # Integrals over the punches up to the top of each piece, (pieces, k): of arccosh(|x|/c) d
+        # eta, then of the slip under x^2/2 and x^4/24. unit_compliance: A/pi. top_s: coordinate s
+        # of the top.
         profile_integrals = self.series.contact.slip_integral(self._x, pieces.profile_load[:, None])
         slopes_and_integrals = [
             (self.series.unit_compliance * pieces.profile_slope, profile_integrals)
@@ -1005,13 +1161,16 @@ class PointFields:
                 (pieces.parabola_slope, parabola_integrals),
                 (pieces.fourth_slope, fourth_integrals),
             ]
+        # Sums along each curve from the middle of the contact to the top of each piece.
         return pieces.integrals_at_tops(*slopes_and_integrals)[uppermost_pieces]
 
     def _traction_of_curvature(
         self, half_width: Array, curvature: Array, fourth_coefficient: Array
     ) -> Array:
-        """Traction at the points that makes `curvature` x^2/2 + `fourth_coefficient` x^4/24 of the
-        gap or of the faces inside contacts of `half_width`, for n of each: (n, k) [stress].
+        """Traction at the k points that makes the displacement C x^2/2 + D x^4/24 of gap or faces
+        inside contacts of `half_width`, (n, k) [stress]; 0 outside the contact.
+
+        C is `curvature` (n,) and D `fourth_coefficient` (n,), one of each per contact.
         """
         if not (np.any(curvature) or np.any(fourth_coefficient)):
             return np.zeros((len(half_width), len(self._x)))
@@ -1022,10 +1181,11 @@ class PointFields:
 
     def _pressures_of_curvature(self, half_width: Array) -> tuple[Array, Array]:
         """Pressure at the points under indenters x^2/2 and x^4/24 with contact half-widths a (n,),
-        (n, k) each, 0 outside; times curvature and fourth coefficient a stress.
+        (n, k) each, 0 outside: [stress length] and [stress length^3].
 
             (E*/2) sqrt(a^2 - x^2),    (E*/24) sqrt(a^2 - x^2) (a^2 + 2 x^2)
         """
+        # self._x: |x| of the k points; series.modulus: E*.
         half_width_column = half_width[:, None]
         root = np.sqrt(
             np.maximum((half_width_column - self._x) * (half_width_column + self._x), 0.0)
@@ -1046,6 +1206,7 @@ class PointFields:
         Slip is such an integral times a slope of the memory curve, the locked-in tangential force
         over the half-width of the punches.
         """
+        # |x| of the k points.
         x = self._x
         upper_limit = np.minimum(half_width[:, None], x)
         squared_limit = upper_limit**2
@@ -1108,6 +1269,17 @@ def findings_with_effects(question: Question) -> Findings:
     """Answer of half-plane theory corrected for finite bodies: fields, displacements, friction work
     and their errors along the load path of a question.
 
+    Parameters
+    ----------
+    question
+        what is asked: the scene with its load path, the points, instants and fields that are
+        wanted, and the effects of the finite bodies
+
+    Returns
+    -------
+    Findings
+        values by name, with errors, notes and checks of the laws of contact
+
     Raises
     ------
     InputError
@@ -1127,20 +1299,26 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     Fields are those with the bodies; their tilt and bulk strain move the edges. The friction work
     is that of exact half-plane theory, plus the difference between the two followed paths, plus
     what tilt and strain add.
+
+    The dissipation is measured over the last cycle of the answer. Errors that are 0 are left out.
     """
+    # The path is followed twice: `paths` holds both, and `paths.rows` the ends of the steps.
     clock_at_start = clock.perf_counter()
     paths = _followed_paths(question)
     path_with_bodies = paths.path_with_bodies
     history_done = clock.perf_counter()
 
+    # Points: those asked for, or 200 across the widest contact and 5 % beyond.
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(path_with_bodies.half_width)))
     # Fields are even or odd in x: they are evaluated once at each |x|.
     distance, index_of_distance = distances_and_indices(x)
+    # `last_cycle`: rows of the last cycle of the answer; row_numbers: row nearest to each instant.
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     point_fields = PointFields(path_with_bodies, distance)
     fields_at_distances = fields_at(question, point_fields, distance, row_numbers)
+    # What tilt and bulk strain do: `centres` are the centres x of contact and stick zone.
     tilt_and_strain = _tilt_and_strain_of(paths)
     values_over_time = values_over_time_at(question, path_with_bodies, row_numbers)
     contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
@@ -1152,6 +1330,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     )
     fields_done = clock.perf_counter()
 
+    # Friction work of the cycles, W(x), and errors by the name of the value.
     friction_work = _works_and_density(paths, point_fields, distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     seconds = {"history": history_done - clock_at_start, "fields": fields_done - history_done}
@@ -1202,19 +1381,23 @@ def _followed_paths(question: Question) -> _Paths:
     scene = question.scene
     effects = question.effects
     assert effects is not None  # for the type checker
+    # Exact half-plane theory, without the effects, along the path of the scene.
     path = path_of_question(replace(question, effects=None), None)
     half_plane_path = _HalfPlanePath(scene, path)
     rows = half_plane_path.first_rows(question.time)
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures = curvatures_of(effects)
+    # Flat punches that make up the contact, with the loads that they carry.
     table = punch_table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
+    # G of the widest punch: load of the punches of x^2/2 up to it.
     largest_parabola_load = float(table.parabola_load(table.largest_s))
     rows = half_plane_path.rows_with_turning_points(
         rows, friction, curvatures, largest_parabola_load
     )
     loads = (rows.normal_load, rows.tangential_load)
+    # Curvatures(): all zero.
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
     # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
     memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
@@ -1275,11 +1458,14 @@ def punch_table_of(
     largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
     gap_curvature = curvatures.gap_curvature_under(rows.normal_load, rows.tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
+    # _MOST_WIDENINGS: 60, each by _TABLE_WIDTH_FACTOR = 1.02; extent: largest half-width of the
+    # profile. largest_s: coordinate s of the widest punch of the table.
     for _ in range(_MOST_WIDENINGS):
         table = PunchTable(
             contact, modulus, min(largest_half_width * _TABLE_WIDTH_FACTOR, contact.extent)
         )
         # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
+        # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
         largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         load_at_table_end = float(table.profile_load(table.largest_s)) + least_curvature * float(
@@ -1324,6 +1510,7 @@ def _require_one_contact(
     gap_fourth_coefficient
         n4 (n,)
     """
+    # s: coordinate of the punches in the table; the punches within the flat carry no load.
     first_s = 1.0 if contact.least_half_width else 0.0
     s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
     profile_load = table.profile_load(s)
@@ -1351,7 +1538,8 @@ def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | No
     """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
     neither does. A path without cycles counts as steady (0) if it ends unloaded.
 
-    `followed_path` holds the friction state at each instant, `rows` the instants with their loads.
+    `followed_path` holds the friction state at each instant. `rows` has the instants with their
+    loads; its `end_rows` are those at which the initial loading and each cycle end.
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
@@ -1368,9 +1556,10 @@ def _covered_cycles(
     Parameters
     ----------
     question
-        how many cycles are wanted, or at which instants
+        scene with its number of cycles, and the instants `time`, None if none are asked for
     half_plane_path
-        the load path
+        load path with the ends of its cycles, `cycle_ends`, and its `period`, None if it does not
+        repeat
     steady_from
         index of the first cycle that repeats; None where none was seen to
     """
@@ -1378,6 +1567,7 @@ def _covered_cycles(
         return (0,)
     cycles = question.scene.cycles
     n_cycles_to_steady = 2 if steady_from is None else steady_from + 1
+    # Whole cycles up to the last of the instants; 0 without instants or within the first cycle.
     _, n_whole_cycles = cycles_to_follow(
         half_plane_path.cycle_ends[0], half_plane_path.period, cycles, question.time
     )
@@ -1395,11 +1585,21 @@ def instants_and_row_numbers(
 
     The instants are those of the question. Where it gives none, they are all followed instants, or
     those of the last cycle if only that is wanted.
+
+    Parameters
+    ----------
+    question
+        instants `time` that are asked for, None if none are; whether only the last cycle is wanted
+    rows
+        the followed instants, `time` (r,), and the `period` of the path
+    last_cycle
+        rows of the last cycle of the answer
     """
     if question.time is None:
         first_row = last_cycle.start if question.wants_last_cycle_alone else 0
         row_numbers = np.arange(first_row, last_cycle.stop)
         return rows.time[row_numbers], row_numbers
+    # Later instants go back by whole periods to the followed part of the path.
     time_in_path, _ = time_in_followed_path(
         question.time, float(rows.time[0]), float(rows.time[-1]), rows.period
     )
@@ -1423,6 +1623,8 @@ def values_over_time_at(
         the followed path with the finite bodies
     row_numbers
         (n,) numbers of its instants
+    question
+        which displacements are wanted
     """
     not_a_number = np.full(len(row_numbers), np.nan)
     tangential_displacement = not_a_number
@@ -1433,7 +1635,7 @@ def values_over_time_at(
         normal_approach = path_with_bodies.normal_approach[row_numbers]
     half_width = path_with_bodies.half_width[row_numbers]
     stick_half_width = path_with_bodies.stick_half_width[row_numbers]
-    sides = np.array([-1.0, 1.0])
+    signs_of_sides = np.array([-1.0, 1.0])
     return {
         "normal_load": path_with_bodies.followed_path.normal_load[row_numbers],
         "tangential_load": path_with_bodies.followed_path.tangential_load[row_numbers],
@@ -1441,8 +1643,8 @@ def values_over_time_at(
         "normal_approach": normal_approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
-        "contact_edges": half_width[:, None] * sides,
-        "stick_edges": stick_half_width[:, None] * sides,
+        "contact_edges": half_width[:, None] * signs_of_sides,
+        "stick_edges": stick_half_width[:, None] * signs_of_sides,
     }
 
 
@@ -1462,6 +1664,8 @@ def fields_at(
         (k,) |x| [length] from the middle of contact
     row_numbers
         (n,) numbers of the instants of the path
+    question
+        which fields are wanted
 
     Raises
     ------
@@ -1503,14 +1707,16 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     row_numbers
         (n,) numbers of the instants
     """
+    # s: coordinate of a half-width in the table of flat punches, which gives the half-width.
     path_with_bodies = point_fields.series
     followed_path = path_with_bodies.followed_path
-    sides = np.array([-1.0, 1.0])
+    signs_of_sides = np.array([-1.0, 1.0])
     half_width = path_with_bodies.half_width[row_numbers, None]
     stick_half_width = followed_path.table.half_width(followed_path.stick_edge_s[row_numbers])[
         :, None
     ]
     inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
+    # direction: of slip at the edge, 0 where it sticks; inner_zone_direction: likewise.
     # By the direction of slip, -1, 0 or +1, plus 1.
     states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     state_at_edge = states_by_direction[followed_path.direction[row_numbers, None] + 1]
@@ -1518,19 +1724,20 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
         followed_path.inner_zone_direction[row_numbers, None] + 1
     ]
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
-    is_within_stick_edges = is_between_edges(stick_half_width * sides, distance) & (
+    is_within_stick_edges = is_between_edges(stick_half_width * signs_of_sides, distance) & (
         stick_half_width > 0
     )
     states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
+    # At these instants points inside the contact slip further than the memory curve says.
     for index, extra_slip in point_fields.inner_slips(row_numbers):
         state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
         states[index] = np.where(
             extra_slip.is_slipping, state_of_extra_slip, states_without_inner_zone[index]
         )
     is_pressed = followed_path.normal_load[row_numbers, None] > 0
-    is_in_contact = is_between_edges(half_width * sides, distance) & is_pressed
+    is_in_contact = is_between_edges(half_width * signs_of_sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 
 
@@ -1563,6 +1770,10 @@ def _works_and_density(
         (k,) |x| [length] from the middle
     tilt_and_strain
         work that tilt and bulk strain of the bodies add
+    paths
+        load path with the bodies and with half-planes, by equal steps; the question with its wanted
+        fields; `covered_cycles`: for each cycle of the answer the index of the followed cycle that
+        it equals
 
     Returns
     -------
@@ -1570,13 +1781,16 @@ def _works_and_density(
         NaN for what the question does not ask for
     """
     question = paths.question
+    # c: number of cycles of the answer.
     work_of_cycles = np.full(len(paths.covered_cycles), np.nan)
     loop_work = math.nan
     density = np.full(len(distance), np.nan)
+    # Of dissipation and dissipation density, those that are asked for.
     wanted_fields = question.fields & _FIELDS_OF_WORK
     errors: dict[str, float] = {}
     if not wanted_fields:
         return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
+    # end_rows: rows at which the initial loading and each cycle end.
     end_times = paths.rows.time[list(paths.rows.end_rows)]
     question_of_half_planes = replace(
         question,
@@ -1586,11 +1800,13 @@ def _works_and_density(
         time=end_times,
         cycles="all",
     )
+    # Exact half-plane theory of the same scene, at the same points.
     exact_theory = findings_by_memory(question_of_half_planes, None)
     if question.wants("dissipation"):
         # Theory stops at a steady cycle, which later ones equal.
         solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
         exact_works = solved_works[np.minimum(paths.covered_cycles, len(solved_works) - 1)]
+        # Also the work of the loads in the last cycle, int Q dU + P d(approach).
         work_of_cycles, loop_work, errors = _works_and_errors(paths, exact_works, tilt_and_strain)
         if "dissipation" in errors:
             errors["dissipation"] += exact_theory.errors.get("dissipation", 0.0)
@@ -1619,9 +1835,13 @@ def _density_and_error(
         (k,) |x| [length] from the middle
     exact_density
         (k,) W(x) of half-planes by exact theory
+    paths
+        load path with the bodies and with half-planes, by equal steps; `last_cycle`: rows of the
+        last cycle of the answer
     """
     path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
+    # W(x) of half-planes by steps, and of the bodies by the same steps.
     density_by_steps = PointFields(path_of_half_planes, distance).work_density(last_cycle)
     density_of_bodies = point_fields.work_density(last_cycle)
     density = np.maximum(exact_density + density_of_bodies - density_by_steps, 0.0)
@@ -1630,7 +1850,7 @@ def _density_and_error(
     if not largest_density > 0:
         return density, None
     step_error = float(np.max(np.abs(density_by_steps - exact_density))) / largest_density
-    if not path_of_half_planes.work(last_cycle) > 0:
+    if not path_of_half_planes.work(last_cycle) > 0:  # no friction work, nothing to be relative to
         return density, step_error
     effects = paths.question.effects
     assert effects is not None  # for the type checker
@@ -1657,9 +1877,13 @@ def _works_and_errors(
         (c,) work of these cycles by exact half-plane theory [energy per thickness]
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
+    paths
+        load path with the bodies and with half-planes, by equal steps; `covered_cycles`: for each
+        of the c cycles of the answer the index of the followed cycle that it equals
     """
     path_of_half_planes = paths.path_of_half_planes
     path_with_bodies = paths.path_with_bodies
+    # Rows of each cycle of the answer in the followed path.
     rows_of_cycles = [paths.rows.cycles[cycle] for cycle in paths.covered_cycles]
     works_of_half_planes = np.array([path_of_half_planes.work(rows) for rows in rows_of_cycles])
     works_of_bodies = np.array([path_with_bodies.work(rows) for rows in rows_of_cycles])
@@ -1679,12 +1903,14 @@ def _works_and_errors(
     last_work = float(exact_works[-1])
     if last_work <= 0:
         return friction_works, loop_work, {}
+    # Errors of the steps: half of that of half-planes, and twice the change by halved steps.
     step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / last_work - 1)
     change_by_halving = abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1]))
     step_error += _FACTOR_ON_HALVING * change_by_halving / last_work
     error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
+    # Uncertainty that the numbers of the bodies leave, relative.
     uncertainty_by_bodies = work_uncertainty_by_bodies(
         path_with_bodies, path_of_half_planes, paths.last_cycle, effects
     )
@@ -1701,12 +1927,13 @@ def work_uncertainty_by_bodies(
     path_with_bodies: PathSeries, path_of_half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
     """Uncertainty of the friction work of a cycle that the effects of finite bodies leave, relative
-    to the work of half-planes.
+    to the work of half-planes; at least 3e-5.
 
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
-    fourth order. `uncertain_fraction_of_curvatures` states which fraction of a change of work
-    that makes uncertain. Curvatures per P and curvatures per Q may cancel each other in W. Where
-    they may, each kind is followed alone, and its own change counts.
+    fourth order. A fraction of any change of work by the curvatures is therefore uncertain. There
+    is a fraction for each of two kinds: curvatures that follow P and curvatures that follow Q. The
+    two kinds may cancel each other in W. Where they may, each kind is followed alone, and its own
+    change counts.
 
     Parameters
     ----------
@@ -1717,12 +1944,15 @@ def work_uncertainty_by_bodies(
     effects
         curvatures of the bodies
     """
+    # By kind of curvature, for the largest half-width of the cycle.
     uncertain_fractions = uncertain_fraction_of_curvatures(
         effects, float(np.max(path_of_half_planes.half_width[rows]))
     )
     work_of_half_planes = path_of_half_planes.work(rows)
     change_by_bodies = path_with_bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
+    # are_of_mirrored_bodies: no gap curvature under Q and no face curvature under P. normal: N, gap
+    # under P; tangential: T, faces under Q.
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both kinds change W in one direction: nothing cancels.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
@@ -1731,6 +1961,8 @@ def work_uncertainty_by_bodies(
     uncertainty = LEAST_UNCERTAIN_FRACTION
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
+    # CURVATURES: names of the two kinds. `follow` gives the friction memory along the same path;
+    # its step_work is that of the step that ends at each row, without the factor A/pi.
     for kind in CURVATURES:
         curvatures_of_kind = curvatures_of(with_one_group_alone(effects, kind))
         memory = follow(
@@ -1749,11 +1981,17 @@ def work_uncertainty_by_bodies(
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     """Relative uncertainty that the effects of finite bodies leave in the largest pressure and in
-    the contact half-width, by the names of these values. Empty where there is no contact.
+    the contact half-width, keyed "pressure" and "contact_half_width". Empty where there is no
+    contact.
 
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
     fourth order. So a fraction of what they change is uncertain: of the ratio of values with and
     without them, minus 1, at the largest load of the last cycle. 3e-5 of the value is added.
+
+    Parameters
+    ----------
+    paths
+        load path with the bodies and with half-planes; `last_cycle`: rows of the last cycle
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
@@ -1763,6 +2001,7 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     largest_half_width = float(np.max(path_of_half_planes.half_width[last_cycle]))
     if not largest_half_width > 0:
         return {}
+    # Instant of the largest P, and places at which its largest pressure is sought.
     row = last_cycle.start + int(np.argmax(path_with_bodies.followed_path.normal_load[last_cycle]))
     places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
     pressure_of_bodies, pressure_of_half_planes = (
@@ -1774,6 +2013,7 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
         pressure_change = abs(pressure_of_bodies / pressure_of_half_planes - 1)
     half_width_ratio = path_with_bodies.half_width[row] / path_of_half_planes.half_width[row]
     half_width_change = abs(float(half_width_ratio) - 1)
+    # The larger of the fractions of curvatures that follow P and of those that follow Q.
     uncertain_fraction = max(uncertain_fraction_of_curvatures(effects, largest_half_width).values())
     return {
         "pressure": pressure_change * uncertain_fraction + LEAST_UNCERTAIN_FRACTION,
@@ -1788,11 +2028,18 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     In such a step the memory curve (locked-in tangential force over the half-width of punches)
     grows by a straight chord, which is an approximation. All other steps are exact however long
     they are. Long is a step in which P grows by more than 1 % of its largest value.
+
+    Parameters
+    ----------
+    paths
+        load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer
     """
     followed_path = paths.path_with_bodies.followed_path
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     n_rows = len(followed_path.normal_load)
+    # edge_s: coordinate of the edge of contact, grows with it; direction: of slip at the edge in
+    # the step that ends at the row, 0 where it sticks.
     grows_in_stick = (np.diff(followed_path.edge_s) > 0) & (followed_path.direction[1:] == 0)
     load_growth = np.diff(followed_path.normal_load) / np.max(followed_path.normal_load)
     long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD_LOAD_SHARE))
@@ -1800,6 +2047,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
         return paths.path_with_bodies.work(paths.last_cycle)
     # Whole numbers are rows, halves are the middles of steps.
     row_numbers = np.union1d(np.arange(n_rows), long_chords + 0.5)
+    # The same path again, with the additional rows in the middle of long chords.
     memory_of_halved_steps = follow(
         followed_path.table,
         followed_path.friction,
@@ -1807,6 +2055,8 @@ def _work_of_halved_steps(paths: _Paths) -> float:
         np.interp(row_numbers, np.arange(n_rows), followed_path.tangential_load),
         curvatures_of(effects),
     )
+    # The first row of a cycle ends a step before it. step_work: of the step that ends at each row,
+    # without the factor A/pi.
     first_row, row_after_last, _ = paths.last_cycle.indices(n_rows)
     is_in_cycle = (row_numbers > first_row) & (row_numbers <= row_after_last - 1)
     return paths.path_with_bodies.unit_compliance * float(
@@ -1821,15 +2071,22 @@ def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
     Taken in the second order of these small numbers. Where that does not hold, the work alone is
     found by a numerical solution on grids, if the question asks for it. Where neither works, the
     reason is returned instead of a number; nothing at all of bodies without tilt and strain.
+
+    Parameters
+    ----------
+    paths
+        load path followed with the bodies and with half-planes; `last_cycle`: rows of the last
+        cycle of the answer; the question with its scene and effects
     """
     question = paths.question
     effects = question.effects
     assert effects is not None  # for the type checker
+    # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt and strain per P and per Q.
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
     try:
         tilt_and_strain = TiltAndStrainPart(second_order_answer(question.scene, effects))
-    except DeclinedError as reason:
+    except DeclinedError as reason:  # outside the range of the second order
         if not question.wants("dissipation"):
             return TiltAndStrainPart(left_out=str(reason))
         work_of_bodies = paths.path_with_bodies.work(paths.last_cycle)
@@ -1841,6 +2098,7 @@ def _tilt_and_strain_of(paths: _Paths) -> TiltAndStrainPart:
         return tilt_and_strain
     # Both sources of odd work are of half-planes without curvatures.
     change_by_curvatures = paths.path_with_bodies.work(paths.last_cycle) / work_of_half_planes - 1
+    # Fourth order over curvature at the largest contact half-width of the last cycle.
     ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)
     return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
@@ -1855,14 +2113,24 @@ def tilt_and_strain_part_on_grids(
     """Friction work that tilt and bulk strain of the finite bodies add in a cycle, by a numerical
     solution of half-planes on grids [energy per thickness].
 
-    Grids give the relative change of the work; `work` times it is added, that of the cycle without
-    tilt and strain. Used where the second order does not hold, for `reason`. Where nothing slips,
-    grids refuse the scene or the change is above 30 %, nothing is added and the reason is stated.
+    Used where the second order in tilt and strain does not hold. Grids give the relative change of
+    the work; it is multiplied by `work`. Where nothing slips, where grids refuse the scene, or
+    where the change is above 30 %, nothing is added and the reason is stated in `left_out`.
+
+    Parameters
+    ----------
+    effects
+        tilt and bulk strain of the bodies per P and per Q
+    work
+        friction work of the cycle without tilt and strain [energy per thickness]
+    reason
+        why the second order does not hold
     """
     try:
         half_plane_work = work_of_half_planes(scene)
         if not half_plane_work > 0:
             return TiltAndStrainPart(left_out=reason)  # nothing slips that could change
+        # On grids, with its uncertainty; InputError where grids cannot solve the scene.
         relative_change = change_by_tilt_and_strain(scene, effects)
     except InputError as fault:
         return TiltAndStrainPart(
@@ -1884,6 +2152,12 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     some instants of the last cycle and some points, over the largest f p or the largest slip.
     Points within 1 % of a half-width from an edge are left out. A field that is not asked for or 0
     throughout has no error here, nor has any without friction.
+
+    Parameters
+    ----------
+    paths
+        load path of half-planes by straight steps; `last_cycle`: rows of the last cycle of the
+        answer; the question with the fields that are wanted
     """
     question = paths.question
     path_of_half_planes = paths.path_of_half_planes
@@ -1892,6 +2166,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     if not field_names or not friction:
         return {}
     last_cycle = paths.last_cycle
+    # 9 instants of the last cycle, and 35 places from near the middle to the edge of contact.
     row_numbers = np.unique(
         np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
     )
@@ -1910,6 +2185,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     point_fields = PointFields(path_of_half_planes, places)
     pressure = point_fields.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+    # Points near an edge of contact or stick are not compared: the fields have roots there.
     half_width = path_of_half_planes.half_width[row_numbers, None]
     stick_half_width = np.nan_to_num(path_of_half_planes.stick_half_width[row_numbers, None])
     is_off_contact_edge = np.abs(places - half_width) > _EDGE_DISTANCE_SHARE * half_width
@@ -1944,6 +2220,7 @@ def permanent_stick_half_width(
     centre
         (n,) centre x of the stick zone at these instants [length]
     """
+    # NaN, no stick zone, counts as 0.
     stick_half_width = np.nan_to_num(
         np.minimum(path_with_bodies.stick_half_width, path_with_bodies.half_width)[rows]
     )
@@ -1968,6 +2245,9 @@ def _reference_load(scene: Scene, normal_load: Array) -> float:
 def _termination_and_message(paths: _Paths) -> tuple[str, str]:
     """How the followed path ended: the termination of the answer, "steady" or "end of path", and a
     sentence about it.
+
+    `paths.rows` has the followed cycles, and the period of the path or None. `paths.steady_from` is
+    the index of the first cycle that ends in the state it started from, None if none does.
     """
     if paths.rows.period is None:
         return "end of path", "the path was followed to its end"
@@ -1980,12 +2260,21 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
     it, what is left out, and why the work of the loads is not compared with the friction work.
 
-    `tilt_and_strain` is the work that tilt and bulk strain of the bodies add, or why none is added.
+    Parameters
+    ----------
+    paths
+        load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer;
+        whether that cycle is steady
+    tilt_and_strain
+        work that tilt and bulk strain of the bodies add, or why none is added
     """
     question = paths.question
     scene = question.scene
     assert question.effects is not None  # for the type checker
+    # A note if Dundurs' beta is not 0: normal and tangential problem are solved uncoupled.
     yield from neglected_coupling(scene.material)
+    # The load at which tilt and strain are made dimensionless: mean P of an ellipse, else largest
+    # P.
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
@@ -2029,6 +2318,7 @@ def admissibility_checks_of(
     largest_friction_force = max(
         friction * float(np.max(followed_path.normal_load)), np.finfo(float).tiny
     )
+    # edge_s: coordinate s of the edge of contact in the table of flat punches.
     edge_s = followed_path.edge_s[row_numbers]
     parabola_load = followed_path.table.parabola_load(edge_s)
     fourth_load = followed_path.table.fourth_load(edge_s)

@@ -93,8 +93,8 @@ _GAUSS_RULE_OF_WORK = np.polynomial.legendre.leggauss(8)
 
 
 def area_of_loop(load: Array, movement: Array) -> float:
-    """Work of a load over its displacement `movement`, (n,) each, by the trapezoidal rule [energy
-    per thickness]; of a closed cycle the area of the loop.
+    """Work of a load over its displacement `movement`, both (n,) at successive instants, by the
+    trapezoidal rule [energy per thickness]; of a closed cycle the area of the loop.
     """
     mean_load = (load[1:] + load[:-1]) / 2
     return float(np.sum(mean_load * np.diff(movement)))
@@ -176,6 +176,8 @@ class PunchTable:
         modulus
             E* [stress]
         """
+        # least_half_width: of the flat part of the profile, 0 without one; corner_half_widths:
+        # where its slope or curvature jumps.
         kinks = [contact.least_half_width, *contact.corner_half_widths]
         inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
         # Half-widths c of the kinks; s of each is its index.
@@ -183,24 +185,28 @@ class PunchTable:
         self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
         self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
         n_intervals = len(self._interval_lengths)
+        # At most 512 cells an interval and 4096 in all, but at least 64 an interval.
         self._cells_per_interval = max(
             min(_CELLS_PER_INTERVAL, _MOST_CELLS // n_intervals), _FEWEST_CELLS_PER_INTERVAL
         )
         self.largest_s = float(n_intervals)
         self.parabola_stiffness = math.pi * modulus / 4
         sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
-        interval_begin = self._interval_ends[:-1, None]
+        begin_of_interval = self._interval_ends[:-1, None]
         interval_length = np.diff(self._interval_ends)[:, None]
         # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
-        half_width = interval_begin + interval_length * sigma**2
-        half_width_rate = 2 * interval_length * sigma
+        half_width = begin_of_interval + interval_length * sigma**2
+        half_width_rate_in_s = 2 * interval_length * sigma
+        # eta = P(a = c) and d eta/ds; stiffness: dP/da. Within the flat no punch carries load.
         load = contact.load(half_width)
-        load_rate = contact.stiffness(half_width) * half_width_rate
+        load_rate_in_s = contact.stiffness(half_width) * half_width_rate_in_s
         is_flat = half_width < contact.least_half_width * (1 - 1e-14)
         load = np.where(is_flat, 0.0, load)
-        load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
+        load_rate_in_s = np.where(is_flat | (half_width_rate_in_s == 0), 0.0, load_rate_in_s)
+        # Coefficients of a cubic in each cell, constant first; as lists too, which are faster for
+        # one s.
         self._load_cubics = self._hermite_cubics(
-            load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:]
+            load[:, :-1], load[:, 1:], load_rate_in_s[:, :-1], load_rate_in_s[:, 1:]
         )
         self._load_coefficients: list[list[float]] = self._load_cubics.tolist()
         # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
@@ -214,11 +220,17 @@ class PunchTable:
     def _hermite_cubics(
         self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
     ) -> Array:
-        """Coefficients (cells, 4), constant first, of the cubics with given values and derivatives
-        at both ends of each cell of the table (Hermite interpolation).
+        """Coefficients, (cells, 4), constant first, of the cubics that take given values and
+        derivatives at both ends of each cell of the table (Hermite interpolation).
 
-        The variable of a cubic runs from 0 to 1 along its cell. The rates are derivatives with
-        respect to the punch coordinate s.
+        The variable of a cubic runs from 0 to 1 along its cell.
+
+        Parameters
+        ----------
+        begin_value, end_value
+            values at both ends of the cells, any shape with one entry per cell
+        begin_rate, end_rate
+            derivatives there with respect to the punch coordinate s
         """
         cell_length = 1 / self._cells_per_interval
         rise = end_value - begin_value
@@ -238,10 +250,16 @@ class PunchTable:
         eta(c) (`profile_load`) and G(c) (`parabola_load`) are the loads that flat punches of
         half-width up to c carry, of the profile and of x^2/2. The variable of a cubic runs from 0
         to 1 along its cell; cells are equal steps of the punch coordinate s.
+
+        Parameters
+        ----------
+        power
+            exponent of G: 0, 1 or 2
         """
+        # _load_cubics (cells, 4): the cubics of eta, one for each cell.
         n_cells = len(self._load_cubics)
-        nodes, weights = _GAUSS_RULE_OF_CELL
-        fraction_of_cell = (nodes + 1) / 2
+        gauss_nodes, gauss_weights = _GAUSS_RULE_OF_CELL
+        fraction_of_cell = (gauss_nodes + 1) / 2
         cell_length = 1 / self._cells_per_interval  # in s
 
         def integrand(s: Array) -> Array:
@@ -253,10 +271,11 @@ class PunchTable:
             )
             return load_per_width * self.parabola_load(s) ** power if power else load_per_width
 
+        # Sums of the integrals over cells give the value at both ends of each cell.
         s_of_nodes = np.asarray(
             (np.arange(n_cells)[:, None] + fraction_of_cell) * cell_length, dtype=float
         )
-        integrals_of_cells = integrand(s_of_nodes) @ weights * (cell_length / 2)
+        integrals_of_cells = integrand(s_of_nodes) @ gauss_weights * (cell_length / 2)
         integral_at_cell_ends = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
         begin_s = np.asarray(np.arange(n_cells) * cell_length, dtype=float)
         # Just within the cell: at a kink of the profile dc/ds jumps.
@@ -269,7 +288,11 @@ class PunchTable:
         )
 
     def _values_of_cubics(self, cubics: Array, s: ArrayLike) -> Array:
-        """Values at s, of the shape of s, of `cubics` (cells, 4)."""
+        """Values of a piecewise cubic function at the punch coordinates s, of the shape of s.
+
+        `cubics` (cells, 4) are the coefficients on each cell of the table, constant first, in the
+        fraction of the cell from 0 to 1. Cells are equal steps of s.
+        """
         s_in_cells = np.asarray(s, dtype=float) * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(cubics) - 1)
         fraction_of_cell = s_in_cells - cell
@@ -306,7 +329,12 @@ class PunchTable:
         return np.asarray(self.parabola_stiffness * squared_width**2 / 8)
 
     def s_of_parabola_load(self, parabola_load: float) -> float:
-        """Coordinate s of the half-width c at which G(c) = `parabola_load`."""
+        """Coordinate s in the table of the flat punch up to which the punches of x^2/2 carry the
+        load G = `parabola_load`, from G = (pi E*/4) c^2.
+
+        The kinks of the profile divide the half-widths c into intervals. On each, c grows with the
+        square of the fraction of the interval in s.
+        """
         half_width = math.sqrt(max(parabola_load, 0.0) / self.parabola_stiffness)
         interval = max(bisect_left(self._interval_begins, half_width) - 1, 0)
         return interval + math.sqrt(
@@ -324,11 +352,12 @@ class PunchTable:
 
         # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
+        # Cells are equal steps of s; _load_coefficients: the cubic of eta on each.
         s_in_cells = s * self._cells_per_interval
         cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
         fraction_of_cell = s_in_cells - cell
         c0, c1, c2, c3 = self._load_coefficients[cell]
-        # c over s between two kinks of the profile, see the class.
+        # Between two kinks of the profile c grows with the square of the fraction of s.
         interval = min(int(s), len(self._interval_lengths) - 1)
         length = self._interval_lengths[interval]
         half_width = self._interval_begins[interval] + length * (s - interval) ** 2
@@ -352,22 +381,26 @@ class PunchTable:
         """Integrals over the flat punches of half-width 0 to c(s): of ln(2 L/c), which gives
         displacements, and of c^2/2, which gives second moments.
 
-        Each is taken over d eta and over dG, the loads of the punches of the profile and of x^2/2.
-        L is the datum length. By parts, with the tabulated integrals:
+        Each is taken over d eta and over dG: eta(c) and G(c) are the loads that punches up to c
+        carry, of the profile and of x^2/2. L is the datum length. By parts, with tabulated
+        integrals of eta dc/c and eta G dc/c:
 
             int ln(2 L/c) d eta = eta ln(2 L/c) + int eta dc/c
             int (c^2/2) d eta = eta c^2/2 - int eta G dc/c / (pi E*/4)
 
         # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
+        # Cells are equal steps of s: each has a cubic of eta and of its integrals.
         s_in_cells = s * self._cells_per_interval
         cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
         fraction_of_cell = s_in_cells - cell
 
         def tabulated(coefficients_of_cells: list[list[float]]) -> float:
+            """Value of a tabulated function at s."""
             c0, c1, c2, c3 = coefficients_of_cells[cell]
             return c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
 
+        # Between two kinks of the profile c grows with the square of the fraction of s.
         interval = min(int(s), len(self._interval_lengths) - 1)
         half_width = (
             self._interval_begins[interval] + self._interval_lengths[interval] * (s - interval) ** 2
@@ -375,6 +408,7 @@ class PunchTable:
         squared_width = half_width * half_width
         load = tabulated(self._load_coefficients)
         parabola_load = self.parabola_stiffness * squared_width
+        # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
         log_datum_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
@@ -394,10 +428,13 @@ class PunchTable:
         """
         low_s = 0.0
         high_s = self.largest_s
-        for _ in range(_BISECTION_COUNT):
+        for _ in range(_BISECTION_COUNT):  # 60
             middle_s = (low_s + high_s) / 2
-            loads = self.punch_loads_at(middle_s)
-            if loads.profile_load + curvature * loads.parabola_load <= normal_load:
+            loads_of_punches = self.punch_loads_at(middle_s)
+            if (
+                loads_of_punches.profile_load + curvature * loads_of_punches.parabola_load
+                <= normal_load
+            ):
                 low_s = middle_s
             else:
                 high_s = middle_s
@@ -417,41 +454,59 @@ class PunchTable:
         return self._integral_cubics(power=2)
 
     def second_moments(self, s: ArrayLike) -> PunchMoments:
-        """Second moments int x^2 p dx of the punches up to s (k,); w = c^2/2 under unit load."""
-        square = np.square(self.half_width(s))
-        of_profile = (
-            square * self.profile_load(s) / 2
+        """Second moments int x^2 p dx of the pressure of flat punches up to each coordinate s (k,):
+        of the punches of the profile, of x^2/2 and of x^4/24, (k,) each.
+
+        A punch of half-width c has the moment c^2/2 per unit load. The table gives the loads eta, G
+        and G_4 that punches up to c carry, and int eta G dc/c.
+        """
+        squared_half_width = np.square(self.half_width(s))
+        moment_of_profile = (
+            squared_half_width * self.profile_load(s) / 2
             - self.load_parabola_integral(s) / self.parabola_stiffness
         )
         return PunchMoments(
-            of_profile, square * self.parabola_load(s) / 4, square * self.fourth_load(s) / 3
+            moment_of_profile,
+            squared_half_width * self.parabola_load(s) / 4,
+            squared_half_width * self.fourth_load(s) / 3,
         )
 
     def fourth_moments(self, s: ArrayLike) -> PunchMoments:
-        """Fourth moments int x^4 p dx of the punches up to s (k,); w = 3 c^4/8 under unit load."""
-        square = np.square(self.half_width(s))
-        of_profile = square**2 * self.profile_load(s)
-        of_profile -= (
+        """Fourth moments int x^4 p dx of the pressure of flat punches up to each coordinate s (k,):
+        of the punches of the profile, of x^2/2 and of x^4/24, (k,) each.
+
+        A punch of half-width c has the moment 3 c^4/8 per unit load. The table gives the loads eta,
+        G and G_4 that punches up to c carry, and int eta G^2 dc/c.
+        """
+        squared_half_width = np.square(self.half_width(s))
+        # Times 3/8 the moment of the punches of the profile.
+        scaled_moment_of_profile = squared_half_width**2 * self.profile_load(s)
+        scaled_moment_of_profile -= (
             4
             * self._values_of_cubics(self._load_fourth_integral_cubics, s)
             / self.parabola_stiffness**2
         )
-        of_parabola = square**2 * self.parabola_load(s) / 8
+        moment_of_parabola = squared_half_width**2 * self.parabola_load(s) / 8
         return PunchMoments(
-            3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth_load(s)
+            3 / 8 * scaled_moment_of_profile,
+            moment_of_parabola,
+            3 / 16 * squared_half_width**2 * self.fourth_load(s),
         )
 
     def logarithm_integrals(self, s: ArrayLike, datum_length: float) -> PunchMoments:
         """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
         c(s), (k,) each; times A/pi displacements of half-planes under these punches.
 
-        `punch_sums_at` has the first two for one s. L is the datum length.
+        L is the datum length, `datum_length`. eta, G and G_4 are the loads that punches up to c
+        carry: of the profile, of x^2/2 and of x^4/24.
         """
+        # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         half_width = np.maximum(
             self.half_width(s), _LEAST_HALF_WIDTH_SHARE * self._interval_ends[-1]
         )
         log_datum_ratio = math.log(2 * datum_length) - np.log(half_width)
         return PunchMoments(
+            # load_integral: int eta dc/c
             profile_integral=self.profile_load(s) * log_datum_ratio + self.load_integral(s),
             parabola_integral=self.parabola_load(s) * (log_datum_ratio + 0.5),
             fourth_integral=self.fourth_load(s) * (log_datum_ratio + 0.25),
@@ -481,9 +536,11 @@ class PunchTable:
         """
 
         def carried_load(s: Array) -> Array:
+            """eta + kn G + n4 G_4 of the punches up to s, (n,)."""
             load = self.profile_load(s) + curvature * self.parabola_load(s)
             return np.asarray(load + fourth_coefficient * self.fourth_load(s))
 
+        # Bisection to an eighth of a cell of the table; largest_s: the widest punch of the table.
         lower_s = np.zeros(len(normal_load))
         upper_s = np.full(len(normal_load), self.largest_s)
         edge_s = known_s
@@ -491,11 +548,12 @@ class PunchTable:
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
                 middle_s = (lower_s + upper_s) / 2
-                carries_less = carried_load(middle_s) <= normal_load
-                lower_s = np.where(carries_less, middle_s, lower_s)
-                upper_s = np.where(carries_less, upper_s, middle_s)
+                carries_less_or_equal = carried_load(middle_s) <= normal_load
+                lower_s = np.where(carries_less_or_equal, middle_s, lower_s)
+                upper_s = np.where(carries_less_or_equal, upper_s, middle_s)
             edge_s = (lower_s + upper_s) / 2
             newton_steps = _NEWTON_STEPS_AFTER_BISECTION
+        # Newton's method: the load that the edge still misses, over its rate d/ds.
         for _ in range(newton_steps):
             missing_load = normal_load - carried_load(edge_s)
             # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
@@ -613,20 +671,23 @@ class Pieces(list[Piece]):
         slopes
             dF/d eta, dF/dG and dF/dG_4
         """
+        # The piece at whose outer end the new one begins; self[k] is piece number k.
         piece_below = self[number_below]
-        load, parabola_load, fourth_load = loads
-        slope, parabola_slope, fourth_slope = slopes
-        force = piece_below.locked_in_force + slope * (load - piece_below.profile_load)
-        force += parabola_slope * (parabola_load - piece_below.parabola_load)
-        force += fourth_slope * (fourth_load - piece_below.fourth_load)
+        profile_load, parabola_load, fourth_load = loads
+        profile_slope, parabola_slope, fourth_slope = slopes
+        force_at_top = piece_below.locked_in_force + profile_slope * (
+            profile_load - piece_below.profile_load
+        )
+        force_at_top += parabola_slope * (parabola_load - piece_below.parabola_load)
+        force_at_top += fourth_slope * (fourth_load - piece_below.fourth_load)
         return Piece(
             number_below,
             top_s,
-            load,
+            profile_load,
             parabola_load,
             fourth_load,
-            force,
-            slope,
+            force_at_top,
+            profile_slope,
             parabola_slope,
             fourth_slope,
         )
@@ -639,7 +700,12 @@ class Pieces(list[Piece]):
     def add_piece(
         self, number_below: int, top_s: float, loads: LoadTriple, slopes: LoadTriple
     ) -> int:
-        """Store a new piece, as `piece_above` makes it, and return its number."""
+        """Store a new piece of memory curve that continues piece `number_below` outwards to
+        coordinate `top_s`, and return its number.
+
+        `loads` are eta, G and G_4 at its outer end, the loads of the punches up to there. `slopes`
+        are the rates of its locked-in tangential force with respect to each of them.
+        """
         return self.append_and_number(self.piece_above(number_below, top_s, loads, slopes))
 
     def keep_first(self, count: int) -> None:
@@ -665,8 +731,12 @@ class _Bound(NamedTuple):
         return self.profile_slope, self.parabola_slope, self.fourth_slope
 
     def excess_at_top(self, piece: Piece) -> float:
-        """How far F at the top of a piece is beyond the bound [force per thickness]; it slips where
-        this is positive.
+        """How far the locked-in tangential force F at the outer end of a piece of memory curve is
+        beyond the Coulomb bound [force per thickness]; the punch there slips where this is
+        positive.
+
+        The bound is linear in the loads eta, G and G_4 that the punches up to there carry:
+        `constant` plus a slope times each. The sign is that of the direction of slip, +1 or -1.
         """
         at_top = self.constant + self.profile_slope * piece.profile_load
         at_top += self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
@@ -752,21 +822,24 @@ class FollowedPath:
         return self.shear_integral(moments(self.pieces.top_s), moments(self.edge_s))
 
     def pressure_integral(self, at_edge: PunchMoments) -> Array:
-        """An integral of the pressure over the contact at each instant, (n,), such as a moment; 0
-        where the bodies are apart.
+        """Integral of the pressure over the contact at each instant, (n,), such as a moment; 0
+        where the bodies are apart, P = 0.
 
-        `at_edge` is that integral for punches of unit load, up to the edge of contact.
+        `at_edge` holds its parts up to the edge of contact, by the punches of the profile, of x^2/2
+        and of x^4/24. The latter two are multiplied by kn and n4, the curvatures of the gap.
         """
         moment = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
         return np.where(self.normal_load > 0, moment, 0.0)
 
     def shear_integral(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
-        """An integral of the shear traction over the contact at each instant, (n,), such as a
-        moment; 0 where the bodies are apart.
+        """Integral of the shear traction over the contact at each instant, (n,), such as a moment;
+        0 where the bodies are apart.
 
         With w(c) the integral for a flat punch of half-width c under unit tangential force, it is
-        int w dM = int w dF + kt int w dG + t4 int w dG_4. F is the memory curve: the locked-in
-        tangential force over c. kt and t4 are curvatures that the loads give to the faces.
+        int w dM = int w dF + kt int w dG + t4 int w dG_4. M is the tangential force that punches
+        up to c carry. F is the memory curve: the locked-in tangential force over c. kt and t4 are
+        curvatures that the loads give to the faces. eta, G and G_4 are the loads of the punches: of
+        the profile, of x^2/2 and of x^4/24.
 
         Parameters
         ----------
@@ -775,6 +848,8 @@ class FollowedPath:
         at_edge
             the same up to the edge of contact at each instant
         """
+        # Sums over the pieces of the memory curves, each at the top of the outermost piece of an
+        # instant.
         pieces = self.pieces
         integral = pieces.integrals_at_tops(
             (pieces.profile_slope, at_tops.profile_integral),
@@ -793,12 +868,15 @@ class FollowedPath:
         Work is done in three places: the slip zone at the edge of contact, an inner slip zone, and
         the annulus that the receding contact leaves, which slips until it separates.
         """
+        # Zones by direction of slip, inner and outer end; _s: coordinate s in the table of punches.
         edge_before = np.append(self.edge_s[:1], self.edge_s[:-1])
         intervals = self._intervals_of_zones(
             (self.direction, self.stick_edge_s, self.edge_s),
             (self.inner_zone_direction, self.inner_zone_s[:, 0], self.inner_zone_s[:, 1]),
             (self.direction, self.edge_s, edge_before),  # empty where the contact grows
         )
+        # Sum over the intervals of each step; intervals.row: number of the instant at which it
+        # ends.
         work = np.bincount(intervals.row, self._work_of_intervals(intervals), len(self.edge_s))
         return np.asarray(work, dtype=float)
 
@@ -812,12 +890,23 @@ class FollowedPath:
         bound moves linearly. A punch slips from when the bound meets F, or it comes into contact,
         to the end of the step, or until it leaves the contact. The mean of the load is over that
         time.
+
+        Parameters
+        ----------
+        intervals
+            m intervals: number of the instant at which the step ends, coordinate s of both ends in
+            the table of punches, direction of slip, and number of the piece of the memory curve
+            before the step on which each lies; 0 if it was outside the contact
         """
-        nodes, weights = _GAUSS_RULE_OF_WORK
-        length = (intervals.outer_s - intervals.inner_s)[:, None]
-        s = intervals.inner_s[:, None] + length * (nodes + 1) / 2  # of the punches, (m, k)
+        gauss_nodes, gauss_weights = _GAUSS_RULE_OF_WORK
+        interval_length_s = (intervals.outer_s - intervals.inner_s)[:, None]
+        s = (
+            intervals.inner_s[:, None] + interval_length_s * (gauss_nodes + 1) / 2
+        )  # of the punches, (m, k)
         table = self.table
         punches = _PunchArrays(table.profile_load(s), table.parabola_load(s), table.fourth_load(s))
+        # Normal load that is carried beyond each punch, and its Coulomb bound, before and after the
+        # step.
         row = intervals.row
         direction = intervals.direction[:, None]
         load_before = self._load_beyond(punches, row - 1)
@@ -855,7 +944,7 @@ class FollowedPath:
         mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
         log_half_width_rate = table.half_width_rate(s) / table.half_width(s)
         integrand = mean_load * force_change * log_half_width_rate
-        return np.asarray(self.friction * integrand @ weights * length[:, 0] / 2)
+        return np.asarray(self.friction * integrand @ gauss_weights * interval_length_s[:, 0] / 2)
 
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
         """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
@@ -885,10 +974,15 @@ class FollowedPath:
         load_beyond
             (m, k) normal load that is carried outside of each punch
         """
-        force = self.tangential_load[row][:, None]
-        force = force - self.tangential_curvature[row][:, None] * punches.parabola_load
-        force = force - self.tangential_fourth[row][:, None] * punches.fourth_load
-        return np.asarray(force - direction * self.friction * load_beyond)
+        # Curvatures kt and t4 at these instants.
+        force_within_punch = self.tangential_load[row][:, None]
+        force_within_punch = (
+            force_within_punch - self.tangential_curvature[row][:, None] * punches.parabola_load
+        )
+        force_within_punch = (
+            force_within_punch - self.tangential_fourth[row][:, None] * punches.fourth_load
+        )
+        return np.asarray(force_within_punch - direction * self.friction * load_beyond)
 
     def _locked_in_forces(self, punches: _PunchArrays, piece_number: Indices) -> Array:
         """Tangential force F that flat punches keep while they stick, (m, k) [force per thickness].
@@ -899,18 +993,24 @@ class FollowedPath:
         number 0, the empty curve.
         """
         pieces = self.pieces
+        # F at the top of the piece below, plus the rise on the piece itself.
         number_below = pieces.number_below[piece_number]
-        force = pieces.locked_in_force[number_below][:, None]
+        locked_in_force = pieces.locked_in_force[number_below][:, None]
         load_rise = punches.profile_load - pieces.profile_load[number_below][:, None]
-        force = force + pieces.profile_slope[piece_number][:, None] * load_rise
+        locked_in_force = locked_in_force + pieces.profile_slope[piece_number][:, None] * load_rise
         parabola_rise = punches.parabola_load - pieces.parabola_load[number_below][:, None]
-        force = force + pieces.parabola_slope[piece_number][:, None] * parabola_rise
+        locked_in_force = (
+            locked_in_force + pieces.parabola_slope[piece_number][:, None] * parabola_rise
+        )
         fourth_rise = punches.fourth_load - pieces.fourth_load[number_below][:, None]
-        return np.asarray(force + pieces.fourth_slope[piece_number][:, None] * fourth_rise)
+        return np.asarray(
+            locked_in_force + pieces.fourth_slope[piece_number][:, None] * fourth_rise
+        )
 
     def _intervals_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _SlipIntervals:
         """Intervals of the punch coordinate s of which the slip zones of all steps consist, such
-        that the integrand of the friction work is smooth on each.
+        that the integrand of the friction work is smooth on each. s grows with the half-width of
+        the flat punches.
 
         They are cut at kinks of the profile, which are at whole numbers of s. They are also cut
         where pieces of the memory curve before the step meet: the locked-in tangential force over
@@ -923,7 +1023,10 @@ class FollowedPath:
             inner end; s of the outer end
         """
         intervals: list[tuple[int, float, float, int, int]] = []
-        top_s, parents, uppermost_pieces = self._lists_of_pieces
+        # top_s: outer end of each piece; parents: number of the piece below it; uppermost_pieces:
+        # number of the outermost piece of the memory curve at each instant.
+        top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
+        # The zones that are not empty; a step has the number of the instant at which it ends.
         zones_of_steps = [
             (row, int(directions[row]), float(inner_ends[row]), float(outer_ends[row]))
             for directions, inner_ends, outer_ends in zones
@@ -937,7 +1040,7 @@ class FollowedPath:
             outer_s = outer_end_of_zone
             # From the outer end inwards, piece by piece of the curve before the step.
             while outer_s > inner_end_of_zone:
-                number_below = piece_number if is_beyond_edge else parents[piece_number]
+                number_below = piece_number if is_beyond_edge else numbers_below[piece_number]
                 inner_s = max(top_s[number_below], inner_end_of_zone)
                 number_of_interval = 0 if is_beyond_edge else piece_number
                 while math.ceil(outer_s) - 1 > inner_s:
@@ -996,12 +1099,16 @@ class FollowedPath:
         the bodies are apart.
         """
         pieces = self.pieces
+        # From the empty curve, number 0, to the outermost piece.
         numbers_of_pieces = pieces.piece_numbers_of_curve(int(self.uppermost_piece[row]))
-        top_s = pieces.top_s[numbers_of_pieces]
-        index_in_chain = np.clip(np.searchsorted(top_s, s), 1, max(len(numbers_of_pieces) - 1, 1))
+        top_s_of_pieces = pieces.top_s[numbers_of_pieces]
+        index_in_chain = np.clip(
+            np.searchsorted(top_s_of_pieces, s), 1, max(len(numbers_of_pieces) - 1, 1)
+        )
         if len(numbers_of_pieces) == 1:
             return np.zeros(len(s))
-        s_in_contact = np.minimum(s, top_s[-1])
+        # F at the top of the piece below, plus slopes times the rise of the loads on the piece.
+        s_in_contact = np.minimum(s, top_s_of_pieces[-1])
         number_below = numbers_of_pieces[index_in_chain - 1]
         piece_number = numbers_of_pieces[index_in_chain]
         load_rise = self.table.profile_load(s_in_contact) - pieces.profile_load[number_below]
@@ -1062,8 +1169,11 @@ class PieceTable:
         numbers in that table of their uppermost pieces, (n,).
 
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `uppermost_pieces` (n,) are the numbers in this table; `number_below` leads down from there.
+        It is a chain of pieces from the middle of the contact outwards. `uppermost_pieces` (n,) are
+        the numbers of their outermost pieces in this table. `number_below` of a piece is the number
+        of the one that it continues.
         """
+        # Down the chains from their uppermost pieces, all at once, until no new piece is met.
         is_needed = np.zeros(len(self.number_below), dtype=bool)
         piece_numbers = np.unique(uppermost_pieces)
         while len(piece_numbers):
@@ -1073,6 +1183,7 @@ class PieceTable:
         is_needed[0] = True  # the empty curve
         numbers_needed = np.flatnonzero(is_needed)
         new_number = np.cumsum(is_needed) - 1
+        # The numbers of pieces below become those of the smaller table.
         columns = {field.name: getattr(self, field.name)[numbers_needed] for field in fields(self)}
         columns["number_below"] = new_number[columns["number_below"]]
         return PieceTable(**columns), new_number[uppermost_pieces]
@@ -1084,11 +1195,13 @@ class PieceTable:
 
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
         """
+        # number_below: number of the piece that each continues; smaller than its own number.
         depth_list = [0]
         for number_below in self.number_below[1:].tolist():
             depth_list.append(depth_list[number_below] + 1)
         depth = np.array(depth_list)
         numbers_by_depth = np.argsort(depth, kind="stable")
+        # The first group is the empty curve alone.
         groups = np.split(numbers_by_depth, np.cumsum(np.bincount(depth))[:-1])
         return groups[1:]
 
@@ -1103,9 +1216,11 @@ class PieceTable:
         Parameters
         ----------
         terms
-            one of these slopes (k,), and int w d eta, int w dG or int w dG_4 from the middle to
-            the tops (k, ...); more axes are those of w, such as places
+            each: one of these slopes (k,), and int w d eta, int w dG or int w dG_4 from the middle
+            to the tops (k, ...); w(c) is a quantity of a punch of half-width c under unit load;
+            more axes are those of w, such as places
         """
+        # Number of the piece that each continues inwards; 0 is the empty curve.
         number_below = self.number_below
         integrals = np.zeros_like(terms[0][1])
         for slopes, primitives in terms:
@@ -1192,7 +1307,10 @@ def _estimated_shear_second_moment(
         (10, n) loads, curvatures and edge of contact at the instants, a `Row` each
     path_of_half_planes
         the same path without curvatures
+    table
+        loads and moments of the flat punches, by the coordinate s of their half-width
     """
+    # Row._fields: names of the ten quantities, among them kn, n4 and s of the edge of contact.
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
     pressure_moment = _pressure_moment(
         table.second_moments(columns_by_name["edge_s"]),
@@ -1210,14 +1328,22 @@ def _estimated_shear_second_moment(
 
 
 def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient: Array) -> Array:
-    """A moment of the pressure, (n,), with kn = `curvature` and n4 =
-    `fourth_coefficient`, (n,) each.
+    """Moment of the contact pressure, (n,), of n contacts: that of the profile, plus kn times that
+    of x^2/2, plus n4 times that of x^4/24.
 
-    `at_edge` holds the moments of the punches up to the edge of contact.
+    Parameters
+    ----------
+    at_edge
+        |            moments of the flat punches up to the edge of contact: of the profile, x^2/2,
+        x^4/24
+    curvature, fourth_coefficient
+        kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
     """
-    by_curvature = curvature * at_edge.parabola_integral
+    moment_by_curvature = curvature * at_edge.parabola_integral
     return np.asarray(
-        at_edge.profile_integral + by_curvature + fourth_coefficient * at_edge.fourth_integral
+        at_edge.profile_integral
+        + moment_by_curvature
+        + fourth_coefficient * at_edge.fourth_integral
     )
 
 
@@ -1233,20 +1359,33 @@ def _columns_of_path(
 
     kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated, at
     most eight times. In kt the part by the second moment of the shear traction is left out.
+
+    Parameters
+    ----------
+    table
+        loads and moments of the flat punches, by the coordinate s of their half-width
+    curvatures
+        what the bodies add per unit load to gap and faces; normal_fourth: N_4, tangential_fourth:
+        T_4, normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn
     """
     curvature_without_p2 = curvatures.gap_curvature_under(normal_load, tangential_load)
     tangential_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
-    gap_fourth_order = curvatures.normal_fourth * normal_load
-    faces_fourth_order = curvatures.tangential_fourth * tangential_load
+    gap_fourth_coefficient = curvatures.normal_fourth * normal_load
+    faces_fourth_coefficient = curvatures.tangential_fourth * tangential_load
     normal_curvature = curvature_without_p2
-    edge_s = table.edge_s_of_loads(normal_load, normal_curvature, gap_fourth_order)
+    edge_s = table.edge_s_of_loads(normal_load, normal_curvature, gap_fourth_coefficient)
     if curvatures.normal_mixed:
         for _ in range(_MOST_MOMENT_ITERATIONS):
             moments_at_edge = table.second_moments(edge_s)
-            pressure_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
+            pressure_moment = _pressure_moment(
+                moments_at_edge, normal_curvature, gap_fourth_coefficient
+            )
             curvature_before = normal_curvature
             normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_moment
-            edge_s = table.edge_s_of_loads(normal_load, normal_curvature, gap_fourth_order, edge_s)
+            edge_s = table.edge_s_of_loads(
+                normal_load, normal_curvature, gap_fourth_coefficient, edge_s
+            )
+            # Until the load that the last change of kn moves is 1e-12 of the largest P.
             load_change = np.max(
                 np.abs(normal_curvature - curvature_before) * table.parabola_load(edge_s)
             )
@@ -1257,8 +1396,8 @@ def _columns_of_path(
         tangential_load,
         normal_curvature,
         tangential_curvature,
-        gap_fourth_order,
-        faces_fourth_order,
+        gap_fourth_coefficient,
+        faces_fourth_coefficient,
         edge_s,
         table.profile_load(edge_s),
         table.parabola_load(edge_s),
@@ -1270,6 +1409,14 @@ def _columns_of_path(
 def _followed_rows(table: PunchTable, friction: float, columns: Array) -> FollowedPath:
     """Memory of friction along a path from the unloaded state; its n instants are `columns` (10,
     n), a `Row` each: loads, curvatures and edge of contact.
+
+    Parameters
+    ----------
+    table
+        loads of the flat punches, by the coordinate s of their half-width
+    columns
+        (10, n) the quantities of a `Row` at each instant: P first, then Q, curvatures and edge of
+        contact
     """
     memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED_STATE
@@ -1285,7 +1432,8 @@ def path_of_steps(
     memory: FrictionMemory, columns: Array, steps: Sequence[MemoryStep]
 ) -> FollowedPath:
     """Arrays over the n instants of a load path, from the single steps that were taken along it.
-    Fields that end in `_s` are half-widths as the coordinate s of the table of flat punches.
+
+    Attributes that end in `_s` are half-widths as the coordinate s of the table of flat punches.
 
     Parameters
     ----------
@@ -1417,9 +1565,11 @@ class FrictionMemory:
             return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
         pieces = self.pieces
         round_off = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
-        # The number is None as long as the piece is not stored.
+        # number_of_top: number of the outermost piece, None as long as it is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
+        # _s: coordinate s in the table of flat punches.
         stick_edge_s = row.edge_s
+        # +1 or -1; 0 where the edge of contact sticks.
         direction = _slip_direction_at_edge(
             outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
         )
@@ -1472,6 +1622,9 @@ class FrictionMemory:
         row
             loads, curvatures and edge of contact at the end of the step
         """
+        # row.edge_s: coordinate s of the new edge of contact; edge_load, edge_parabola_load and
+        # edge_fourth_load: eta, G and G_4 of the punches up to it; row.tangential_curvature and
+        # row.tangential_fourth: kt and t4. top_s: s of the outer end of a piece.
         pieces = self.pieces
         piece_number = uppermost_piece
         piece = pieces[piece_number]
@@ -1492,6 +1645,7 @@ class FrictionMemory:
             # The profile is still flat here: only the curvature of the bodies carries load.
             slopes = (0.0, force_rise / (row.edge_parabola_load - piece.parabola_load), 0.0)
             return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
+        # The contact recedes: pieces that lie outside the new edge go.
         while piece_number and pieces[piece.number_below].top_s >= row.edge_s:
             piece_number = piece.number_below
             piece = pieces[piece_number]
@@ -1500,8 +1654,12 @@ class FrictionMemory:
         return pieces.piece_above(piece.number_below, row.edge_s, loads, piece.slopes), None
 
     def step_of_gross_sliding(self, row: Row, direction: int) -> MemoryStep:
-        """The state in which the contact slides as a whole in one direction, +1 or -1, whatever was
-        before: F is the Coulomb bound of that direction at all punches.
+        """Memory state in which the contact slides as a whole in one direction, +1 or -1, whatever
+        was before: the locked-in tangential force F is the Coulomb bound of that direction at all
+        punches.
+
+        `row` holds loads, curvatures and edge of contact at the end of the step. The curve is one
+        piece from the middle (piece 0 is the empty curve) to the edge.
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
         piece_number = self.pieces.add_piece(0, row.edge_s, row.edge_loads, bound.slopes)
@@ -1511,16 +1669,21 @@ class FrictionMemory:
 
 
 def _coulomb_bound_of(direction: int, friction: float, row: Row) -> _Bound:
-    """Coulomb bound of the locked-in tangential force in one direction of slip, at the end of a
-    step.
+    """Coulomb bound of the locked-in tangential force F in one `direction` of slip, +1 or -1, at
+    the end of a step: the value that F takes while punches slip.
+
+        B = (Q - s f P) + s f eta + (s f kn - kt) G + (s f n4 - t4) G_4,    s direction
+
+    eta, G and G_4 are the loads that punches carry: of the profile, of x^2/2 and of x^4/24. `row`
+    holds P, Q and the curvatures kn, n4 of the gap and kt, t4 of the faces.
     """
-    limit = direction * friction
+    signed_friction = direction * friction
     return _Bound(
         direction,
-        constant=row.tangential_load - limit * row.normal_load,
-        profile_slope=limit,
-        parabola_slope=limit * row.normal_curvature - row.tangential_curvature,
-        fourth_slope=limit * row.normal_fourth - row.tangential_fourth,
+        constant=row.tangential_load - signed_friction * row.normal_load,
+        profile_slope=signed_friction,
+        parabola_slope=signed_friction * row.normal_curvature - row.tangential_curvature,
+        fourth_slope=signed_friction * row.normal_fourth - row.tangential_fourth,
     )
 
 
@@ -1547,17 +1710,18 @@ def _slip_direction_at_edge(
     round_off
         excess of force that counts as 0
     """
+    # Of each piece the attributes are those at its outer end.
     for piece_end in (outermost_piece, piece_below):
-        force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola_load
-        force_excess -= row.tangential_fourth * piece_end.fourth_load + piece_end.locked_in_force
+        force_beyond = row.tangential_load - row.tangential_curvature * piece_end.parabola_load
+        force_beyond -= row.tangential_fourth * piece_end.fourth_load + piece_end.locked_in_force
         load_beyond = (
             row.normal_load
             - piece_end.profile_load
             - row.normal_curvature * piece_end.parabola_load
         )
         load_beyond -= row.normal_fourth * piece_end.fourth_load
-        if abs(force_excess) - friction * load_beyond > round_off:
-            return 1 if force_excess > 0 else -1
+        if abs(force_beyond) - friction * load_beyond > round_off:
+            return 1 if force_beyond > 0 else -1
     return 0
 
 
@@ -1570,7 +1734,7 @@ def _cut_at_end_of_slip(
     round_off: float,
 ) -> int:
     """Cut a memory curve at the inner end of the slip zone at its outer end: number of the
-    uppermost piece that still sticks; its top is the stick edge.
+    outermost piece that still sticks. The outer end of that piece is the stick edge.
 
     The curve is the locked-in tangential force F over the half-width of the flat punches. The zone
     ends where F meets its Coulomb bound. If that is within a piece, its inner part becomes a new
@@ -1589,12 +1753,15 @@ def _cut_at_end_of_slip(
     round_off
         excess of F over the bound that counts as 0
     """
+    # Inwards, past all pieces that slip as a whole. excess_at_top: how far F at the outer end of a
+    # piece is beyond the bound; number_below: number of the piece that it continues.
     empty_curve = pieces[0]
     piece_below = pieces[piece.number_below]
     while piece is not empty_curve and bound.excess_at_top(piece_below) > round_off:
         piece_number = piece.number_below
         piece = piece_below
         piece_below = pieces[piece.number_below]
+    # The zone ends at one of the two ends of this piece, or within it.
     excess_below = bound.excess_at_top(piece_below)
     if excess_below >= 0:
         return piece.number_below
@@ -1610,8 +1777,9 @@ def _cut_at_end_of_slip(
 def _add_inner_slip_zone(
     table: PunchTable, pieces: Pieces, uppermost_piece: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
-    """Set the memory curve to its Coulomb bound in a slip zone inside the contact: number of its
-    uppermost piece then, and s of the inner and outer end of the zone (equal if there is none).
+    """Set the memory curve to its Coulomb bound in a slip zone inside the contact: number of the
+    outermost piece of the curve then, and s of the inner and outer end of the zone (equal if there
+    is none).
 
     The memory curve is the locked-in tangential force F over the half-width of the flat punches. A
     slip zone inside the contact forms when points further in still slip as before, while the edge
@@ -1629,6 +1797,8 @@ def _add_inner_slip_zone(
         excess of F over the bound that counts as 0
     """
     # From the edge inwards to the first piece at whose inner end F is beyond the bound.
+    # number_below: number of the piece that a piece continues; excess_at_top: of F over the bound
+    # at its outer end.
     piece_number = uppermost_piece
     piece = pieces[piece_number]
     sticking_pieces_outside = []
@@ -1641,6 +1811,7 @@ def _add_inner_slip_zone(
         edge_s = pieces[uppermost_piece].top_s
         return uppermost_piece, edge_s, edge_s
 
+    # F meets the bound within this piece: there the zone ends outwards; it ends inwards further in.
     piece_below = pieces[piece.number_below]
     excesses_at_ends = (bound.excess_at_top(piece_below), excess_at_top)
     outer_end_s, loads_at_outer_end = _crossing_of_bound(
@@ -1672,8 +1843,8 @@ def _crossing_of_bound(
 
     The memory curve is the locked-in tangential force F over the half-width of the punches. On a
     piece F and the bound are linear in eta, G and G_4, the loads that the punches carry of the
-    profile, of x^2/2 and of x^4/24. The zero of their
-    difference over s is found by Newton's method, bracketed by the ends of the piece.
+    profile, of x^2/2 and of x^4/24. The zero of their difference over s is found by Newton's
+    method, bracketed by the ends of the piece.
 
     Parameters
     ----------
@@ -1685,13 +1856,16 @@ def _crossing_of_bound(
         direction of slip, and derivatives of the bound with respect to eta, G and G_4
     round_off
         excess that counts as 0 [force per thickness]
+    table
+        loads of the flat punches by their coordinate s
     """
     piece_below, piece = ends
     low_s = piece_below.top_s
     high_s = piece.top_s
     excess_below, excess_above = excesses
     sign_of_rise = 1.0 if excess_above > excess_below else -1.0
-    slope = bound.direction * (bound.profile_slope - piece.profile_slope)
+    # Slopes of the excess of F over the bound, per d eta, dG and dG_4.
+    profile_slope = bound.direction * (bound.profile_slope - piece.profile_slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
@@ -1705,7 +1879,7 @@ def _crossing_of_bound(
     loads_at_s = table.punch_loads_at(s)
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
     for _ in range(_MOST_NEWTON_STEPS):
-        excess = excess_below + slope * (loads_at_s.profile_load - piece_below.profile_load)
+        excess = excess_below + profile_slope * (loads_at_s.profile_load - piece_below.profile_load)
         excess += parabola_slope * (loads_at_s.parabola_load - piece_below.parabola_load)
         excess += fourth_slope * (loads_at_s.fourth_load - piece_below.fourth_load)
         if abs(excess) <= round_off:
@@ -1714,7 +1888,9 @@ def _crossing_of_bound(
             high_s = s
         else:
             low_s = s
-        excess_rate = slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
+        excess_rate = (
+            profile_slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
+        )
         excess_rate += fourth_slope * loads_at_s.fourth_rate
         newton_s = s - excess / excess_rate if excess_rate * sign_of_rise > 0 else math.nan
         s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
