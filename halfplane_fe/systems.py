@@ -99,8 +99,8 @@ def _lu_solve(factors: LuFactors, right_side: Array) -> Array:
 
 
 def _few_rows_times(rows: Array, matrix: Array) -> Array:
-    """Product (k, n) of a matrix of few rows (k, m) and a matrix (m, n), row by row where k <= 3:
-    numpy's product of two matrices would begin with a copy of both.
+    """Product (k, n) of a matrix of few rows (k, m) and a matrix (m, n), row by row where k <= 3
+    (`_FEW_ROWS`): numpy's product of two matrices would begin with a copy of both.
     """
     if len(rows) > _FEW_ROWS:
         return np.asarray(rows @ matrix)
@@ -245,6 +245,7 @@ def _sliding_where_open(states: States) -> States:
     """States (n,) of the nodes, with each open node in the state of the nearest sliding node, or
     slipping forward where none slides: it will probably slide like that once it touches.
     """
+    # States are numbered 0 open, 1 stick, 2 and 3 slip forward and in reverse.
     sliding_nodes = np.flatnonzero(states > STICK)
     if not len(sliding_nodes):
         return np.where(states == OPEN, SLIP_FORWARD, states)
@@ -289,11 +290,15 @@ class _NestedCompliance:
     ) -> tuple[Array, Array, Array]:
         """Nodal forces F, rigid motion r of the body and nodal displacements C F - r, in m load
         cases, where the first k nodes are held at known displacements and the others carry known
-        forces; C is the compliance matrix.
+        forces; C is the compliance matrix (`self.compliance`).
 
         Forces at r = 0 are found first, then those of the rigid motion: both add up to the load.
         C = L L^T, so that the inverse of the leading k x k block of C is X_k^T X_k, X_k being the
-        leading block of L^-1 (`inverse_factor`), for every k.
+        leading block of L^-1 (`self.inverse_factor`), for every k.
+
+        Three further arrays hold in row k - 1 what belongs to k held nodes, which all move by 1:
+        the forces on them (`unit_motion_forces`), the displacements of all nodes by these forces
+        (`unit_motion_displacements`), and the sum of these forces (`load_per_motion`).
 
         Parameters
         ----------
@@ -322,7 +327,8 @@ class _NestedCompliance:
         forces = known_values.copy()
         displacements = known_values.copy()
         displacements[n_held:] = 0.0
-        # The rigid motion that keeps the sum of the forces 0 under the known values alone.
+
+        # Forces by the known values at r = 0, and the rigid motion that then makes their sum 0.
         motion_by_known_values: Array | float = 0.0
         if known_values.any():
             n_loaded = len(known_values) if known_values[n_touching:].any() else n_touching
@@ -331,13 +337,15 @@ class _NestedCompliance:
                 - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
             )
             forces[:n_held] = 0.0
-            # X_k^T X_k times these displacements, by blocks of rows of X_k.
+            # X_k^T X_k times these displacements, by blocks of 256 rows of X_k.
             for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
                 n_columns = min(row_end, n_held)
                 block = self.inverse_factor[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
                 forces[:n_columns] += block.T @ (block @ displacements_by_held_forces[:n_columns])
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
             motion_by_known_values = -forces.sum(axis=0) / self.load_per_motion[n_held - 1]
+
+        # The load, where an actuator moves the body: its movement is r + c times the load.
         load = load_or_movement
         if actuator_compliance is not None:
             movement_per_load = 1 / self.load_per_motion[n_held - 1] + actuator_compliance
@@ -347,6 +355,8 @@ class _NestedCompliance:
                     " prescribed, so that no load follows from it: state a longer distance"
                 )
             load = (load_or_movement - motion_by_known_values) / movement_per_load
+
+        # Forces and displacements by the rigid motion are added.
         rigid_motion = load / self.load_per_motion[n_held - 1] + motion_by_known_values
         forces[:n_held] += np.multiply.outer(
             self.unit_motion_forces[n_held - 1, :n_held], rigid_motion
@@ -397,10 +407,18 @@ class Systems:
         uncoupled, also factorise the normal and the tangential compliance by Cholesky.
 
         These factors serve contacts whose nodes, by ascending x, first stick, then slide, then are
-        open (`_is_nested`). `_displacement_is_zero` is whether U = 0: the shear is zero or, by
-        symmetry, has no resultant. `_displacement_needs_no_stick` is whether U is determined though
-        no node sticks.
+        open. Raises ConvergenceError where a compliance is not positive definite.
+
+        - `interface` (`faces` below): compliance matrices (n, n) of both bodies together; `layer`:
+          compliances (n,) of a penalty layer between them.
+        - `has_shear`: False where there can be no shear.
+        - `faces.has_odd_shear`: by symmetry the shear has no resultant; `faces.coupling`: slip by
+          pressure, None where uncoupled.
+        - `_displacement_is_zero`: whether the tangential displacement U is 0: there is no shear, or
+          it has no resultant. `_displacement_needs_no_stick`: whether U is determined though no
+          node sticks, as an actuator's movement or 0.
         """
+        # Compliance of bodies and layer together.
         faces = self.interface
         self.normal_compliance = faces.normal_compliance + np.diag(self.layer.normal_compliance)
         self.tangential_compliance = faces.tangential_compliance + np.diag(
@@ -419,17 +437,19 @@ class Systems:
             raise ConvergenceError(
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
+
         self._displacement_is_zero = faces.has_odd_shear or not self.has_shear
         self._displacement_needs_no_stick = (
             self._displacement_is_zero or self.actuators.prescribe_displacement
         )
         self.contact_matrix = self._assembled_matrix()
-        # Sets of node states with cached responses; the one used last comes last.
+
+        # Caches. Sets of node states with cached responses; the one used last comes last.
         self._bases: list[_Base] = []
         # Sets with factors of their own, from `newton_correction`, by the bytes of their states.
         self._factorised_sets: dict[bytes, _Base] = {}
         self._nested_compliances: list[_NestedCompliance] = []  # normal, then tangential
-        # Only then does the pressure not depend on the shear.
+        # Only on uncoupled flat faces without bulk stress and tilt is p independent of q.
         if (
             faces.coupling is None
             and faces.is_flat
@@ -447,11 +467,17 @@ class Systems:
         Rows: gap of the nodes, slip of the nodes, P, Q. Columns: p and q of the nodes, normal
         approach, tangential displacement U, both bulk stresses, tilt. With an actuator the row of
         its load gives its movement instead: c times the load plus the rigid motion, c being the
-        compliance between actuator and contact. With `_displacement_is_zero` the row of Q gives U.
+        compliance between actuator and contact. Where U is known to be 0 (`_displacement_is_zero`:
+        no shear, or one without a resultant) the row of Q gives U.
+
+        # notation: n_x, n_y components of the unit normal of the faces at each node, out of the
+        # lower body
         """
         faces = self.interface
         n = len(faces.x)
         n_x, n_y = faces.face_normals
+
+        # Gap and slip by the nodal forces; the coupling is slip by pressure.
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
         # One range numbers the rows of gap and the columns of pressure; likewise slip and shear.
         gap = pressure = slice(0, n)
@@ -461,12 +487,16 @@ class Systems:
         if faces.coupling is not None:
             matrix[gap, shear] = -faces.coupling.T
             matrix[slip, pressure] = faces.coupling
+
+        # Gap and slip by approach, U, bulk stresses and tilt.
         matrix[gap, 2 * n] = -n_y
         matrix[slip, 2 * n] = n_x
         matrix[gap, 2 * n + 1] = n_x
         matrix[slip, 2 * n + 1] = n_y
         if faces.gap_and_slip_per_stress_and_tilt is not None:
             matrix[: 2 * n, 2 * n + 2 :] = faces.gap_and_slip_per_stress_and_tilt.reshape(2 * n, 3)
+
+        # P and Q as resultants of the nodal forces.
         matrix[2 * n, pressure] = n_y
         matrix[2 * n, shear] = n_x
         if self._displacement_is_zero:
@@ -474,6 +504,8 @@ class Systems:
         else:
             matrix[2 * n + 1, pressure] = -n_x
             matrix[2 * n + 1, shear] = n_y
+
+        # Movements of actuators; a compliance is None where the load is given.
         for direction, compliance in enumerate(self.actuators):  # normal, tangential
             is_tangential = direction == 1
             if compliance is not None and not (is_tangential and self._displacement_is_zero):
@@ -532,8 +564,10 @@ class Systems:
         [[0.5, 0.5, -0.25, 0.25], [0.0, 0.0, 1.0, 0.0]]
         """
         self.work_counts["linear solves"] += 1
+        # By ascending x first stick, then slip, then open: Cholesky factors made once serve all.
         if self._is_nested(states):
             return self._values_of_nested(states, n_loads, rows, changes)
+        # Else by an update of low rank from cached responses for similar states.
         return self._values_from_base(states, n_loads, rows, changes)
 
     def _is_nested(self, states: States) -> bool:
@@ -571,6 +605,8 @@ class Systems:
         n_touching = int(np.count_nonzero(states))
         n_sticking = int(np.count_nonzero(states == STICK))
         n_cases = n_loads + (rows is not None)
+
+        # Right sides of the equations, normal and tangential: 0 but for the changes.
         right_sides = np.zeros((2, n, n_cases))
         if rows is not None:
             right_sides[rows // n, rows % n, n_loads] = changes
@@ -579,7 +615,10 @@ class Systems:
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
 
         values = np.zeros((n_cases, 3 + 4 * n))
+        # views (n, n_cases): what is written to them is written to `values`
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
+
+        # Normal problem: pressure, approach and gap.
         normal_compliance = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
             n_touching,
@@ -588,12 +627,14 @@ class Systems:
             normal_load,
             self.actuators.normal_compliance,
         )
+
+        # Tangential problem.
         if self.has_shear:
             tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
             tangential_right_sides[:n_sticking] *= -1
-            signed_friction = slip_sign(states) * self.friction
+            signed_friction = slip_sign(states) * self.friction  # q/p; 0 unless sliding
             tangential_right_sides += signed_friction[:, None] * pressure
             shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
                 n_sticking,
@@ -624,6 +665,7 @@ class Systems:
             by how much: one more row of what is returned; None for none
         """
         n = len(states)
+        # The base, and (2 n,) whether its equation differs from that of these states in each row.
         base, needs_update = self._base_for(states)
         right_sides = np.zeros((0, 2 * n))
         if rows is not None:
@@ -632,18 +674,21 @@ class Systems:
             needs_update[n + rows[rows < n]] = True
             right_sides = np.zeros((1, 2 * n))
             right_sides[0, rows] = changes
-        rows_apart = needs_update.nonzero()[0]
+
+        # Responses: of each equation the displacement or force that the base does not prescribe,
+        # then approach, U and tilt. Amplitudes: what it would prescribe in the updated equations.
+        updated_rows = needs_update.nonzero()[0]
         row_states = np.concatenate([states, states])
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         update = self._updated_responses(
-            base, row_states, rows_apart, load_numbers, right_sides[:, rows_apart]
+            base, row_states, updated_rows, load_numbers, right_sides[:, updated_rows]
         )
 
         # Values are picked from the responses and, after them, what the base prescribes.
         n_responses = 2 * n + 3
         responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
         responses_and_prescribed[:, :n_responses] = update.responses
-        responses_and_prescribed[:, n_responses + rows_apart] = update.amplitudes
+        responses_and_prescribed[:, n_responses + updated_rows] = update.amplitudes
         values = responses_and_prescribed.take(base.value_sources, axis=1)
         _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
         shear += base.signed_friction * pressure  # so far q - (+-f) p, the force of its row
@@ -689,6 +734,8 @@ class Systems:
         right_sides
             (c, m) of the equations `rows`, in c further rows of the answer
         """
+        # Responses of the base to the unit cases and to a 1 in each of the m equations, cached or
+        # solved here: `base.response_row_of_case` says in which row of `base.responses` each is.
         n_units = len(unit_cases)
         base_cases = np.concatenate([unit_cases, rows])
         self._solve_cases(base, base_cases)
@@ -697,7 +744,10 @@ class Systems:
         responses[:n_units] = base_responses[:n_units]
         if not len(rows):
             return _Update(responses, rows, np.zeros((len(responses), 0)))
+
+        # The m equations for the amplitudes.
         self.work_counts["factor updates"] += 1
+        # (k + m, m) left sides of the new set's equations in the base's responses
         left_sides = self._left_sides(base, row_states, rows, base_cases, base_responses)
         left_sides_by_amplitudes = left_sides[n_units:].T
         residuals = np.concatenate([-left_sides[:n_units], right_sides])
@@ -717,7 +767,9 @@ class Systems:
         Parameters
         ----------
         base
-            the set of states for which the responses were computed
+            the set of states for which the responses were computed: its `is_held` (2 n,) are the
+            equations that prescribe a displacement, its `signed_friction` (n,) is +-f of the nodes
+            that slide in it, else 0
         row_states
             (2 n,) states of the n nodes in the other set, whose equations are evaluated: for normal
             equations, then for tangential ones
@@ -741,6 +793,7 @@ class Systems:
                 values[:, ~is_response] = np.equal.outer(cases, prescribed_rows)
             return values
 
+        # In each equation: does the other set prescribe a displacement, or a force?
         node_of_row = rows % n
         state_of_row = row_states[rows]
         is_normal = rows < n
@@ -750,7 +803,8 @@ class Systems:
         # Where the base prescribes the displacement its response is the force, and vice versa.
         is_response = base.is_held[rows] != prescribes_displacement
         left_sides = values_in_rows(rows, is_response)
-        # The base's force in a tangential row is q minus its own (+-f) p; what is wanted is q minus
+
+        # The base's force in a tangential row is q minus its own (+-f) p; the left side is q minus
         # that of the other set.
         friction_difference = base.signed_friction[node_of_row] - self.friction * slip_sign(
             state_of_row
@@ -768,9 +822,9 @@ class Systems:
         """Derivatives of the contact's values by its loads while the nodes keep their states, and
         the correction of the values by given changes of all equations (a Newton step).
 
-        As `value_derivatives`, but each set of states is factorised, or cached, instead of updated
-        from another one. The values are approach, U and tilt, then slip, p, q and gap of the n
-        nodes.
+        The equations of each set of states are factorised; the factors of the last eight sets are
+        cached. The values are approach, U and tilt, then slip, p, q and gap of the n nodes. A node
+        has two equations, by its state: p = 0 or gap = 0; slip constant, or q - (+-f) p = 0.
 
         Parameters
         ----------
@@ -794,10 +848,14 @@ class Systems:
         """
         n = len(states)
         self.work_counts["linear solves"] += 1
+        # By ascending x first stick, then slip, then open: Cholesky factors made once serve all.
         if self._is_nested(states):
             return self._values_of_nested(states, n_loads, np.arange(2 * n), changes)
         if not (self._displacement_needs_no_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
+
+        # Factorised equations of these states (`base`). Its held rows are the equations that
+        # prescribe a displacement, then P and Q; its free rows are those that prescribe a force.
         key = states.tobytes()
         base = self._factorised_sets.pop(key, None)
         if base is None:
@@ -805,13 +863,16 @@ class Systems:
         self._factorised_sets[key] = base  # what was used last comes last
         if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
             del self._factorised_sets[next(iter(self._factorised_sets))]
+
+        # Columns: one case a load, then the changes. Rows, as the columns of the contact matrix: p,
+        # q, approach, U, bulk stresses, tilt. First what is known: forces of free rows, bulk, tilt.
         load_numbers = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
-        # Columns: one case a load, then the changes. Rows, as the columns of the matrix: p, q,
-        # approach, U, bulk stresses, tilt. First what is known: forces of free rows, bulk, tilt.
         forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
         forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
         forces_and_motions[base.free_rows, case_of_changes] = changes[base.free_rows]
+
+        # Then the forces of the held rows, approach and U: from the prescribed displacements.
         right_side = -self.contact_matrix[base.held_rows] @ forces_and_motions
         right_side[base.position_in_held[load_numbers[:2]], np.arange(2)] += 1.0
         is_of_node = base.held_rows < 2 * n
@@ -820,7 +881,8 @@ class Systems:
         forces_and_motions[base.held_rows] = _lu_solve(base.equations.held_by_held, right_side)
         # So far q - (+-f) p stands where a node slides.
         forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
-        displacements = self.contact_matrix[: 2 * n] @ forces_and_motions
+        displacements = self.contact_matrix[: 2 * n] @ forces_and_motions  # gaps, slips
+
         values = np.empty((n_loads + 1, 3 + 4 * n))
         values[:, :3] = forces_and_motions[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
         values[:, 3 : 3 + n] = displacements[n:].T  # slip
@@ -833,8 +895,9 @@ class Systems:
         those of the new states are to be computed from. Also whether each equation differs (2 n,).
 
         It is the base that served these states before, else the one that differs in the fewest
-        equations. If these are more than `_MOST_UPDATED_ROWS`, the new states become a base
-        themselves.
+        equations. If these are more than 110 (`_MOST_UPDATED_ROWS`), the new states become a base
+        themselves. Its responses then come from its own factorised equations, or from a factorised
+        base, its origin, that differs in no more than 300 (`_MOST_ROWS_FROM_ORIGIN`).
 
         Raises
         ------
@@ -845,6 +908,9 @@ class Systems:
         # zero pivot would be a small number of round-off.
         if not (self._displacement_needs_no_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
+
+        # A cached base, that of these states before or the nearest one. Equation bits: type of the
+        # equation in each row; two differ if they have no bit in common.
         key = states.tobytes()
         equation_bits = _equation_bits(np.concatenate([states, states]))
         base = next(
@@ -852,6 +918,8 @@ class Systems:
         )
         if base is None:
             base = self._nearest_base(self._bases, equation_bits, _MOST_UPDATED_ROWS)
+
+        # A new base; open nodes count as sliding like their neighbours in it.
         if base is None:
             row_states = np.concatenate([states, _sliding_where_open(states)])
             factorised_bases = [
@@ -861,6 +929,7 @@ class Systems:
                 factorised_bases, _equation_bits(row_states), _MOST_ROWS_FROM_ORIGIN
             )
             base = self._new_base(row_states, origin)
+
         # The list is in order of use, as bases are dropped from its front. The origin, from which
         # this base's responses are computed, comes last.
         for used_base in (base, base.origin):
@@ -878,8 +947,8 @@ class Systems:
         """Of several sets of node states, the one that differs in the fewest equations from a new
         set, if these are `most_rows_apart` or fewer; else None.
 
-        `equation_bits` (2 n,) are the types of equation of the new set, see `_equation_bits`: two
-        equations differ if they have no bit in common.
+        `equation_bits` (2 n,) are the types of equation of the new set, normal then tangential, as
+        bits: two equations differ if they have no bit in common.
         """
         if not bases:
             return None
@@ -896,10 +965,13 @@ class Systems:
 
         Its equations are factorised, unless its responses are to be computed from those of another
         base, its `origin`. `row_states` (2 n,) are the states of the n nodes for their normal
-        equations, then for their tangential ones.
+        equations, then for their tangential ones. Equations 0 to n - 1 are normal, n to 2 n - 1
+        tangential; 2 n and 2 n + 1 are the loads P and Q.
         """
         n = len(self.normal_compliance)
         states = row_states[:n]
+
+        # Held equations prescribe a gap or a slip, free ones a force.
         has_given_slip = (states == STICK) & self.has_shear
         is_held = np.concatenate([states != OPEN, has_given_slip])
         held_rows = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
@@ -907,6 +979,7 @@ class Systems:
         signed_friction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
         position_in_held = np.full(2 * n + 5, -1)
         position_in_held[held_rows] = np.arange(len(held_rows))
+
         # Values are picked by number from the 2 n + 3 responses followed by the 2 n prescribed
         # values. Where the displacement is prescribed (held) the response is the force.
         number_of_response = np.arange(2 * n)
@@ -919,6 +992,8 @@ class Systems:
             source_of_force,  # pressure and shear
             source_of_displacement[:n],  # gap
         ]
+
+        # No response is cached yet: -1 in `response_row_of_case`.
         return _Base(
             row_states=row_states,
             equation_bits=_equation_bits(row_states),
@@ -952,6 +1027,7 @@ class Systems:
             (n_free,) equations that prescribe a force
         """
         self.work_counts["factorisations"] += 1
+        # contact_matrix: gap and slip of the nodes, P and Q, by p and q, approach, U, bulk, tilt.
         # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
         sliding_nodes = slip_sign(states).nonzero()[0]
         signed_friction = slip_sign(states[sliding_nodes]) * self.friction
@@ -974,24 +1050,32 @@ class Systems:
         single equations or unit loads, where they are not cached yet.
 
         `required_cases` are their numbers: i the normal equation of node i, n + i the tangential
-        one, 2 n and above loads. Responses of neighbouring nodes are computed along with them,
-        since edges of contact and stick travel from node to node. Beyond `_MOST_BASE_BYTES` the
-        bases unused for longest are dropped, but for four.
+        one, 2 n and above loads. Responses of 16 neighbouring nodes on either side are computed
+        along with them, since edges of contact and stick travel from node to node. Beyond 80 MB
+        (`_MOST_BASE_BYTES`) the bases unused for longest are dropped, but for four.
+
+        `base.response_row_of_case` is the row of `base.responses` for each case, -1 where it is not
+        solved; its first `n_cases` rows are filled.
         """
+        # Cases to solve: those missing, and the unsolved ones of neighbouring nodes.
         missing_cases = required_cases[base.response_row_of_case[required_cases] < 0]
         if not len(missing_cases):
             return
         n = len(base.signed_friction)
         missing_rows = missing_cases[missing_cases < 2 * n]
-        steps_to_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
-        neighbours = np.add.outer(missing_rows, steps_to_neighbours).clip(0, 2 * n - 1)
-        unsolved_neighbours = neighbours[base.response_row_of_case[neighbours] < 0]
-        cases = np.union1d(unsolved_neighbours, missing_cases)
+        offsets_of_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
+        neighbouring_rows = np.add.outer(missing_rows, offsets_of_neighbours).clip(0, 2 * n - 1)
+        unsolved_rows = neighbouring_rows[base.response_row_of_case[neighbouring_rows] < 0]
+        cases = np.union1d(unsolved_rows, missing_cases)
+
+        # Solve them, by factors of this base or by an update from those of its origin.
         if base.equations is not None:
             responses = self._responses_by_equations(base, base.equations, cases)
         else:
             assert base.origin is not None  # for the type checker: it has factors or an origin
             responses = self._responses_by_origin(base, base.origin, cases)
+
+        # Add them to the cache.
         n_cases = base.n_cases + len(cases)
         if n_cases > len(base.responses):  # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
@@ -1000,6 +1084,8 @@ class Systems:
         base.responses[base.n_cases : n_cases] = responses
         base.response_row_of_case[cases] = np.arange(base.n_cases, n_cases)
         base.n_cases = n_cases
+
+        # Drop the bases unused for longest, which stand first.
         while (
             len(self._bases) > _FEWEST_BASES
             and sum(cached_base.nbytes for cached_base in self._bases) > _MOST_BASE_BYTES
@@ -1020,10 +1106,14 @@ class Systems:
             free displacements = free_by_held @ forces + displacements_by_force[free_rows]
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
+        `base.signed_friction` (n,) is +-f of the nodes that slide in the base, else 0.
         """
         n = len(self.normal_compliance)
-        position_in_held = base.position_in_held[cases]
+        position_in_held = base.position_in_held[cases]  # -1 of the free cases
         is_held_case = position_in_held >= 0
+
+        # Displacements by the forces that are prescribed. The contact matrix is gap and slip of the
+        # nodes, P and Q, by p and q of the nodes, approach, U, bulk stresses and tilt.
         displacements_by_force = np.zeros((2 * n + 2, len(cases)))
         displacements_by_force[:, ~is_held_case] = self.contact_matrix[:, cases[~is_held_case]]
         # A unit p of an open node: where it counts as sliding in the base, q = (+-f) p acts too.
@@ -1033,12 +1123,15 @@ class Systems:
         displacements_by_force[:, has_unit_pressure] += (
             displacements_by_shear * base.signed_friction[open_nodes]
         )
+
+        # Forces in the held equations, then the displacements of the free ones.
         held_displacements = -displacements_by_force[base.held_rows]
         held_displacements[position_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
         forces = _lu_solve(equations.held_by_held, held_displacements)
         free_displacements = (
             equations.free_by_held @ forces + displacements_by_force[base.free_rows]
         )
+
         responses = np.empty((len(cases), 2 * n + 3))
         responses[:, base.held_rows] = forces.T  # approach and U come last in both
         responses[:, base.free_rows] = free_displacements.T
@@ -1051,25 +1144,39 @@ class Systems:
 
         The update adds the origin's responses to unit right sides, times amplitudes. An amplitude
         is thus what the origin prescribes in that equation. Where one of the two sets prescribes
-        the displacement and the other the force, it is the response of the base. `cases` are
-        numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
+        the displacement and the other the force, it is the response of the base.
+
+        Parameters
+        ----------
+        base, origin
+            the two sets: type of the equation in each row as bits, of which two that differ have
+            none in common (`equation_bits`); rows that prescribe a displacement (`is_held`); +-f of
+            sliding nodes (`signed_friction`)
+        cases
+            numbers of equations (i normal, n + i tangential) and, from 2 n on, loads
         """
         n = len(self.normal_compliance)
-        rows_apart = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
-        is_case_apart = np.isin(cases, rows_apart)
-        right_sides = np.equal.outer(cases[is_case_apart], rows_apart).astype(np.float64)
+
+        # Update from the origin in the rows in which the sets differ.
+        differing_rows = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
+        is_in_differing_row = np.isin(cases, differing_rows)
+        right_sides = np.equal.outer(cases[is_in_differing_row], differing_rows).astype(np.float64)
         update = self._updated_responses(
-            origin, base.row_states, rows_apart, cases[~is_case_apart], right_sides
+            origin, base.row_states, differing_rows, cases[~is_in_differing_row], right_sides
         )
-        # The update returns the cases common to both sets first.
+
+        # Its rows in the order of `cases`: it returns the cases common to both sets first.
         order_of_update = np.concatenate(
-            [(~is_case_apart).nonzero()[0], is_case_apart.nonzero()[0]]
+            [(~is_in_differing_row).nonzero()[0], is_in_differing_row.nonzero()[0]]
         )
         responses = np.empty_like(update.responses)
         responses[order_of_update] = update.responses
-        is_swapped = origin.is_held[rows_apart] != base.is_held[rows_apart]
-        swapped_rows = rows_apart[is_swapped]
+
+        # Where the sets prescribe different ones of displacement and force.
+        is_swapped = origin.is_held[differing_rows] != base.is_held[differing_rows]
+        swapped_rows = differing_rows[is_swapped]
         responses[np.ix_(order_of_update, swapped_rows)] = update.amplitudes[:, is_swapped]
+
         # The force that the origin prescribes in a tangential row is q - (+-f) p; where it slides
         # and the base sticks, q is the response.
         sticking_nodes = swapped_rows[swapped_rows >= n] - n
