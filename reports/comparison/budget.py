@@ -119,8 +119,8 @@ def theory_on_steps(
     result to the next, at the result's surface points.
 
     The result minus this answer holds no error of the load increments. None where bulk stress or
-    tilt leave theory without an answer on such a path. `fields` names the fields that theory
-    computes: all of them by default, which an error budget needs.
+    tilt (an unsymmetric scene) leave theory without an answer on such a path. `fields` names the
+    fields that theory computes, such as "pressure": all by default, which an error budget needs.
     """
     import semi_analytic
 
@@ -149,8 +149,10 @@ def values_without_step_error(comparison: Comparison) -> dict[str, float | None]
 
     Where bulk stress or tilt leave theory without such an answer, the result is compared with
     theory on the smooth path. InputError where the polygon reference is absent for another reason.
+    `comparison.effects` are the compliances of finite bodies, or None.
     """
     if comparison.polygon_reference is not None:
+        # without the work that finite elements add for the curve of the path
         result_on_polygon = solution_on_straight_steps(comparison.result)
         return _value_by_metric(
             compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
@@ -185,7 +187,8 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     """Ratio of the element sizes of neighbouring meshes, for a study with three coarser meshes.
 
     It is 2, or smaller where the coarsest edge elements would exceed 0.25 a, a the half-width of
-    the contact. None where it would be below 1.2.
+    the contact. None where it would be below 1.2. `mesh.edge_element_size` is the size of the
+    elements at the edges of contact over a, with the finest of the four meshes.
 
     >>> from meshes import MeshSettings
     >>> (
@@ -206,9 +209,11 @@ def coarser_mesh_and_settings(
     """Settings of mesh and solver for a mesh with all surface elements `factor` times larger, but
     at most 0.25 a, a the half-width of the contact.
 
-    The stiffnesses of a penalty layer are stated relative to the element size. They are multiplied
-    by the factor too, so that the layer keeps its stiffness wherever no size is limited.
+    Element sizes in `mesh` are over a. The stiffnesses of a penalty layer are stated in E*/h, h the
+    element size. They are multiplied by the factor too, so that the layer keeps its stiffness
+    wherever no size is limited.
     """
+    # elements in the middle of the contact, and at its edges
     middle_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.element_size)
     edge_size = min(_LARGEST_ELEMENT_SIZE, factor * mesh.edge_element_size)
     if settings.method == "penalty":
@@ -244,14 +249,21 @@ def solve_refinements(
     comparison
         the run compared with half-plane theory
     mesh, settings
-        of the run
+        of the run; `mesh.far_radius` is the radius of the half-disc over the half-width a
     stage
         reports progress: a function that takes a label and returns a context for that run
     coarsenings
         number of coarser meshes, 2 or 3
+
+    Returns
+    -------
+    Refinements
+        the runs by source of error, each with the value of every metric; why a source was not
+        measured; the CPU time. Penalty pairs: (with layer, without) on the meshes h and r h
     """
     start_seconds = time.process_time()
     ratio = mesh_ratio(mesh)
+    # the run whose errors are measured, without the error of its load increments
     base_run = Run(
         label="h",
         size=1.0,
@@ -263,6 +275,8 @@ def solve_refinements(
     if ratio is None:
         return _no_refinements(base_run, comparison)
 
+    # solves the scene on a mesh and compares it with theory; `follows_polygon`: with theory on the
+    # polygon of the run's own increments
     solver = _RunSolver(comparison, stage)
     mesh_runs = [base_run]
     for exponent in range(1, coarsenings + 1):
@@ -277,6 +291,7 @@ def solve_refinements(
     reasons_not_measured: dict[str, str] = {}
     bodies = comparison.scene.bodies
     if "half_plane" in (bodies.lower.kind, bodies.upper.kind):
+        # 4 to 500 a: half and twice of the radius can be meshed
         if _RANGE_OF_FAR_RADIUS[0] <= mesh.far_radius <= _RANGE_OF_FAR_RADIUS[1]:
             far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
         else:
@@ -309,7 +324,8 @@ def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
     this reason for the mesh, the far field and the penalty layer.
     """
     reason = "the run's own elements leave no room for three coarser meshes"
-    # without theory on straight increments halved increments are needed, and there are none
+    # Runs with halved load increments: None where theory on straight increments makes them
+    # needless; empty where they are needed, and there are none.
     step_runs = () if comparison.polygon_reference is None else None
     return Refinements(
         mesh_runs=(base_run,),
@@ -327,8 +343,17 @@ class _RunSolver:
 
     Attributes
     ----------
+    scene
+        of all runs
+    effects
+        compliances that finite bodies add to half-planes; None where they are not needed
+    scales
+        what a coarse run of finite elements found and the meshes are made by, such as the largest
+        half-width of contact; None for an external result
     follows_polygon
         whether theory follows the polygon of each run's own load increments; else the smooth path
+    stage
+        takes the label of a run and returns a context that reports its progress
     """
 
     def __init__(self, comparison: Comparison, stage: _Stage) -> None:
@@ -344,6 +369,10 @@ class _RunSolver:
         """Solve the scene by finite elements and compare the solution with half-plane theory. The
         returned run holds the value of each metric. Where the finite elements do not converge, or
         theory has no answer, it holds the reason and no values.
+
+        The solver's attributes are those of all runs: `scene`, `effects` (compliances of finite
+        bodies, or None), `scales` (half-width of contact, ...: meshes need it), `stage` (progress),
+        and `follows_polygon`: whether theory takes the straight load increments of the run.
 
         Parameters
         ----------
@@ -405,7 +434,8 @@ def _far_field_runs(
     half-plane, does to a result: with the radius 2 L, L and L/2.
 
     `coarse_run` is the run with the radius L, solved already with this `mesh` and these `settings`.
-    The size of a run is its 1/radius over 1/L: 0.5, 1 and 2.
+    The size of a run is its 1/radius over 1/L: 0.5, 1 and 2. `solver.solved_run` solves the scene
+    by finite elements and compares the solution with theory.
     """
     runs = []
     for radius_in_words, size in (("2 L", 0.5), ("L/2", 2.0)):
@@ -430,9 +460,12 @@ def _penalty_runs(
     ----------
     solver
         solves the scene on a mesh and gives the run
+    runs
+        `size`: element size over that of the finest mesh
     mesh, settings
         of the run on the finest mesh
     """
+    # contact and Coulomb's law exactly, by search for the nodes in contact and in stick
     exact_settings = replace(
         settings, method="active_set", normal_stiffness=None, tangential_stiffness=None
     )
@@ -542,6 +575,8 @@ class ErrorBudget:
     def coverage_in_words(self) -> str:
         """A sentence: for how many metrics the stated uncertainty covers the part of the error that
         no measured term explains. It can be checked for half-planes only.
+
+        `budgets` holds a budget for each metric. Its `is_covered` is None where that is not known.
         """
         known_budgets = [budget for budget in self.budgets if budget.is_covered is not None]
         if not known_budgets:
@@ -562,10 +597,13 @@ def error_budget(
     """For every metric of `comparison` with a finite value, the part of each source of error in it:
     mesh, penalty layer, load increments, far field, iteration, theory.
 
+    `refinements` holds the runs on coarser meshes, with other far fields, ... that measure them.
     `seconds_of_run` is the CPU time of the run without the refinements. The two metrics that are
-    parts of the dissipation have no budget of their own.
+    parts of the dissipation, that of the load increments and the rest, have no budget of their own.
     """
+    # theory is the exact answer for half-planes
     has_exact_answer = are_half_planes(comparison.scene)
+    # an error that is the same in all metrics; the other five differ from metric to metric
     iteration_term = _iteration_term(comparison)
     budgets = []
     for metric in comparison.metrics:
@@ -628,7 +666,8 @@ def _extrapolated_term(
     refinements
         states, by source of error, why it was not measured
     runs
-        runs that differ in one size only, the finest first
+        runs that differ in one size only, the finest first. A size is relative to the run itself:
+        element size, or 1/radius of the half-disc that stands for a half-plane
     formal_order
         order of convergence that the method has in theory
     """
@@ -643,6 +682,7 @@ def _extrapolated_term(
         formal_order=formal_order,
         rounding=ROUND_OFF_OF_METRIC,
     )
+    # value at size zero, its uncertainty, how the values change with the size, and by what rule
     extrapolation = extrapolate(refinement)
     error_of_run = None
     if extrapolation.kind not in ("oscillating", "diverging"):
@@ -667,14 +707,19 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     - their uncertainty is larger than that of the run: no error, and the uncertainty of the run;
     - else: their error (none where they only scatter), and the uncertainty of the run.
 
-    Where it states none: their error and uncertainty, the latter at least that of an edge or peak.
+    Where it states none: their error and uncertainty, the latter at least what the run states of
+    the metric, of its edge of contact or stick, or of its pressure peak.
+
+    The returned term holds error, uncertainty, and in words how both were measured.
     """
     formal_order = 2.0
+    # by the coarser meshes alone; its `kind`: monotone, oscillating, ...
     term = _extrapolated_term("mesh", metric, refinements, refinements.mesh_runs, formal_order)
     if term.uncertainty is None:
         return term
     labels = ", ".join(run.label for run in refinements.mesh_runs if not run.failure)
     how_measured = f"{labels}: {term.kind}; {term.how_measured}"
+    # in the unit of the metric; None where the run states none
     stated_uncertainty = _uncertainty_of_value(metric, comparison)
     if stated_uncertainty is None:
         return _with_stated_uncertainties(
@@ -703,7 +748,7 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
 def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Comparison) -> Term:
     """The `term` of the mesh in a metric, its uncertainty raised to the largest that the run itself
     states of the metric, of its contact or stick edge, or of its pressure peak. An infinite one
-    raises nothing.
+    raises nothing. All are in the unit of the metric.
     """
     stated_uncertainties = (
         metric.uncertainty or 0.0,
@@ -735,6 +780,8 @@ def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
     metric, the larger of left and right, over the reference half-width. 0 for metrics of no edge,
     and where none is stated. An edge without an estimate, NaN, leaves that of the other one; NaN
     where neither has one.
+
+    `metric.key` is "contact_edge" or "stick_edge" for an edge; `metric.time` is its worst instant.
     """
     result = comparison.result
     # (n_instants, 2), left and right edge [length], as `contact_edge_uncertainty`
@@ -754,9 +801,10 @@ def _uncertainty_of_peak(metric: Metric, comparison: Comparison) -> float:
     element size only where the contact edges lie alike in their elements. For half-planes it is not
     needed: their true error is known, and the coarser meshes cover it.
     """
+    # pressure peaks: largest pressure of the cycle, and of each instant
     if metric.key not in _PEAK_METRICS or are_half_planes(comparison.scene):
         return 0.0
-    uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)
+    uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)  # [stress]
     if not math.isfinite(uncertainty):
         return 0.0
     uncertainty_over_result_peak = float(uncertainty / comparison.result.pressure.max())
@@ -771,6 +819,10 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
     It is known exactly where theory can follow the polygon of the increments: value by theory on
     the smooth path minus value by theory on the polygon. Elsewhere the error is 4/3 of the change
     by halved increments, as for an error of second order. Its uncertainty is that change.
+
+    Of `refinements`: `step_runs` has the increments of the run, then halved ones, on the mesh
+    `coarse_label`; None where theory follows the polygon. `mesh_runs` starts with the run itself,
+    whose `values` are compared with theory on the polygon. `metric.value`: on the smooth path.
     """
     if refinements.step_runs is not None:
         values = _finite_values(metric, refinements.step_runs)
@@ -804,6 +856,9 @@ def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinemen
     Its uncertainty is twice the change of that difference on the next coarser mesh. Where the
     solver uses no layer there is no error, and the uncertainty 0 is a bound (never exceeded). The
     term is not measured where one of the four runs has no finite value.
+
+    `refinements.penalty_pairs`: runs (with layer, without) on the mesh of the run, then on the next
+    coarser one.
     """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         how_measured = "none by construction: the law is met exactly"
@@ -829,10 +884,13 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     """The error that the finite radius L of a meshed half-plane makes in a metric phi:
     phi(L) − phi(infinity) on the coarse mesh.
 
-    Where the values for the three radii are neither equal nor of a plausible order, or the error is
-    smaller than what the run would state of the value on the coarse mesh, there is no error, and
-    the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies with a
-    size of their own.
+    Where the values for the three radii are neither equal nor of a plausible order (1 to 4.2), or
+    the error is smaller than what the run would state of the value on the coarse mesh, there is no
+    error, and the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies
+    with a size of their own.
+
+    `refinements` holds the runs with the radii 2 L, L and L/2, and the runs on meshes of different
+    element size. What a run states of its value is taken to grow with the element size.
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
@@ -841,6 +899,7 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
         )
     formal_order = 4.0  # tractions under given loads converge with the fourth power of 1/L
     runs = refinements.far_field_runs
+    # error and uncertainty by extrapolation to 1/L = 0
     term = _extrapolated_term("far field", metric, refinements, runs, formal_order)
     if term.uncertainty is None:
         return term
@@ -873,8 +932,10 @@ def _iteration_term(comparison: Comparison) -> Term:
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
     """The error of half-plane theory's own quadratures and series in a metric: no value, since the
     sign is not known. The uncertainty is the largest estimate by theory itself, on the smooth path
-    and on the polygon; round-off where it states none, as of closed forms.
+    and on the polygon of the load increments; round-off (1e-12) where it states none, as of closed
+    forms.
     """
+    # how the names of this quantity begin among the relative errors that theory states
     prefix = _ERROR_NAME_BY_METRIC.get(metric.key, metric.key)
     theory_solutions = [comparison.reference]
     if comparison.polygon_reference is not None:
@@ -919,9 +980,9 @@ class Refinement(PythonNumbers):
     rounding: float = 0.0  # values that differ by no more than this are equal
 
     def __post_init__(self) -> None:
-        """Check the sizes and values of a refinement study. ValueError where the sizes are not
-        positive and strictly growing, where a value is not finite, or where the numbers of sizes
-        and values differ.
+        """Check the element sizes of the solutions of a refinement study, and the values of one
+        quantity in them. ValueError where the sizes are not positive and strictly growing, where a
+        value is not finite, or where the numbers of sizes and values differ.
         """
         super().__post_init__()  # NumPy numbers become Python numbers
         if len(self.sizes) != len(self.values) or not self.sizes:
@@ -980,7 +1041,7 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     1.78617
     """
     # notation: phi_3 - phi_2 over phi_2 - phi_1 is (h_3^p - h_2^p)/(h_2^p - h_1^p), which grows
-    # with p
+    # with p: (h_2/h_1)^p times (r_c^p - 1)/(r_f^p - 1), r_c = h_3/h_2, r_f = h_2/h_1
     fine_change = values[1] - values[0]
     coarse_change = values[2] - values[1]
     if fine_change == 0 or coarse_change / fine_change <= 0:
@@ -1009,6 +1070,9 @@ def kind_of_sequence(refinement: Refinement) -> _Kind:
     sign: "monotone" where the curve phi_0 + alpha h^p that fits best has a p from 0.01 to 16, else
     "diverging". Other changes (both signs, or some 0): "oscillating" where the change between the
     two finest meshes is smaller than the largest of the others, else "diverging".
+
+    `refinement` holds the values phi of one quantity (finest mesh first), their spread (largest
+    minus smallest) and the difference that counts as rounding.
     """
     if len(refinement.values) < 3:
         return "too few"
@@ -1027,10 +1091,12 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     Returns the order of convergence, the kind of sequence (monotone, oscillating, ...), the value
     at size zero and its uncertainty.
 
-    - One mesh: neither value nor uncertainty. Two: the formal order, three times the correction.
-    - All values equal to rounding: the finest value, and that rounding.
-    - Every three neighbouring meshes have plausible orders that agree to a quarter of the formal
-      order: Roache's index with the safety factor 1.25, the uncertainty by the lowest order.
+    - One mesh: neither value nor uncertainty. Two: the order of the method in theory (formal
+      order), three times the correction.
+    - All values equal to rounding: the value of the finest mesh, and that rounding.
+    - Every three neighbouring meshes have plausible orders (a quarter of the formal order to 1.05
+      of it) that agree to a quarter of the formal order: Roache's index with the safety factor
+      1.25, the uncertainty by the lowest order.
     - Otherwise monotone, four meshes or more: least squares. The uncertainty is at least the spread
       of the three finest.
     - Oscillating or diverging, four meshes or more: the finest value. The uncertainty is at least
@@ -1054,6 +1120,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         rule = "all solutions agree to rounding"
         return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
     if n_solutions == 2:
+        # value at size zero minus value of the finest mesh
         correction = _richardson_correction(refinement, refinement.formal_order)
         limit = finest_value + correction
         uncertainty = _LARGE_SAFETY_FACTOR * abs(correction)
@@ -1111,8 +1178,11 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
 
     `kind` is "monotone", "oscillating" or "diverging". The uncertainty of monotone values is at
     least the spread of the three finest, otherwise at least the spread of all. Values that are not
-    monotone have no limit: the finest value stands for it.
+    monotone have no limit: the value of the finest mesh stands for it. The safety factor is 1.25
+    for a plausible order, else 3.
     """
+    # curve through the solutions: its `limit` at size zero, its value at the finest size, and the
+    # standard `deviation` of the solutions from it
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes
@@ -1139,9 +1209,10 @@ def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | N
 
     It is the curve of fitted order where that lies between a quarter of the formal order and the
     formal order. Otherwise it is the best of the curves with the formal order, with half of it, or
-    (where the fitted order is small or absent) with both.
+    (where the fitted order is small or absent) with both: the one with the least standard deviation
+    of the solutions from it. Each is fitted with equal weights and with weights 1/h.
     """
-    formal_order = refinement.formal_order
+    formal_order = refinement.formal_order  # of the method in theory
     free_fit = _best_curve_of_free_order(refinement)
     order = free_fit.order
     if order is not None and formal_order / 4 <= order <= formal_order:
@@ -1154,7 +1225,7 @@ def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | N
         for powers in powers_of_curves
         for weights in _two_sets_of_weights(refinement)
     ]
-    best_fit, best_powers = min(fits, key=lambda pair: pair[0].deviation)
+    best_fit, best_powers = min(fits, key=lambda fit_and_powers: fit_and_powers[0].deviation)
     powers_in_words = " and ".join(f"{power:g}" for power in best_powers)
     return best_fit, f"order {powers_in_words} assumed", order
 
@@ -1185,8 +1256,11 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
     """The curve phi_0 + alpha h^p that fits the values of a refinement study best, for `weights`
     (k,) of the k solutions, p between 0.01 and 16. Its order is None where the best p is an end of
     that range.
+
+    `refinement` holds the sizes h and the values phi of the solutions, finest first. The returned
+    curve has its limit phi_0, its value at the finest size, and the deviation of the solutions.
     """
-    relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
+    relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]  # over the coarsest
     values = np.array(refinement.values)
     deviations = values - np.average(values, weights=weights)
 
@@ -1232,7 +1306,7 @@ def _fitted_curve(
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
-    # one column for phi_0, then one for each power
+    # (k, 1 + number of powers): one column for phi_0, then one for each power
     columns = np.column_stack(
         [np.ones_like(relative_sizes), *(relative_sizes**power for power in powers)]
     )
@@ -1241,7 +1315,7 @@ def _fitted_curve(
         columns * root_of_weights[:, None], values * root_of_weights, rcond=None
     )[0]
     fitted_values = columns @ coefficients
-    n_fitted = len(coefficients) + (order is not None)
+    n_fitted = len(coefficients) + (order is not None)  # numbers that were fitted
     degrees_of_freedom = max(len(values) - n_fitted, 1)
     deviation = math.sqrt(
         float(np.sum(weights * (values - fitted_values) ** 2)) / degrees_of_freedom

@@ -121,11 +121,12 @@ class MetricValue(PythonNumbers):
 
     @property
     def is_on_points_of_result(self) -> bool:
-        """Whether `value` compares the result with the reference's value on the result's points and
-        instants, in place of the amount of the reference.
+        """Whether the metric compares the result with the reference on the result's points and
+        instants, and not with the amount of the reference, which may lie between them.
 
-        It then differs from (result amount − reference amount)/denominator. False without a value
-        or amounts.
+        `amounts` holds the quantity itself in reference and result, such as the largest pressure.
+        `value` is the difference over `denominator`. On the result's points it is not the
+        difference of the two amounts, to 1e-6 of the larger. False without a value or amounts.
 
         >>> MetricValue(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
@@ -177,7 +178,7 @@ def trapezoidal_weights(positions: Array) -> Array:
 
 
 def _first_index_of_largest(size: Array) -> int:
-    """The first index at which `size` (k,) is largest, to rounding.
+    """The first index at which `size` (k,) is largest, to a relative round-off of 1e-9.
 
     A cycle that is its own mirror image has each difference twice, with both signs: which of them
     is larger is chance.
@@ -210,6 +211,7 @@ def _worst_value_and_place(
     if not is_considered.any():
         return None, None
     sizes = np.where(np.isnan(series), np.inf, np.abs(series))
+    # -1 is below every size
     worst_index = _first_index_of_largest(np.where(is_considered, sizes, -1.0))
     return float(series[worst_index]), float(places[worst_index])
 
@@ -218,7 +220,8 @@ def _value_at_worst_instant(
     pair: Pair, series: Array, is_considered: Mask | None = None, **further_fields: Any
 ) -> MetricValue:
     """A metric with a value at every instant, `series` (k,). Its value is the largest in size at
-    the judged instants, or where `is_considered` (k,). `further_fields` are those of `MetricValue`.
+    the instants `is_considered` (k,), by default those in contact with P of at least 0.1 P_ref.
+    `further_fields` are those of `MetricValue`, such as a note.
     """
     if is_considered is None:
         is_considered = pair.is_judged
@@ -276,8 +279,8 @@ def _difference_of_extremes(
 
     An external result has points and instants of its own choice, which may miss the extremum. It is
     therefore compared with the reference on the same points and instants, and a note says so where
-    that changes digits. There is no value where these points miss more than a tenth of the
-    reference's extremum. None either where the reference is infinite and the result finite.
+    that changes more than 1e-6 of it. There is no value where these points miss more than a tenth
+    of the reference's extremum. None either where the reference is infinite and the result finite.
 
     Parameters
     ----------
@@ -287,9 +290,10 @@ def _difference_of_extremes(
     value_of_result
         extreme value of the result
     scale
-        typical size of the quantity, which divides the difference where the reference has 0
+        typical size of the quantity, which divides the difference where the extremum of the
+        reference is below 1e-12 of it
     is_external
-        whether the result is external
+        whether the result comes from another program
     note
         note of the metric where no other note is needed
     """
@@ -299,6 +303,7 @@ def _difference_of_extremes(
     if not is_external:
         return _difference_of_amounts(extremum, value_of_result, scale, note=note)
     denominator = abs(extremum) if abs(extremum) > _NEGLIGIBLE_SHARE * scale else scale
+    # part of the extremum that lies between the points and instants of the result
     share_missed = abs(value_on_points - extremum) / denominator
     if share_missed > _LARGEST_SHARE_MISSED:
         reason_for_none = (
@@ -327,6 +332,10 @@ def _difference_of_largest_values(
 
     Parameters
     ----------
+    pair
+        the two solutions. `theory_extremes`: largest values of theory, and in `sampled` why they
+        are not exact ("" where they are); None where the reference is not theory.
+        `has_external_result`: whether the result is not of the project's finite elements
     name
         the quantity in `pair.theory_extremes`: "pressure", "half_width", "slip" or
         "dissipation_density"
@@ -349,15 +358,20 @@ def _difference_of_largest_values(
 def _with_stated_uncertainties(
     pair: Pair, metric_value: MetricValue, name: str, name_of_error: str = ""
 ) -> MetricValue:
-    """A measured metric together with the uncertainties that reference and result themselves state
-    of the two amounts that it compares; as it is without amounts.
+    """The value of a metric, `metric_value`, with `stated` filled in: the uncertainties that
+    reference and result themselves state of the two `amounts` that it compares, in their unit.
+    Unchanged where the metric has no amounts.
 
     Parameters
     ----------
+    pair
+        the two solutions. `plain_reference`: the reference by its own rules, not by those of an
+        external result
     name
-        the quantity in `uncertainties` of a finite-element solution
+        key of the quantity among the uncertainties that a solution states
     name_of_error
-        the quantity in `record.errors` of half-plane theory; "" where theory is exact
+        key of the quantity among the relative errors that half-plane theory states; "" where
+        theory is exact
     """
     if metric_value.amounts is None:
         return metric_value
@@ -380,10 +394,10 @@ def _stated_uncertainty(
     amount
         value of the solution, such as its largest pressure
     name
-        the quantity in `uncertainties` of a solution
+        the quantity in `solution.uncertainties` (name -> uncertainty in the unit of the amount)
     name_of_error
-        the quantity in `record.errors` of half-plane theory, where `uncertainties` has none; ""
-        where theory is exact
+        the quantity in `solution.record.errors` of half-plane theory (name -> relative error),
+        where `uncertainties` has none; "" where theory is exact
     """
     if name in solution.uncertainties:
         return solution.uncertainties[name]
@@ -457,9 +471,11 @@ def _difference_of_stick_zones(
 
     `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
     value where one solution lacks the zone or both do: the note then names them.
+    `pair.scales.half_width` is a_ref, the half-width of contact at the reference load.
     """
     reference_value = float(length_of(pair.reference))
     result_value = float(length_of(pair.result))
+    # the quantity itself in reference and result, which a table shows
     amounts = (float(length_of(pair.plain_reference)), result_value)
     if math.isnan(reference_value) and math.isnan(result_value):
         engines = (
@@ -483,9 +499,11 @@ def largest_slip(pair: Pair) -> MetricValue:
     """Largest range of the slip s that any point has while in contact, each solution over its own
     contact: (result − reference)/reference.
 
-    No value where the finite elements slip by no more than round-off and the reference by more;
-    none without friction, or where the result never has contact.
+    No value where the finite elements slip by no more than round-off (1e-11 of their largest s) and
+    the reference by more; none without friction, or where the result never has contact. Where the
+    reference does not slip, the difference is over f p_ref a_ref/E* (`pair.scales.slip`).
     """
+    # last cycles: slip s [length] and state (open, stick, slip) of the common points, (k, n)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.result.scene.friction.coefficient:
@@ -494,11 +512,12 @@ def largest_slip(pair: Pair) -> MetricValue:
     is_closed_in_reference = reference_cycle.state != OPEN
     if not is_closed_in_result.any():
         return _metric_without_value(_REASON_NO_CONTACT)
-    # ranges (n,) of the points
+    # largest minus least s of each point over its instants in contact, (n,)
     ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
     ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
     reference_value = float(ranges_in_reference.max())
     result_value = float(ranges_in_result.max())
+    # `amounts` of the metric: the largest slip itself, in reference and result
     metric_value = _difference_of_largest_values(
         pair, "slip", reference_value, result_value, pair.scales.slip
     )
@@ -513,12 +532,13 @@ def largest_slip(pair: Pair) -> MetricValue:
 
 def largest_slip_common(pair: Pair) -> MetricValue:
     """Largest range of the slip s that any point has, over the points and instants in contact in
-    both solutions: (result − reference)/reference. No value without such a point.
+    both solutions: (result − reference)/reference. No value without such a point. Where the
+    reference does not slip, the difference is over f p_ref a_ref/E* (`pair.scales.slip`).
     """
-    is_closed = _is_closed_in_both(pair)
+    is_closed = _is_closed_in_both(pair)  # (k instants, n points)
     if not is_closed.any():
         return _metric_without_value(_REASON_NO_CONTACT)
-    # ranges (n,) of the points
+    # largest minus least s of each point over its instants in contact, (n,)
     ranges_in_reference = range_of_slip(pair.reference_cycle.slip, is_closed)
     ranges_in_result = range_of_slip(pair.result_cycle.slip, is_closed)
     return _difference_of_amounts(
@@ -540,8 +560,9 @@ def dissipation(pair: Pair) -> MetricValue:
 
     An external result is compared with W of `pair.reference`, which integrates by the same rule and
     on the same points as the result. The table shows the W of `pair.plain_reference`, the same
-    solution with its own rule and points.
+    solution with its own rule and points. `pair.scales.dissipation` is A f^2 P_ref^2.
     """
+    # the two W of the reference differ for an external result only
     metric_value = _difference_of_extremes(
         pair.plain_reference.dissipation,
         pair.reference.dissipation,
@@ -558,8 +579,10 @@ def dissipation(pair: Pair) -> MetricValue:
 
 def largest_dissipation_density(pair: Pair) -> MetricValue:
     """Largest friction work per area w(x) of the last cycle: (result − reference)/reference, with
-    the place of the result's largest value.
+    the place x/a_ref of the result's largest value. Over A f^2 P_ref^2/a_ref
+    (`pair.scales.dissipation_density`) where the reference does no friction work.
     """
+    # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     value_on_points = float(reference_cycle.dissipation_density.max())
@@ -578,13 +601,14 @@ def largest_dissipation_density(pair: Pair) -> MetricValue:
 def edge_tension(pair: Pair) -> MetricValue:
     """Largest tensile stress along a face at an edge of contact, (result − reference)/reference.
 
-    Where the stress of the reference is negligible beside f p_ref it is the difference over f
-    p_ref. Its uncertainty is the sum of those that both solutions state. No value without friction,
-    or where one solution does not state that stress. The reference counts with its own states and
-    edges (`pair.plain_reference`), not with those by a rule of the result.
+    Where the stress of the reference is negligible beside f p_ref (`pair.scales.shear`) it is the
+    difference over f p_ref. Its uncertainty is the sum of those that both solutions state. No value
+    without friction, or where one solution does not state that stress. The reference counts with
+    its own states and edges (`pair.plain_reference`), not with those by a rule of the result.
     """
     if not pair.result.scene.friction.coefficient:
         return _metric_without_value("frictionless: nothing stretches the faces")
+    # (stress, its uncertainty), or None
     tension_of_reference = _largest_tension_and_uncertainty(pair.plain_reference, pair)
     tension_of_result = _largest_tension_and_uncertainty(pair.result, pair)
     if tension_of_reference is None or tension_of_result is None:
@@ -619,6 +643,7 @@ def _metric_without_tension(
         engines_without_value.append(engine_in_words(pair.result.engine))
     note = f"not known of {' and '.join(engines_without_value)}"
     if tension_of_result is None and pair.result.engine == "halfplane_fe":
+        # such as bodies whose stress beside the contact cannot be fitted; None for another reason
         reason = why_tension_is_unknown(pair.result)
         note = f"{note}: {reason}" if reason else note
     return replace(
@@ -634,10 +659,13 @@ def _largest_tension_and_uncertainty(
     """Largest tensile stress along a face at an edge of contact, and its uncertainty [stress]; None
     where the solution does not state it: an external one, theory corrected by the responses of
     finite bodies, or theory that is compared with a reference which is not theory.
+
+    `solution` is reference or result of `pair`.
     """
     import halfplane_fe
 
     if solution.engine == "semi_analytic":
+        # largest values of theory in the cycle; None where the reference is not plain theory
         extremes = pair.theory_extremes
         if extremes is None or is_corrected(solution):
             return None
@@ -665,8 +693,9 @@ def peak_pressure(pair: Pair) -> MetricValue:
 
 def pressure(pair: Pair) -> MetricValue:
     """L2 norm over x of the difference of the pressures, over that of the reference's pressure, at
-    the worst instant.
+    the worst instant. `stated` holds the relative uncertainties that both solutions state.
     """
+    # last cycles: pressure at the common instants and points, (k, n)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
@@ -679,8 +708,10 @@ def pressure(pair: Pair) -> MetricValue:
 
 def shear(pair: Pair) -> MetricValue:
     """L2 norm over x of the difference of the shear tractions, over f times that of the reference's
-    pressure, at the worst instant.
+    pressure, at the worst instant. `stated` holds the relative uncertainties that both solutions
+    state.
     """
+    # last cycles: tractions at the common instants and points, (k, n)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
@@ -716,6 +747,8 @@ def _normal_resultant(cycle: Cycle, face_lengths: Array, normals: Array) -> Arra
 
     Parameters
     ----------
+    cycle
+        `pressure` and `shear` (k, n) at its instants and points [stress]
     face_lengths
         (n,) length of the face that belongs to each point [length]
     normals
@@ -766,14 +799,17 @@ def _excess_of_resultant(
 
     Parameters
     ----------
+    pair
+        the two solutions, with their last cycles on k common instants and n common points
     resultant_of
-        integrates tractions, (cycle, face lengths, normals) -> (k,)
+        integrates tractions, (cycle, face lengths (n,), normals (2, n)) -> load (k,)
     name_of_load
-        name of the stated load in a cycle, "normal_load" or "tangential_load"
+        name of the stated load (k,) in a cycle, "normal_load" or "tangential_load"
     """
     x = pair.result_cycle.x
     trapezoidal_lengths = trapezoidal_weights(x)
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
+    # lengths and normals of the finite elements; None for another result
     faces = _faces_of_result(pair.result)
     lengths_of_points, normals_of_points = faces or (trapezoidal_lengths, normals_of_flat)
     resultant = resultant_of(pair.result_cycle, lengths_of_points, normals_of_points)
@@ -811,10 +847,12 @@ def stick_edge(pair: Pair) -> MetricValue:
     Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
     note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,
     which fails, where they differ and no instant is left; no value where both always slip fully.
+    Judged are instants in contact with P of at least 0.1 P_ref (`pair.is_judged`, (k,)).
     """
+    # last cycles: `stick_edges` (k, 2), left and right, at the common instants
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    half_width = pair.scales.half_width
+    half_width = pair.scales.half_width  # a_ref
     # (k,) status of the whole contact: full stick, partial slip, full slip or out of contact
     status_of_reference = _stick_status(reference_cycle, half_width)
     status_of_result = _stick_status(result_cycle, half_width)
@@ -847,7 +885,7 @@ def _outward_shift_of_worse_edge(reference_edges: Array, result_edges: Array) ->
     [0.02]
     """
     outward_shift = (result_edges - reference_edges) * np.array([-1.0, 1.0])
-    worse_edge = np.argmax(np.abs(outward_shift), axis=1)
+    worse_edge = np.argmax(np.abs(outward_shift), axis=1)  # 0 left, 1 right; of a NaN its edge
     return np.asarray(outward_shift[np.arange(len(outward_shift)), worse_edge])
 
 
@@ -919,6 +957,7 @@ def state(pair: Pair) -> MetricValue:
     forward or reverse, open) differ, at each instant. The value is the mean over the time in
     contact; none where that is a single instant or there is no contact.
     """
+    # last cycles: `state` (k, n), 0 where a point is open, at the common instants and points
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     lengths = np.gradient(result_cycle.x)  # (n,) of the surface at each point
@@ -927,6 +966,7 @@ def state(pair: Pair) -> MetricValue:
     length_in_contact = (is_closed * lengths).sum(axis=1)
     differing_length = (has_other_state * lengths).sum(axis=1)
     share = quotient(differing_length, length_in_contact)
+    # instants at which any point carries pressure, in reference or result
     time = result_cycle.time[pair.is_in_contact]
     if not len(time) or time[-1] == time[0]:
         return MetricValue(value=None, series=share)
@@ -939,12 +979,14 @@ def slip(pair: Pair) -> MetricValue:
     s_ref, at the worst instant. Only points in contact in both solutions count; no value without
     any.
 
-    Where the range of s_ref is below 1e-12 of f p_ref a_ref/E* the difference is divided by that,
-    and the metric is marked `absolute`.
+    Where the range of s_ref is below 1e-12 of f p_ref a_ref/E* (`pair.scales.slip`) the difference
+    is divided by f p_ref a_ref/E*, and the metric is marked `absolute`.
     """
+    # last cycles: slip s (k, n) [length] at the common instants and points
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     is_closed = _is_closed_in_both(pair)  # at an open point s is a displacement, and no slip
+    # judged are instants with P of at least 0.1 P_ref
     is_considered = pair.is_judged & is_closed.any(axis=1)
     if not is_considered.any():
         return _metric_without_value(_REASON_NO_CONTACT)
@@ -987,8 +1029,10 @@ def tangential_displacement(pair: Pair) -> MetricValue:
     """Tangential displacement U, result − reference over the range of U_ref in the cycle, at the
     worst instant.
 
-    No value where the two solutions count U from different places, where U_ref does not vary, or
-    where no instant carries enough load.
+    No value where the two solutions count U from different places, where U_ref does not vary (by
+    more than 1e-12 of A f P_ref, `pair.scales.displacement`), or where no instant carries enough
+    load: 0.1 P_ref, `pair.is_judged`. A note says where U of half-planes is given with the
+    compliances of the bodies (`pair.effects`).
     """
     if pair.lacks_common_datum:
         return _metric_without_value(_REASON_NO_DATUM)
@@ -1026,12 +1070,15 @@ def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Me
     """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
 
     The metric has no value where a solution does not state the displacement, nor where that of the
-    reference does not vary: by less than 1e-12 of A f P_ref, a typical displacement.
+    reference does not vary: by less than 1e-12 of A f P_ref, a typical displacement. A note says
+    that the displacements of half-planes are given with the compliances of the bodies.
 
     Parameters
     ----------
+    pair
+        the two solutions, with their last cycles on common instants
     name
-        of the displacement in a cycle
+        "tangential_displacement" or "normal_approach", (k,) in a cycle [length]
     reason_for_none
         note of the metric where the displacement of the reference does not vary
     """
@@ -1064,8 +1111,10 @@ def dissipation_of_steps(pair: Pair) -> MetricValue:
     path).
 
     Finite elements correct their own W for the curve of the path within an increment. W on the
-    polygon is multiplied by the same factor, so that only the rest of the error is left.
+    polygon is multiplied by the same factor, so that only the rest of the error is left. Over
+    A f^2 P_ref^2 (`pair.scales.dissipation`) where the reference dissipates nothing.
     """
+    # theory with straight loads between the instants; on the smooth path where there is none
     reference_on_polygon = pair.polygon_reference or pair.reference
     work_on_polygon = solution_on_straight_steps(pair.result).dissipation
     factor_for_curve = pair.result.dissipation / work_on_polygon if work_on_polygon else 1.0
@@ -1092,8 +1141,9 @@ def bulk_term(pair: Pair) -> MetricValue:
     reference.
 
     The work is −(closed integral of m_q d(eps)), m_q the moment of the shear and eps the bulk
-    strain. Where the reference does no friction work the difference is over A f^2 P_ref^2, and
-    marked `absolute`.
+    strain. Where the reference does no friction work (below 1e-12 of A f^2 P_ref^2,
+    `pair.scales.dissipation`) the difference is over A f^2 P_ref^2, and marked `absolute`. No value
+    where the load path does not repeat, or where a solution states no m_q (`shear_moment`).
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -1115,12 +1165,13 @@ def bulk_term(pair: Pair) -> MetricValue:
 
 def drift(pair: Pair) -> MetricValue:
     """Change of the friction work W from the cycle before to the last cycle, over W: result −
-    reference. The note states both changes. No value where a solution does not know its change.
+    reference. The note states both changes. No value where the change of a solution is not known
+    (NaN).
     """
-    reference_value = pair.reference.dissipation_drift
-    result_value = pair.result.dissipation_drift
+    reference_change = pair.reference.dissipation_drift
+    result_change = pair.result.dissipation_drift
     sentences = []
-    for solution, change in ((pair.reference, reference_value), (pair.result, result_value)):
+    for solution, change in ((pair.reference, reference_change), (pair.result, result_change)):
         if math.isnan(change):
             sentences.append(f"{engine_in_words(solution.engine)}: not known")
         elif change:
@@ -1129,18 +1180,19 @@ def drift(pair: Pair) -> MetricValue:
                 f"{engine_in_words(solution.engine)}: {change_in_words} in its last cycle"
             )
     note = "; ".join(sentences)
-    if math.isnan(reference_value) or math.isnan(result_value):
+    if math.isnan(reference_change) or math.isnan(result_change):
         return _metric_without_value(note)
-    return MetricValue(value=result_value - reference_value, note=note)
+    return MetricValue(value=result_change - reference_change, note=note)
 
 
 def dissipation_density(pair: Pair) -> MetricValue:
     """Friction work per area of the cycle, w(x) − w_ref(x) over the largest w_ref, at the worst
     point.
 
-    Over A f^2 P_ref^2/a_ref and marked `absolute` where the reference does no friction work
-    anywhere; a NaN counts as work.
+    Over A f^2 P_ref^2/a_ref (`pair.scales.dissipation_density`) and marked `absolute` where the
+    reference does no friction work anywhere: no more than 1e-12 of that. A NaN counts as work.
     """
+    # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     reference_values = reference_cycle.dissipation_density
