@@ -52,7 +52,7 @@ def part_of_path(scene: Scene) -> str:
     ['last cycle', 'whole record', 'whole path']
     """
     load = scene.load
-    # asked first, since the path of a table has a load segment for each row
+    # a table first, since its path, with a load segment for each row, is slow to make
     if isinstance(load, TimeSeriesLoad):
         return "last cycle" if load.repeats else "whole record"
     return "whole path" if load.path().period is None else "last cycle"
@@ -74,7 +74,7 @@ def text_on_part_of_path(text: str, scene: Scene) -> str:
     path_in_words = part_of_path(scene)
     if path_in_words == "last cycle":
         return text
-    noun = path_in_words.split()[-1]
+    noun = path_in_words.split()[-1]  # "record" or "path"
     text = text.replace("whole last cycle", path_in_words)
     text = text.replace("last cycle", path_in_words)
     return text.replace("the cycle", f"the {noun}")
@@ -99,6 +99,9 @@ def bulk_and_tilt_in_words(scene: Scene) -> str:
     ... )
     'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by
     0.001 rad.'
+    >>> tilt_over_time = {"tilt": (0.0, 0.001, -0.001)}
+    >>> bulk_and_tilt_in_words(load_scene("cattaneo-mindlin").vary(load=tilt_over_time))
+    'The upper body is tilted from −0.001 to 0.001 rad.'
     """
     return in_template("bulk_and_tilt", scene.load, partial(_load_in_words, scene), *units(scene))
 
