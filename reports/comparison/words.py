@@ -130,17 +130,20 @@ def _load_in_words(
     if isinstance(value, int | float):
         return f"{preposition} {number(value)}"
     path = scene.load.path()
-    # the cycle that is repeated; the whole path where none is
-    segments = [getattr(segment, name_of_pair) for segment in path.cycle or path.initial_loading]
-    values = np.concatenate(
+    # the pair of loads over time in each load segment of the cycle that is repeated; of the whole
+    # path where none is
+    pairs_of_loads = [
+        getattr(segment, name_of_pair) for segment in path.cycle or path.initial_loading
+    ]
+    load_samples = np.concatenate(
         [
-            np.ravel(segment.loads(sampled_times(segment, 65))[index])
-            for segment in segments
-            if segment is not None
+            np.ravel(pair_of_loads.loads(sampled_times(pair_of_loads, 65))[index])
+            for pair_of_loads in pairs_of_loads
+            if pair_of_loads is not None
         ]
     )
-    least_value = number(float(f"{values.min():.4g}"))
-    largest_value = number(float(f"{values.max():.4g}"))
+    least_value = number(float(f"{load_samples.min():.4g}"))
+    largest_value = number(float(f"{load_samples.max():.4g}"))
     return f"from {least_value} to {largest_value}"
 
 
@@ -199,7 +202,7 @@ _ROUNDING = 1e-13
 def _number_in_words(
     value: float, *, is_relative: bool = True, plus: bool = True, digits: int = 3
 ) -> str:
-    """A value in words to so many significant digits; in per cent if it is relative, with a plus
+    """A value in words to `digits` significant digits; in per cent if it is relative, with a plus
     sign if `plus`. A value below 1e-13 is round-off, written as 0.
 
     >>> (
@@ -277,7 +280,8 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     """A text "value ± u", both with the same decimals: one significant digit of the uncertainty u,
     or two where it begins with 1.
 
-    Without u (None) the value has three significant digits.
+    Without u (None) the value has three significant digits. Where u would need more than six
+    decimals, it is written with a power of ten, and the value with at most eight digits.
 
     >>> (
     ...     with_uncertainty(2.8512, 0.0614),
@@ -294,7 +298,7 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
         return f"{minus(f'{value:.3g}')} ± {minus(f'{uncertainty:.2g}')}"
     if uncertainty == 0:
         return f"{minus(f'{value:.3g}')} ± 0"
-    power = math.floor(math.log10(uncertainty))
+    power = math.floor(math.log10(uncertainty))  # of ten, of the first digit of u
     begins_with_one = round(uncertainty / 10**power, 6) < 2
     decimals = max(0, -power + begins_with_one)
     if decimals > 6:  # a power of ten is easier to read than many zeros
@@ -315,11 +319,14 @@ def headline_sentence(comparison: JudgedPair) -> str:
     Every number is result/reference − 1. A number that is less than twice its uncertainty is called
     not resolved. For an external result outside its tolerances the sentence names the metrics that
     are outside.
+
+    A metric of `comparison` has a value, its uncertainty (None: not known), and `absolute`: whether
+    the value is no share of the reference, whose own amount is 0.
     """
     if _has_failed(comparison):
         return _sentence_of_failure(comparison)
     dissipation = comparison.metric("dissipation")
-    # quantities that the sentence names
+    # keys of the metrics that the sentence names
     keys = ("largest_pressure", "largest_half_width")
     if dissipation.value is not None and not dissipation.absolute:
         keys = ("dissipation", "largest_pressure")
@@ -328,6 +335,8 @@ def headline_sentence(comparison: JudgedPair) -> str:
         for metric in map(comparison.metric, keys)
         if metric.value is not None and math.isfinite(metric.value)
     ]
+    # "agree": theory and finite elements of half-planes; "theory": finite elements of real bodies;
+    # "external": any other pair, such as the result of another program
     kind_of_sentence = "external"
     if _are_both_of_project(comparison) and are_half_planes(comparison.scene):
         kind_of_sentence = "agree"
@@ -337,7 +346,9 @@ def headline_sentence(comparison: JudgedPair) -> str:
         # theory is exact for half-planes: any difference is an error, and its sign has no meaning
         claims = [_claim_of_agreement(metric) for metric in metrics]
     else:
+        # (more, less, none, equal or not resolved; name; per cent in words)
         claims = [_claim_of_difference(metric) for metric in metrics]
+    # errors of W that both solutions state themselves, where no metric has an uncertainty
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
@@ -382,8 +393,9 @@ def _sentence_of_failure(comparison: JudgedPair) -> str:
     """The sentence on an external result that fails: the metrics outside their tolerance, the one
     with the largest |value|/tolerance first.
 
-    Where no metric is outside, it names those that are undecided. Where none is undecided, it names
-    the laws of contact that are violated.
+    Where no metric is outside, it names those that are undecided (their uncertainty reaches across
+    the tolerance). Where none is undecided, it names the laws of contact that are violated. At most
+    two metrics are named.
     """
 
     def multiple_of_tolerance(metric: Metric) -> float:
@@ -396,8 +408,8 @@ def _sentence_of_failure(comparison: JudgedPair) -> str:
         metric for metric in metrics_not_passed if metric.verdict is metrics_not_passed[0].verdict
     ]
     worst_metrics.sort(key=multiple_of_tolerance, reverse=True)
-    # A metric without a tolerance of its own is close to the metric that lends it the tolerance:
-    # both in one sentence would repeat it.
+    # A metric without a tolerance of its own (`judged_by` is the key of another) is close to the
+    # metric that lends it the tolerance: both in one sentence would repeat it.
     metrics_with_own_tolerance = [metric for metric in worst_metrics if not metric.judged_by]
     named_metrics = (metrics_with_own_tolerance or worst_metrics)[:_MOST_METRICS_NAMED]
     return in_template(
@@ -414,7 +426,7 @@ def _sentence_of_failure(comparison: JudgedPair) -> str:
 
 def _violated_checks(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
     """(name of the engine, check) for every check of a law of contact that the reference or the
-    result does not pass.
+    result does not pass, as its `holds` states.
     """
     checked_solutions = (
         (comparison.reference, comparison.reference_certificates),
@@ -443,15 +455,19 @@ def _names_of_engines(comparison: JudgedPair) -> tuple[str, str]:
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
     """The relative error of the dissipation W that result and reference state themselves, in words:
     (name of the engine, per cent) for each. An error below 1e-6 is left out.
+
+    Finite elements state an uncertainty of W, theory a relative error in its record.
     """
-    errors = []
+    errors_in_words = []
     for solution in (comparison.result, comparison.reference):
         relative_error = solution.record.errors.get("dissipation", 0.0)
         if solution.dissipation > 0 and math.isfinite(solution.dissipation_uncertainty):
             relative_error = solution.dissipation_uncertainty / solution.dissipation
         if relative_error > _NEGLIGIBLE_ERROR:
-            errors.append((engine_in_words(solution.engine), f"{100 * relative_error:.2g}"))
-    return errors
+            errors_in_words.append(
+                (engine_in_words(solution.engine), f"{100 * relative_error:.2g}")
+            )
+    return errors_in_words
 
 
 def _claim_of_agreement(metric: Metric) -> tuple[str, str, str]:
@@ -473,7 +489,7 @@ def _claim_of_difference(metric: Metric) -> tuple[str, str, str]:
     last two have no per cent ("").
 
     The kind is "open" (not resolved) where the uncertainty exceeds half of the difference. A metric
-    without a value counts as 0.
+    without a value counts as 0. Its value is result/reference − 1.
     """
     difference = metric.value or 0.0
     uncertainty = metric.uncertainty
@@ -495,8 +511,8 @@ def _label_in_sentence(metric: Metric) -> str:
 
 
 def _texts_of_metric(metric: Metric) -> dict[str, str]:
-    """Texts of a metric for the templates of sentences: name, value, "open" (value with
-    uncertainty), unit, tolerance.
+    """Texts of a metric for the templates of sentences: name, value, "open" (value with its
+    uncertainty, "" where that is not known), unit, tolerance.
     """
     value = value_in_words(metric)
     value_and_uncertainty = f"{value} {uncertainty_in_words(metric)}".strip()
@@ -512,6 +528,9 @@ def _texts_of_metric(metric: Metric) -> dict[str, str]:
 def verdict_in_sentences(comparison: JudgedPair) -> str:
     """The verdict in sentences: the metrics outside their tolerance and those undecided, or that
     all are within; whether the laws of contact hold; the metrics that could not be scored.
+
+    `comparison` holds the metrics, each with value and verdict (None: not judged), and masks (k, n)
+    of the isolated values of the result: single tractions or slips that no neighbour supports.
     """
     violated_laws = [f"{check.label} in {name}" for name, check in _violated_checks(comparison)]
     metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {kind: [] for kind in Verdict}
@@ -537,14 +556,15 @@ def verdict_in_sentences(comparison: JudgedPair) -> str:
 
 def verdict_in_short(comparison: JudgedPair) -> str:
     """The verdict with names of metrics only: those outside, those undecided, or that all are
-    within. The long `verdict_in_sentences` where no metric is judged, a law of contact is violated,
-    or the result has isolated values.
+    within. The long verdict, with numbers, where no metric is judged, a law of contact is violated,
+    or the result has isolated values: single tractions or slips that no neighbour supports.
     """
-    has_isolated_points = any(mask.any() for mask in comparison.masks_of_isolated.values())
-    first_words = verdict_in_few_words(comparison)
-    if not first_words or has_isolated_points or not comparison.admissible:
+    has_isolated_values = any(mask.any() for mask in comparison.masks_of_isolated.values())
+    first_words = verdict_in_few_words(comparison)  # "Within tolerance."; "" where none is judged
+    # admissible: both solutions obey every law of contact that was checked
+    if not first_words or has_isolated_values or not comparison.admissible:
         return f"{first_words} {verdict_in_sentences(comparison)}".strip()
-    # "Undecided." is left out: the next sentence starts with that word.
+    # Without the first words "Undecided.": the next sentence starts with that word.
     sentences = [] if verdict_for_colour(comparison) == "undecided" else [first_words]
     for kind, kind_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
         names = [
@@ -580,7 +600,8 @@ def labels_judged_by_size(comparison: JudgedPair) -> list[str]:
 
 def sentence_on_judging(comparison: JudgedPair, *, has_budget: bool) -> str:
     """A sentence on how the verdicts were reached: by |E| and its uncertainty, or by |E| alone
-    where no uncertainty is known. Empty where no metric is judged.
+    where no uncertainty is known. Empty where no metric is judged. E is the value of a metric;
+    `has_budget` states whether an error budget was measured.
     """
     is_judged = any(
         metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
@@ -608,8 +629,8 @@ def verdict_in_few_words(comparison: JudgedPair) -> str:
 
 
 def sentence_on_work(comparison: JudgedPair) -> str:
-    """A sentence on the dissipation of the result and its uncertainty; empty where that is not
-    known.
+    """A sentence on the dissipation W of the result and its uncertainty by mesh and steps, also in
+    per cent of W; empty where the uncertainty is not known.
     """
     solution = comparison.result
     if math.isnan(solution.dissipation_uncertainty):
@@ -631,8 +652,9 @@ def sentence_on_work(comparison: JudgedPair) -> str:
 def verdict_for_colour(comparison: JudgedPair) -> Verdict | None:
     """The verdict that sets the colour on the page; None where no metric is judged.
 
-    It is that of the comparison, with two exceptions. Outside: a law of contact is violated.
-    Undecided: no value is outside or undecided, and a metric with a tolerance has no value.
+    It is that of the comparison, with two exceptions. It is "outside" where a law of contact is
+    violated (not `admissible`). It is "undecided" where no value is outside or undecided, and a
+    metric with a tolerance has no value (`unscored`).
     """
     if not comparison.admissible:
         return Verdict.OUTSIDE
@@ -666,7 +688,7 @@ def notebook_html(comparison: JudgedPair, *, has_budget: bool) -> str:
     solutions, verdict, and how the verdict was reached. `has_budget` says that an error budget was
     measured.
     """
-    heads, rows = cells_of_first_table(comparison)
+    heads, rows = cells_of_first_table(comparison)  # of text
     sentences = (
         verdict_in_few_words(comparison),
         verdict_in_sentences(comparison),
@@ -685,7 +707,10 @@ def notebook_html(comparison: JudgedPair, *, has_budget: bool) -> str:
 # ------------------------------------------------------------------------------------------- tables
 def factor_and_unit_shown(scene: Scene, quantity: str) -> tuple[float, str]:
     """(factor, unit) in which a quantity is shown: slip in µm where lengths are in mm, all others
-    in units of the scene.
+    in units of the scene. A number of the scene times the factor is in that unit.
+
+    `quantity` is "stress", "moment", "energy", "energy density" or "slip"; any other is a length.
+    Energies are per unit thickness.
     """
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
     if quantity == "slip" and unit_of_length == "mm":
@@ -705,6 +730,10 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
 
     Keys of a row: key, label, short (label), reference, result, place (of the result's value),
     difference, verdict, tolerance, note.
+
+    A metric with a quantity of its own, such as the largest pressure, is a `headline`: it has
+    `amounts` in reference and result, and `stated`, their uncertainties by the solutions
+    themselves. `place` is x/a_ref of the result's amount.
     """
     solution_names = [
         {"semi_analytic": "theory"}.get(solution.engine, engine_in_words(solution.engine))
@@ -714,7 +743,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     for metric in _metrics_of_first_table(comparison):
         label = metric.label
         short_label = metric.short or metric.label
-        factor = 1.0
+        factor = 1.0  # from units of the scene to the unit shown
         # a quantity with a unit; the other metrics are shares
         if metric.headline:
             factor, unit = factor_and_unit_shown(comparison.scene, metric.quantity)
@@ -764,8 +793,9 @@ def _value_with_stated_uncertainty(value: float, uncertainty: float | None, fact
     """A value times a factor in words, with the `uncertainty` that its solution states; "no
     estimate" where that is NaN.
 
-    The value has five digits where it is exact (uncertainty 0) or its solution states nothing
-    (None). A dash stands for a value that is NaN.
+    The value has five digits where it is exact (uncertainty at most 1e-8 of it) or its solution
+    states nothing (None). A dash stands for a value that is NaN. The factor is that of units, such
+    as 1000 from mm to µm.
 
     >>> (
     ...     _value_with_stated_uncertainty(66.6168, 0.0753, 1.0),
@@ -797,14 +827,15 @@ def cells_of_first_table(
     `label` chooses long or short labels. Rows for which neither solution has a value are left out
     unless `with_empty`.
     """
+    # a row: texts by key, such as "label", "reference" (its value in words)
     heads, rows = first_table(comparison)
-    cells = []
+    rows_of_cells = []
     for row in rows:
         if is_empty_row(row) and not with_empty:
             continue
         shown_keys = (label, "reference", "result", "difference", "verdict")
-        cells.append(tuple(row[key] for key in shown_keys))
-    return heads, cells
+        rows_of_cells.append(tuple(row[key] for key in shown_keys))
+    return heads, rows_of_cells
 
 
 def is_empty_row(row: Mapping[str, str]) -> bool:
@@ -817,31 +848,34 @@ def sentences_on_missing_values(comparison: JudgedPair) -> str:
     those for which one of them has none, each with the reason where that is known; empty where each
     row has both.
     """
-    in_neither = []
-    in_one = []
+    labels_without_values = []
+    labels_with_one_value = []
+    # a row: texts by key; a dash where there is no number; "short": label with unit in brackets
     for row in first_table(comparison)[1]:
         reason = f" ({row['note']})" if row["note"] else ""
         label_with_reason = row["short"].partition(" [")[0] + reason
         if is_empty_row(row):
-            in_neither.append(label_with_reason)
+            labels_without_values.append(label_with_reason)
         elif "–" in (row["reference"], row["result"]) and row["difference"] == "–":
-            in_one.append(label_with_reason)
+            labels_with_one_value.append(label_with_reason)
     sentences = []
-    if in_neither:
-        sentences.append(f"Without a value in either: {'; '.join(in_neither)}.")
-    if in_one:
-        sentences.append(f"Not compared: {'; '.join(in_one)}.")
+    if labels_without_values:
+        sentences.append(f"Without a value in either: {'; '.join(labels_without_values)}.")
+    if labels_with_one_value:
+        sentences.append(f"Not compared: {'; '.join(labels_with_one_value)}.")
     return " ".join(sentences)
 
 
 def _difference_in_words(metric: Metric) -> str:
     """A metric's difference (result − reference) in words with its uncertainty: in per cent of the
     reference's value, or of the half-width a for lengths of the stick zone; in the metric's unit
-    where it is absolute.
+    where it is absolute. A dash without a value. A value below 1e-13 is written as 0.
+
+    `metric.headline`: whether the metric has an amount in each solution, with a unit of its own.
     """
     if metric.value is None:
         return "–"
-    # a metric without absolute values states its unit itself
+    # a metric without amounts states the unit of the difference itself
     if not metric.headline:
         return " ".join(
             filter(
@@ -850,12 +884,12 @@ def _difference_in_words(metric: Metric) -> str:
         )
     if not math.isfinite(metric.value) or metric.absolute:
         return f"{value_in_words(metric)} {uncertainty_in_words(metric)}".strip()
-    value = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
-    uncertainty = None if metric.uncertainty is None else 100 * metric.uncertainty
-    difference_in_words = with_uncertainty(value, uncertainty)
+    percent = 0.0 if abs(metric.value) < _ROUNDING else 100 * metric.value
+    uncertainty_in_percent = None if metric.uncertainty is None else 100 * metric.uncertainty
+    difference_in_words = with_uncertainty(percent, uncertainty_in_percent)
     if not re.search("[1-9]", difference_in_words.partition("±")[0]):
         difference_in_words = difference_in_words.removeprefix("−")  # of a zero no sign is known
-    elif value > 0:
+    elif percent > 0:
         difference_in_words = f"+{difference_in_words}"
     return f"{difference_in_words} %{' of a' if metric.unit == 'of a_ref' else ''}"
 
@@ -864,7 +898,7 @@ def summary_text(comparison: JudgedPair) -> str:
     """A comparison as plain text: headline; table of the values of both solutions with columns of
     equal width; verdict.
     """
-    heads, table_rows = cells_of_first_table(comparison)
+    heads, table_rows = cells_of_first_table(comparison)  # of text
     column_widths = [max(map(len, column)) for column in zip(heads, *table_rows, strict=True)]
     table_lines = []
     for row in (heads, *table_rows):
@@ -886,19 +920,21 @@ def summary_text(comparison: JudgedPair) -> str:
 
 def summary_in_five_lines(comparison: JudgedPair, kind: str) -> str:
     """A comparison in five lines, for an interactive session: engines and scene, headline,
-    dissipation and largest pressure of both, verdict. `kind` is the name of the object's class.
+    dissipation and largest pressure of both, verdict. `kind` is the name of the object's class,
+    such as "Comparison".
     """
     name = comparison.scene.name or comparison.scene.title or "a scene"
     lines = [
         f"{kind} of {comparison.result.engine} with {comparison.reference.engine} on {name!r}",
         f"  {headline_sentence(comparison)}",
     ]
+    # a row: label, both values, difference, verdict; `heads` names the columns
     heads, rows = cells_of_first_table(comparison)
     for metric, cells in zip(_metrics_of_first_table(comparison), rows, strict=True):
         if metric.key in ("dissipation", "largest_pressure"):
             label, *values = cells
-            named_values = zip(heads[1:], values, strict=True)
-            lines.append(f"  {label}: " + ", ".join(" ".join(pair) for pair in named_values))
+            heads_and_values = zip(heads[1:], values, strict=True)
+            lines.append(f"  {label}: " + ", ".join(map(" ".join, heads_and_values)))
     return "\n".join([*lines, f"  {verdict_in_sentences(comparison)}"])
 
 
@@ -908,7 +944,7 @@ def summary_csv(comparison: JudgedPair) -> str:
     uncertainty, and its verdict.
 
     The error is a share, not in per cent, except where the metric is absolute. A cell is empty
-    where there is no number.
+    where there is no number. `headlines` are the metrics with amounts in both solutions.
     """
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
@@ -945,10 +981,11 @@ def summary_latex(comparison: JudgedPair) -> str:
     """The table of the values of both solutions as a LaTeX `tabular`, with a column for their
     difference and one for the verdict. It needs the LaTeX package booktabs.
     """
-    heads, cells = cells_of_first_table(comparison)
+    heads, rows = cells_of_first_table(comparison)
+    # such as & and ±, which LaTeX writes by commands
     escape_table = str.maketrans(_LATEX_OF_SIGN)
     latex_rows = [
-        " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *cells)
+        " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *rows)
     ]
     heads_row, *value_rows = [rf"{row} \\" for row in latex_rows]
     latex_lines = [
@@ -966,19 +1003,23 @@ def summary_latex(comparison: JudgedPair) -> str:
 # ---------------------------------------------------------------------------------- of one solution
 def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     """The first rows (label with unit, value) of the summary of a solution: engine, termination,
-    size, largest pressure and half-widths, dissipation.
+    numbers of instants and points, last loads, largest pressure and half-widths, dissipation.
+
+    Behind a value stands the uncertainty that the solution states of it. Permanent stick is the
+    zone that sticks through the whole last cycle.
     """
     scene = solution.scene
     _, unit_of_length, unit_of_stress = units(scene)
+    # values as texts, each with its uncertainty
     dissipation = _digits_or_none(solution.dissipation) + _uncertainty_of_work(solution)
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
     half_width = f"{np.nanmax(solution.contact_half_width):.8g}"
     half_width += _stated_uncertainty(solution, "largest_half_width")
-    permanent_stick = _digits_or_none(solution.permanent_stick_half_width)
+    stick_half_width = _digits_or_none(solution.permanent_stick_half_width)
     if math.isfinite(solution.permanent_stick_half_width):
-        permanent_stick += _stated_uncertainty(solution, "permanent_stick_half_width")
+        stick_half_width += _stated_uncertainty(solution, "permanent_stick_half_width")
     rows = [
         ("engine", engine_in_words(solution.engine)),
         ("how it ended", solution.record.message),
@@ -989,7 +1030,7 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
             f"{np.max(solution.pressure):.8g}{_stated_uncertainty(solution, 'largest_pressure')}",
         ),
         (f"largest contact half-width [{unit_of_length}]", half_width),
-        (f"permanent stick half-width [{unit_of_length}]", permanent_stick),
+        (f"permanent stick half-width [{unit_of_length}]", stick_half_width),
     ]
     # only an unsymmetric contact has two different ends of permanent stick
     values_of_ends = values_of_unsymmetric(solution)
@@ -1007,6 +1048,8 @@ def first_summary_rows(solution: ContactSolution) -> list[tuple[str, str]]:
 def _uncertainty_of_work(solution: ContactSolution) -> str:
     """The uncertainty that a solution states of its dissipation W, also in per cent, and where it
     comes from, as text to put behind W; empty where it states none, or a relative one below 1e-6.
+
+    Finite elements state it with W; half-plane theory states a relative error in its record.
     """
     work = solution.dissipation
     uncertainty = solution.dissipation_uncertainty
@@ -1047,7 +1090,8 @@ def summary_rows(
     work of the loads, load cycles of a record, laws of contact, notes, and what was skipped.
 
     With `loads_are_found`, under a prescribed displacement, also how near the loads come to gross
-    sliding.
+    sliding. `solution.loop_work` is the closed integral of Q dU, NaN where no cycle closes;
+    `dissipation_drift` the relative change of the dissipation from the cycle before.
     """
     rows = first_summary_rows(solution)
     if loads_are_found and solution.scene.friction.coefficient:
@@ -1071,6 +1115,7 @@ def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]
     """Rows (label with unit, value) on the load cycles in a table of loads over time: their number,
     the friction work W over that number, and W of the last whole cycle. No rows for other loads.
     """
+    # load cycles by rainflow count of Q: their number, W over it, the last whole one
     cycles = load_cycles(solution)
     if not cycles:
         return
@@ -1086,6 +1131,7 @@ def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]
 
 def _laws_in_words(solution: ContactSolution) -> str:
     """In words: that all laws of contact hold, or which are violated, by how much and when."""
+    # of each law: its name, the largest violation, its instant, whether it is within the limit
     checks = certificates(solution)
     violated_laws = [
         f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
@@ -1098,8 +1144,9 @@ def _laws_in_words(solution: ContactSolution) -> str:
 
 
 def _rows_of_loop_work(solution: ContactSolution) -> Iterator[tuple[str, str]]:
-    """Rows (label with unit, value) of the work that the loads do in a closed cycle: of the
-    tangential load Q and the bulk stress together, of the bulk stress alone, of the normal load P.
+    """Rows (label with unit, value) of the work that the loads of a solution do in a closed cycle:
+    of the tangential load Q and the bulk stress together (`loop_work`), of the bulk stress alone,
+    of the normal load P. The last two only where there is such work.
 
     In the labels U is the tangential displacement, V the approach, m_q the moment of the shear.
     """
