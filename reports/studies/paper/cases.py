@@ -123,7 +123,9 @@ class Case:
 
     @cached_property
     def events(self) -> Mapping[str, semi_analytic.Event]:
-        """Letter A to M of the paper -> its event: instant, loads, load at the stick edge."""
+        """Letter A to M of the paper -> its event of the load path: `time` [rad], `normal_load`,
+        `tangential_load`, and `front_load`, the normal load whose contact is the stick zone.
+        """
         return {
             letter: event for event in semi_analytic.events(self.scene) for letter in event.letter
         }
@@ -169,9 +171,15 @@ class Case:
     @cached_property
     def slip_spans(self) -> Mapping[str, tuple[Span, ...]]:
         """Spans of time in which points slip in the steady cycle, by the paper's phases: reverse
-        slip EG, forward slip IJ and JM.
+        slip EG, forward slip IJ and JM, each named by the events at its two ends.
+
+        Of a span, `direction` is +1 in forward slip, −1 in reverse slip, 0 in full stick; `begin`
+        and `end` are its instants.
         """
+        # spans of the last cycle, in which slip keeps its direction
         spans = history_of(self.scene.load.path(), self.friction, self.scene.cycles).cycles[-1]
+        # Times of the spans may be a cycle before those of the events: J is as long after the begin
+        # of forward slip as the event J is after I.
         start_of_forward = min(span.begin.time for span in spans if span.direction > 0)
         time_of_j = start_of_forward + self.time_of("J") - self.time_of("I")
         spans_of: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
@@ -186,11 +194,16 @@ class Case:
         return {phase: tuple(phase_spans) for phase, phase_spans in spans_of.items()}
 
     def density_of_phases(self, x: ArrayLike) -> dict[str, Array]:
-        """Part of the pointwise dissipation W(x) in each phase of slip ("EG", "IJ", "JM"), over
-        A f^2 P0^2/a0; `x` (n,) over a0, each part (n,).
+        """Part of the pointwise dissipation W(x), the friction work per area of a steady cycle, in
+        each phase of slip: "EG" reverse, "IJ" and "JM" forward. `x` (n,) is over a0, each part (n,)
+        over A f^2 P0^2/a0.
+
+        # notation: a0 contact half-width at the mean normal load P0 (`unit_length`), f friction,
+        #           A = 2/E*, `unit_work` A f^2 P0^2
         """
         points = np.asarray(x, dtype=float) * self.unit_length
-        modulus = composite_modulus(self.scene.material)
+        modulus = composite_modulus(self.scene.material)  # E*
+        # slip_spans: phase -> its spans of time
         parts = {
             phase: pointwise_dissipation(self.contact, modulus, spans, points)
             for phase, spans in self.slip_spans.items()
@@ -200,9 +213,9 @@ class Case:
         }
 
     def batch_arguments(self, **changes: Any) -> dict[str, Any]:
-        """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation`, which take
-        arrays of load ellipses: those of this case, with `changes`, which may be arrays, in place
-        of some.
+        """Keyword arguments for the dissipation of many load ellipses at once: profile, material,
+        coefficient of friction and loads of this case, with `changes` in place of some. Loads and
+        friction may be arrays. They fit `semi_analytic.dissipation` and `peak_dissipation`.
         """
         load_names = (
             "mean_normal_load",
@@ -225,9 +238,10 @@ class Case:
     def circle_arguments(
         self, friction: ArrayLike, ratio: ArrayLike, **changes: Any
     ) -> dict[str, Any]:
-        """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation` for loads that go
-        round a circle about Q = 0: phase 90 degrees, Q1 = P1 = P0/3 of this case, P0/P1 = `ratio`.
-        `friction` and `ratio` may be arrays; `changes` replace further arguments.
+        """Keyword arguments for the dissipation of loads that go round circles about Q = 0 in the
+        plane of P and Q: both amplitudes Q1 = P1 are P0/3 of this case, and the mean normal load is
+        `ratio` times P1. `friction` and `ratio` may be arrays; `changes` replace further arguments.
+        They fit `semi_analytic.dissipation` and `peak_dissipation`.
         """
         loads = {
             "mean_normal_load": np.asarray(ratio) * self.unit_load,
@@ -239,14 +253,17 @@ class Case:
         )
 
     def with_load(self, friction: float | None = None, **changes: Any) -> Case:
-        """The case with another coefficient of friction, or other numbers of the ellipse."""
+        """The case with another coefficient of friction, or other parameters of the load ellipse
+        (`changes`).
+        """
         return Case(
             self.scene.vary(load=changes, friction=self.friction if friction is None else friction)
         )
 
     def scaled_ten_times(self) -> Case:
-        """The case with the profile's radius and all loads (per thickness) times ten: lengths and
-        loads grow tenfold, stresses stay as they are.
+        """The case with the profile's radius and all loads (per thickness) times ten: half-widths
+        and loads grow tenfold, stresses stay as they are. For a parabola, whose radius is its only
+        length.
         """
         load_names = (
             "mean_normal_load",
@@ -282,21 +299,21 @@ class Formulas:
     case: Case
 
     def loads(self, t: ArrayLike) -> tuple[Array, Array]:
-        """P and Q, equations (3) and (4)."""
-        load = self.case.load_ellipse
+        """P and Q at times t, equations (3) and (4)."""
+        ellipse = self.case.load_ellipse
         time = np.asarray(t, dtype=float)
-        normal_load = load.mean_normal_load + load.normal_amplitude * np.cos(time)
-        shear = load.mean_tangential_load + load.tangential_amplitude * np.cos(
-            time - load.phase_radians
+        normal_load = ellipse.mean_normal_load + ellipse.normal_amplitude * np.cos(time)
+        tangential_load = ellipse.mean_tangential_load + ellipse.tangential_amplitude * np.cos(
+            time - ellipse.phase_radians
         )
-        return normal_load, shear
+        return normal_load, tangential_load
 
     def rates(self, t: ArrayLike) -> tuple[Array, Array]:
-        """dP/dt and dQ/dt."""
-        load = self.case.load_ellipse
+        """dP/dt and dQ/dt at times t."""
+        ellipse = self.case.load_ellipse
         time = np.asarray(t, dtype=float)
-        normal_rate = -load.normal_amplitude * np.sin(time)
-        tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase_radians)
+        normal_rate = -ellipse.normal_amplitude * np.sin(time)
+        tangential_rate = -ellipse.tangential_amplitude * np.sin(time - ellipse.phase_radians)
         return normal_rate, tangential_rate
 
     def q_plus_f_p(self, letter: str, sign: int) -> float:
@@ -306,7 +323,7 @@ class Formulas:
 
     def initial_parabola(self) -> tuple[float, float]:
         """alpha and beta of the initial loading Q = alpha P + beta P^2: a parabola from no load
-        that is tangent to the ellipse of loads at the point A, where the ellipse begins.
+        that is tangent to the ellipse of loads at the event A, where the ellipse begins.
         """
         event_a = self.case.events["A"]
         normal_rate, tangential_rate = self.rates(self.case.time_of("A"))
@@ -318,26 +335,37 @@ class Formulas:
         """The normal load at which the line of gradient f through the loads at time t meets the
         path of full stick, in the plane of P and Q. This path is the initial loading up to the
         event A, where the ellipse begins, and the ellipse from there to B, where slip begins. The
-        paper calls the load P_Y in equation (6), and P_Z in (7), where t is the time of E.
+        paper calls the load P_Y in equation (6), and P_Z in (7), where t is the time of E, the end
+        of forward slip.
         """
-        case = self.case
-        alpha, beta = self.initial_parabola()
+        case = self.case  # the ellipse of loads on its profile, with its events by letter
+        alpha, beta = self.initial_parabola()  # Q = alpha P + beta P^2
+
+        # On the ellipse: Q - f P is a cosine of time that is least at B. It has the same value as
+        # long before B as after.
         mirrored_time = 2 * case.time_of("B") - t
         if mirrored_time >= case.time_of("A"):
             return float(self.loads(mirrored_time)[0])
+
+        # On the parabola, with `slope` alpha - f.
         normal_load, tangential_load = self.loads(t)
         q_minus_f_p = float(tangential_load - case.friction * normal_load)
         slope = alpha - case.friction
-        # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
+        # The root P of beta P^2 + slope P = Q - f P at t: the one that stays finite for beta = 0;
+        # slope < 0.
         return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
 
     def shear_of_full_stick(self, x: Array, load: float) -> Array:
-        """Shear traction q at points x (n,) after loading without slip up to the normal load
-        `load`, along the initial parabola O-A and the ellipse after A: the integral of p'(x, P)
-        dQ/dP over P, in the paper's equations (5) to (7), where p' = dp/dP.
+        """Shear traction q, (n,), at points x (n,) after loading without slip up to the normal load
+        `load`: the integral of p'(x, P) dQ/dP over P, in the paper's equations (5) to (7), where
+        p' = dp/dP. The loads follow the initial parabola Q = alpha P + beta P^2 up to the event A,
+        and the ellipse of loads after A.
 
         By parts it is dQ/dP p(x, P) − int p(x, P) d2Q/dP2 dP: p' itself has an inverse root at the
         load whose contact reaches x.
+
+        `case.contact` is the normal contact of the profile: `pressure` p(x, P), and `load`, at
+        which the edge of contact is at x. `rates` gives dP/dt and dQ/dt at times of the ellipse.
         """
         case = self.case
         alpha, beta = self.initial_parabola()
@@ -357,10 +385,13 @@ class Formulas:
                 second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p
             ) / rate_of_p**3
 
+        # the first term: dQ/dP at the end of loading, times the pressure there
         slope = np.asarray(alpha + 2 * beta * load)
         if load > load_at_a:
             slope, _ = slope_on_ellipse(np.asarray(load))
         shear = slope * case.contact.pressure(x, load)
+
+        # the integral, on the parabola and on the ellipse, from the load that reaches x on
         ranges_of_load = (
             (0.0, min(load, load_at_a), False),
             (load_at_a, max(load, load_at_a), True),
@@ -387,10 +418,13 @@ class Formulas:
 
     def stick_edge_load(self, phase: str, t: ArrayLike) -> Array:
         """The normal load whose contact half-width is that of the stick zone, at times `t` in a
-        phase of the cycle ("EG", "IJ" or "JM", from event to event). The paper calls it P_S in EG,
-        P_Y in IJ, and P_K in JM.
+        phase of slip: "EG" reverse, "IJ" and "JM" forward, each from event to event. The paper
+        calls it P_S in EG, P_Y in IJ, and P_K in JM.
+
+        `q_plus_f_p(letter, sign)` is Q + sign f P at an event.
         """
         if phase == "IJ":
+            # P where Q - f P had the same value before I, the begin of forward slip
             return self.loads(self.mirrored_time(t))[0]
         friction = self.case.friction
         normal_load, tangential_load = self.loads(t)
@@ -402,9 +436,10 @@ class Formulas:
 
     def stick_edge_load_rate(self, phase: str, t: ArrayLike) -> Array:
         """Rate in time of the normal load whose contact half-width is that of the stick zone, at
-        times `t` in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
+        times `t` in a phase of slip: "EG" reverse, "IJ" and "JM" forward, each from event to event.
         """
         if phase == "IJ":
+            # minus dP/dt at a time as long before I, the begin of forward slip, as t is after it
             return -self.rates(self.mirrored_time(t))[0]
         friction = self.case.friction
         normal_rate, tangential_rate = self.rates(t)
@@ -435,13 +470,19 @@ class Formulas:
         return np.arccosh(np.maximum(x / np.asarray(self.case.contact.half_width(load)), 1.0))
 
     def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
-        """Rate of slip ds/dt at x in one of the phases EG, IJ and JM, by equations (16), (18) and
-        (19) mended; x in or out of contact. ds = (A/pi) f [C dP arccosh(x/c) - sign dP
-        arccosh(x/a)], the sign being + in EG and - in IJ and JM.
+        """Rate of slip ds/dt at x in one of the phases of slip, EG (reverse), IJ and JM (forward),
+        by the paper's equations (16), (18) and (19) mended; x in or out of contact.
+        ds = (A f/pi) [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ
+        and JM.
+
+        # notation: a, c half-widths of contact and stick zone, A = 2/E* the compliance, f friction,
+        #           C the multiplier of the paper's equation (14), (dQ/dP)/f + sign; in IJ C dP is
+        #           taken at an earlier load P_Y
         """
         sign = 1 if phase == "EG" else -1
         load, _ = self.loads(t)
         load_rate, _ = self.rates(t)
+        # C dP/dt arccosh(x/c), c being the contact half-width under `stick_edge_load`
         part_by_slip = self.multiplied_load_rate(phase, t) * self.arccosh_ratio(
             x, self.stick_edge_load(phase, t)
         )
@@ -449,9 +490,10 @@ class Formulas:
         return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
 
     def engine_slip(self, x: float, start: float, end: float) -> float:
-        """The slip s that a point at `x` gains between two times (later minus earlier), by the
-        numerical solution of half-plane theory.
+        """The slip s that a point at `x` [length] gains between two times (later minus earlier), by
+        the numerical solution of half-plane theory.
         """
+        # `solve` takes places over the contact half-width at the mean load
         solution = self.case.solve(
             time=[start, end], x=[x / self.case.unit_length], fields=("slip",)
         )
@@ -461,20 +503,23 @@ class Formulas:
     def integral_while_slipping(
         self, phase: str, x: float, rate: Callable[[Array], ArrayLike]
     ) -> float:
-        """Integral of `rate`, a function of time, over the times at which the point `x` slips
-        inside contact in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
+        """Integral of `rate`, a function of time, over the times at which the point `x` [length]
+        slips inside contact in a phase of slip: "EG" reverse, "IJ" and "JM" forward.
         """
+        # the normal load at which the edge of contact is at the point
         edge_load = np.asarray(self.case.contact.load(np.array([x])))
         sum_over_spans = 0.0
         for span in self.case.slip_spans[phase]:
+            # when the point begins and ends to slip in this span of time; no later end if never
             start, end = (float(time[0]) for time in slip_times(span, edge_load))
             if end > start:
+                # `delay`: what times of the load path are later than those of the span
                 sum_over_spans += integral(rate, start + span.delay, end + span.delay)
         return sum_over_spans
 
 
 def integral(rate: Callable[[Array], ArrayLike], start: float, end: float) -> float:
-    """Integral of a function that may have roots at both ends."""
+    """Integral of a function between two limits, at which it may be singular as a root."""
     t, weights = graded_nodes(start, end)
     return float(np.sum(np.asarray(rate(t)) * weights))
 
@@ -507,22 +552,28 @@ class Sweep:
 
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
-    """The dissipation W and the peak of W(x) over x for many circles of loads: all coefficients of
-    friction f of the paper, and `count` ratios P0/P1 from gross sliding up to `largest_ratio`.
+    """The dissipation W of a steady cycle, and the peak over x of the dissipation per area W(x),
+    for many circles of loads about Q = 0: all coefficients of friction f of the paper, and `count`
+    ratios P0/P1 from gross sliding up to `largest_ratio`. P0 is the mean normal load, P1 the radius
+    of the circle.
 
-    `case` gives the profile, with a radius of each ratio: the half-width a(P0) and the flat's
-    half-length b stay what they are.
+    `case` gives the profile, whose radius is changed with each ratio: the half-width a0 = a(P0) and
+    the flat's half-length b stay what they are. Its `unit_load`, a third of its mean load, is P1,
+    and `unit_length` is a0.
     """
+    # Ratios, (m, count). The first is 1e-9, relative, above the limit of gross sliding: at the
+    # limit itself round-off would decide whether the contact slides.
     friction = np.array(FRICTIONS)
-    # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself
-    # is rounding's.
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)
+
+    # P0 is `ratio` times P1: the radius falls as P0 grows, so that a(P0) stays
     profile = case.scene.profile.model_dump()
-    # P0 is ratio P0/3 of the case: the radius falls as P0 grows, so that a(P0) stays
     arguments = case.circle_arguments(
         friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}
     )
+
+    # W over A P1^2, max W(x) over A P1^2/a0
     scale = case.compliance * case.unit_load**2
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale

@@ -34,7 +34,12 @@ _PHASES = ("EG", "IJ", "JM")
 
 
 def prove_misprints(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Key of a misprint -> whether it is proven (None: by reading) and its numbers."""
+    """All misprints of the paper, tested by computing: key of a misprint -> whether it is proven
+    (None: by reading) and its numbers.
+
+    `paper` holds the paper's ellipse of loads on its two profiles, and the peaks of W(x), the
+    dissipation per area, on each.
+    """
     proof_of = _misprints_of_cycle(paper.hertz_case) | _misprints_of_slip(paper.hertz_case)
     proof_of |= _misprints_of_work(paper.hertz_case, float(paper.peaks[0].place))
     proof_of["(25)"] = _sliding_condition(paper.hertz_case)
@@ -56,9 +61,12 @@ def _proof(
     *,
     also_holds: bool = True,
 ) -> VerdictAndNumbers:
-    """Whether a misprint is proven: the mended reading gives the engine's value, the printed one
-    does not, and a further condition (`also_holds`) is met. With it the relative errors of both
-    ("right", "printed") and `numbers`, which the words of paper.toml name.
+    """Whether a misprint of the paper is proven: the mended formula gives the engine's value (that
+    of half-plane theory), the printed formula does not, and a further condition (`also_holds`) is
+    met.
+
+    Returns (whether it is proven, numbers by name): the relative errors of the mended formula
+    ("right") and of the printed one ("printed"), with `numbers` added.
     """
     errors = {
         "right": _relative_error(mended_value, engine_value),
@@ -72,11 +80,11 @@ def _proof(
 
 # -------------------------------------------------------------------- loads, friction and tractions
 def _misprints_of_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
-    """Prove the misprints in sections 2 and 3 of the paper, by computing with each reading: which
-    loads, events (the letters A to M) and conditions are meant. Returns, by name of the misprint,
-    whether it is proven, and numbers.
+    """Prove the misprints in sections 2 and 3 of the paper, by computing with the text as printed
+    and as mended: which loads, events (the letters A to M) and conditions are meant.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile. Returns name of a misprint -> (whether
+    it is proven, numbers).
     """
     return {
         "(2)": _corrective_load(case),
@@ -95,12 +103,16 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
     [(Q + f P) at the event - (Q - f P) at E] / (2 f). Returns whether it is proven, and half-widths
     over a0.
 
+    # notation: P_T the normal load whose contact is the permanent stick zone, f friction, E the end
+    #           of forward slip, a0 contact half-width at the mean load
+
     `case` is the paper's ellipse of loads on one profile.
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
 
     def half_width_with(letter: str) -> float:
         """a(P_T)/a0 with the loads at this event."""
+        # q_plus_f_p(letter, sign): Q + sign f P at an event
         difference = formulas.q_plus_f_p(letter, 1) - formulas.q_plus_f_p("E", -1)
         return float(case.scaled_half_width(difference / (2 * case.friction)))
 
@@ -116,14 +128,17 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
 
 def _order_of_j_and_k(case: Case) -> VerdictAndNumbers:
     """Prove that the event J comes after K in the paper's example: at K the normal load is largest,
-    at J the stick edge is where the contact edge was at G. Forward slip begins at I, before K.
-    Returns whether it is proven, and angles.
+    at J the stick edge is where the contact edge was at G, the end of reverse slip. Forward slip
+    begins at I, before K. Returns whether it is proven, and angles of the load cycle.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile. Of its events, `front_load` is the normal
+    load whose contact is the stick zone.
     """
+    # `time_of`: angle of an event on the ellipse [rad]
     angle_of_j = math.degrees(case.time_of("J") - case.time_of("K"))
     angle_of_i = math.degrees(case.time_of("I") - case.time_of("K"))
     error_at_j = _relative_error(case.events["J"].front_load, case.events["G"].normal_load)
+    # AGREEMENT_TOLERANCE: 1e-9
     return (
         error_at_j <= AGREEMENT_TOLERANCE and angle_of_i < 0 < angle_of_j,
         {
@@ -140,11 +155,12 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
     amplitude Q1 as printed: half of either is tried. Returns whether it is proven, and relative
     changes of the dissipation.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile. The dissipation is taken as `loop_work`,
+    the closed integral of Q dU over the steady cycle, U the tangential displacement.
     """
 
     def work_with_half(load_name: str) -> float:
-        """Dissipation of a cycle as the closed integral of Q dU, when a load is halved."""
+        """Dissipation of a cycle when a load, the mean or the amplitude of Q, is halved."""
         changes = {load_name: getattr(case.load_ellipse, load_name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
 
@@ -159,14 +175,16 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
 def _condition_of_stick(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's condition of full stick is misprinted: dQ/dP < f as printed, |dQ/dP| <
     f with growing P as mended. Each is compared with the engine at 720 instants of the steady
-    cycle. Returns whether it is proven, and the share of instants that each gets wrong.
+    cycle. Returns whether it is proven, and the share of instants at which each is wrong.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile; `unit_length` is the contact half-width
+    at the mean load.
     """
     times = case.cycle_times(721)
     middle_times = (times[1:] + times[:-1]) / 2
     solution = case.solve(time=middle_times)
     slip_zone_width = solution.contact_half_width - solution.stick_half_width
+    # AGREEMENT_TOLERANCE: 1e-9
     is_full_stick = slip_zone_width <= AGREEMENT_TOLERANCE * case.unit_length
     rate_of_p, rate_of_q = Formulas(case).rates(middle_times)
     slope = rate_of_q / rate_of_p
@@ -181,8 +199,9 @@ def _condition_of_stick(case: Case) -> VerdictAndNumbers:
 
 
 def _event_of_least_load(case: Case) -> VerdictAndNumbers:
-    """Prove that P is least at the event F of the paper's cycle, and Q at H, where the paper has P
-    least at H. Returns whether it is proven, and the loads over P0/3.
+    """Prove that P is least at the event F of the paper's cycle, and Q is least at H. The paper's
+    text has P least at H. Returns whether it is proven, and the loads over P0/3 (`unit_load`), a
+    third of the mean normal load.
 
     `case` is the paper's ellipse of loads on one profile.
     """
@@ -194,6 +213,7 @@ def _event_of_least_load(case: Case) -> VerdictAndNumbers:
     numbers |= {
         f"Q at {letter}": events[letter].tangential_load / case.unit_load for letter in "HF"
     }
+    # AGREEMENT_TOLERANCE: 1e-9
     p_is_least_at_f = abs(numbers["P at F"] - least_p) < AGREEMENT_TOLERANCE
     p_is_least_at_h = numbers["P at H"] - least_p <= AGREEMENT_TOLERANCE
     q_is_least_at_h = abs(numbers["Q at H"] - least_q) < AGREEMENT_TOLERANCE
@@ -206,16 +226,22 @@ def _net_displacement(case: Case) -> VerdictAndNumbers:
     at x = 0.8 a0. Returns whether it is proven, with the net slip over the range of slip, and the
     dissipation in the paper's unit A f^2 P0^2.
 
-    `case` is the paper's ellipse of loads on one profile.
+    # notation: a0 contact half-width at the mean normal load P0, A = 2/E*, f friction
+
+    `case` is the paper's ellipse of loads on one profile: `unit_length` is a0, `unit_work` the unit
+    of dissipation; `solve` takes places x/a0.
     """
+    # a revolution of the loads (2 pi) from the event G, the end of reverse slip
     start_time = case.time_of("G")
     times = start_time + np.linspace(0, 2 * math.pi, 101)
     slip = case.solve(time=times, x=[0.8], fields=("slip",)).slip[:, 0]
+    # what the point gains between two times
     net_slip = abs(
         Formulas(case).engine_slip(0.8 * case.unit_length, start_time, start_time + 2 * math.pi)
     )
     relative_net_slip = net_slip / float(np.ptp(slip))
     dissipation = case.steady_cycle.dissipation / case.unit_work
+    # AGREEMENT_TOLERANCE: 1e-9
     return (
         relative_net_slip <= AGREEMENT_TOLERANCE and dissipation > 1e-3,
         {"right": relative_net_slip, "printed": dissipation},
@@ -232,8 +258,11 @@ def _corrective_load(
     turned, P - Q, is tried too. Returns whether it is proven, and the relative error of q with
     each.
 
-    `case` gives profile and normal load; Q is `share_of_limit` times f P.
+    `case` gives profile and normal load: `contact` is the normal contact of its profile, with the
+    pressure p(x, P), and `unit_length` the contact half-width at this load. Q is `share_of_limit`
+    times f P, with `friction` f.
     """
+    # the engine's shear after P is applied first, then Q with P constant (at time 2)
     normal_load = case.load_ellipse.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
     scene = case.scene.vary(
@@ -241,22 +270,24 @@ def _corrective_load(
         friction=friction,
     )
     x = np.linspace(0.0, 0.999, 200) * case.unit_length
-    shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
+    engine_shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
     def error_with(corrective_load: float) -> float:
-        """Largest difference of equation (2) from the engine's shear, over the latter's largest
-        value. A negative load has no pressure.
+        """Largest difference of equation (2) from the engine's shear, over the largest engine's
+        shear. A negative corrective load has no pressure.
         """
         pressure = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
             pressure = pressure - case.contact.pressure(x, corrective_load)
-        return float(np.max(np.abs(friction * pressure - shear)) / np.max(np.abs(shear)))
+        largest_difference = np.max(np.abs(friction * pressure - engine_shear))
+        return float(largest_difference / np.max(np.abs(engine_shear)))
 
     errors = {
         "right": error_with(normal_load - tangential_load / friction),
         "printed": error_with(tangential_load - normal_load),
         "sign turned only": error_with(normal_load - tangential_load),
     }
+    # proven if the mended error is at most 1e-9 and the lesser other one above 1e-3
     return is_misprint_proven(
         errors["right"], min(errors["printed"], errors["sign turned only"])
     ), errors
@@ -268,23 +299,29 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
     sqrt(1 + f^2)/f as mended. Circles between both limits slide, and the engine's limit is within
     1e-10 of the mended one. Returns whether it is proven, and numbers.
 
-    `case` is the paper's ellipse of loads on one profile.
+    # notation: P0 mean normal load, P1 radius of the circle, f coefficient of friction
+
+    `case` gives profile and material of the circles.
     """
+    # limits of P0/P1 by both formulas, for each coefficient of friction
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     mended_limit = sliding_limit(friction)
     printed_limit = math.sqrt(2) * (1 + friction) / (2 * friction)
 
     def slides(f: Array, load_ratio: Array) -> NDArray[np.bool_]:
-        """Whether the engine says that circles of P0/P1 = `load_ratio` slide."""
+        """Whether circles of P0/P1 = `load_ratio` slide by half-plane theory."""
         batch = semi_analytic.dissipation(**case.circle_arguments(f, load_ratio))
+        # `reason`: why a circle has no dissipation of a cycle
         return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
+    # share of the circles between both limits that slide: 99 for each coefficient of friction
     limits_differ = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
     width_between = (mended_limit - printed_limit)[limits_differ]
     fractions = np.linspace(0.01, 0.99, 99)[:, None]
     ratios_between = printed_limit[limits_differ] + width_between * fractions
     sliding_share = float(np.mean(slides(friction[limits_differ], ratios_between)))
 
+    # whether circles slide just below the mended limit and not just above it
     margin = 1e-10
     slides_below = slides(friction, mended_limit * (1 - margin))
     slides_above = slides(friction, mended_limit * (1 + margin))
@@ -305,20 +342,22 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
 def _rounded_law(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's contact law of the flat and rounded profile (section 4.2) is
     misprinted: its left side is P R (1 + kappa)/(4 mu b^2), not over a^2 as printed. P is the
-    integral of the engine's pressure; (1 + kappa)/mu is 2 A. Returns whether it is proven, and both
-    sides.
+    integral of the engine's pressure; (1 + kappa)/mu is 2 A, the compliance of the half-planes.
+    Returns whether it is proven, and both sides.
 
     # notation: a half-width of contact, b of the flat, R radius of the edges; the right side is
     #           (pi - 2 t)/(4 sin^2 t) - cot(t)/2, with sin t = b/a
 
-    `case` is the paper's ellipse of loads on this profile.
+    `case` is the paper's ellipse of loads on this profile: `unit_length` is the half-width a at the
+    mean normal load, at which the law is tested; `contact` has the pressure p(x, P).
     """
     mean_load = case.load_ellipse.mean_normal_load
-    profile = case.scene.profile.model_dump()
+    profile = case.scene.profile.model_dump()  # the profile's parameters by name
     flat_half_length = profile["flat_half_length"]
     radius = profile["radius"]
-    # x = a sin(angle), in two parts: the pressure's root at the edge becomes smooth, its singular
-    # slope at x = b lies at an end.
+
+    # P, the integral of p over x = a sin(angle), in two parts: the pressure's root at the edge
+    # becomes smooth, its singular slope at x = b lies at an end.
     angle_of_flat_end = math.asin(flat_half_length / case.unit_length)
 
     def load_per_angle(angle: Array) -> Array:
@@ -330,11 +369,13 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
         integral(load_per_angle, 0.0, angle_of_flat_end)
         + integral(load_per_angle, angle_of_flat_end, math.pi / 2)
     )
+
+    # both sides of the law
     first_term = (math.pi - 2 * angle_of_flat_end) / (4 * math.sin(angle_of_flat_end) ** 2)
     right_side = first_term - 1 / math.tan(angle_of_flat_end) / 2
 
     def left_side_over(length: float) -> float:
-        """Left side of the law, with the square of this length as divisor."""
+        """Left side of the law, with the square of this length (a or b) as divisor."""
         return normal_load * radius * 2 * case.compliance / (4 * length**2)
 
     left_side_over_a = left_side_over(case.unit_length)
@@ -352,9 +393,10 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
 def _misprints_of_slip(case: Case) -> dict[str, VerdictAndNumbers]:
     """Prove that equations (14) to (19) are misprinted: slip and movement between two events of the
     cycle (the paper's letters), at points in and out of contact, by the printed and the mended
-    formula. Returns, by name of the misprint, whether it is proven, and numbers.
+    formula.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile. Returns name of a misprint -> (whether it
+    is proven, numbers).
     """
     return {
         "(14), I–J": _multiplier_in_contact(case),
@@ -373,25 +415,29 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
     zero. The slip is that of the point x = a0, from J halfway to M, the end of forward slip.
     Returns whether it is proven, and numbers.
 
-    `case` is the paper's ellipse of loads on one profile.
+    # notation: a0 contact half-width at the mean normal load P0, A = 2/E* (the compliance), f
+    #           friction, a contact half-width
+
+    `case` is the paper's ellipse of loads on one profile: `unit_length` is a0, `unit_load` P0/3.
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
     x = case.unit_length
     time_of_j = case.time_of("J")
     time_of_m = case.time_of("M")
     middle_time = (time_of_j + time_of_m) / 2
-    slip_factor = case.compliance * case.friction / math.pi
+    slip_factor = case.compliance * case.friction / math.pi  # A f/pi
 
     def rate_as_printed(time: Array) -> Array:
-        """Rate of slip that is left where P_K is a constant load."""
-        load, _ = formulas.loads(time)
+        """ds/dt of the slip s where P_K is a constant load: (A f/pi) dP/dt arccosh(x/a)."""
+        load, _ = formulas.loads(time)  # P and Q
         load_rate, _ = formulas.rates(time)
         return slip_factor * load_rate * formulas.arccosh_ratio(x, load)
 
     def rate_as_mended(time: Array) -> Array:
-        """Rate of slip with the moving stick edge."""
+        """ds/dt of the slip s with the moving stick edge."""
         return formulas.slip_rate("JM", x, time)
 
+    # in the table "front" is the normal load whose contact is the stick zone
     numbers = {
         "front at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
         "load at K": case.events["K"].normal_load / case.unit_load,
@@ -407,19 +453,22 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
 def _closed_integral(case: Case) -> VerdictAndNumbers:
     """Prove that it is equation (15) which becomes (23), not (12) as printed: (15) gives the
     forward slip at x = 0.8 a0, whereas (12) is the slip of a whole cycle, which is zero. The
-    forward slip of this point lies between the events J and M. Returns whether it is proven, and
-    the net slip over the forward slip.
+    forward slip of this point lies between the events J and M; of any point, between I and M.
+    Returns whether it is proven, and the net slip over the forward slip.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile; `unit_length` is a0, the contact
+    half-width at the mean load.
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
     x = 0.8 * case.unit_length
     time_of_g = case.time_of("G")
 
     def slip_rate(time: Array) -> Array:
-        """Rate of slip by the mended equations, from J to M."""
+        """ds/dt of the slip s by the mended equations, from J to M."""
         return formulas.slip_rate("JM", x, time)
 
+    # the time integral while the point slips; and the engine's slip between two times, of the
+    # forward phase and of a whole revolution of the loads from G on
     slip_by_15 = formulas.integral_while_slipping("JM", x, slip_rate)
     forward_slip = formulas.engine_slip(x, case.time_of("I"), case.time_of("M"))
     net_slip = formulas.engine_slip(x, time_of_g, time_of_g + 2 * math.pi)
@@ -432,8 +481,9 @@ class _SlipFromIToJ:
     """Slip of the point x = 1.05 a0 from the event I to J, the first part of forward slip, while it
     is in contact: by equation (15), the time integral of (A f/pi) C arccosh(x/c) dP_Y/dt.
 
-    # notation: c half-width of the stick zone, P_Y the load whose contact half-width is c, C =
-    #           (dQ/dP)/f - 1 the multiplier of equation (14), at the loads P_Y
+    # notation: a0 contact half-width at the mean load, A = 2/E*, f friction, c half-width of the
+    #           stick zone, P_Y the load whose contact half-width is c, C = (dQ/dP)/f - 1 the
+    #           multiplier of equation (14), at the loads P_Y
     """
 
     case: Case
@@ -459,19 +509,26 @@ class _SlipFromIToJ:
         return self.formulas.engine_slip(self.x, self.case.time_of("I"), self.case.time_of("J"))
 
     def with_slope_times(self, load_unit: float | None) -> float:
-        """Slip [length] by equation (18), with the slope dQ/dP multiplied by P_Y in a unit of load,
-        as printed; not multiplied if None, as mended.
+        """Slip [length] of the point `x` from the event I to J, the first part of forward slip, by
+        equation (18): the time integral of (A f/pi) [(dQ/dP)/f - 1] arccosh(x/c) dP_Y/dt.
+
+        As printed the slope dQ/dP is multiplied by P_Y, taken in units of `load_unit`; if this is
+        None it is not, as mended.
+
+        # notation: c half-width of the stick zone, P_Y the load whose contact half-width is c, f
+        #           friction, A = 2/E*, `factor` A f/pi
         """
 
         def rate(time: Array) -> Array:
-            """ds/dt."""
-            load = self.formulas.stick_edge_load("IJ", time)
+            """ds/dt of the slip s."""
+            load_at_y = self.formulas.stick_edge_load("IJ", time)
+            # dQ/dP from the multiplier (dQ/dP)/f - 1
             slope = self.case.friction * (self.formulas.multiplier_c("IJ", time) + 1)
             if load_unit:
-                slope = slope * load / load_unit
+                slope = slope * load_at_y / load_unit
             multiplier = slope / self.case.friction - 1
             load_rate = self.formulas.stick_edge_load_rate("IJ", time)
-            arccosh_ratio = self.formulas.arccosh_ratio(self.x, load)
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, load_at_y)
             return multiplier * self.factor * load_rate * arccosh_ratio
 
         return self.formulas.integral_while_slipping("IJ", self.x, rate)
@@ -485,18 +542,22 @@ class _SlipFromIToJ:
 
 
 def _multiplier_in_contact(case: Case) -> VerdictAndNumbers:
-    """Prove that equation (14) is misprinted between the events I and J: slip is by C dP_Y, not by
-    C dP as printed. P_Y is the load at the stick edge, C = (dQ/dP)/f - 1.
+    """Prove that equation (14) is misprinted between the events I and J, the first part of forward
+    slip: slip is by C dP_Y, not by C dP as printed. P_Y is the load at the stick edge,
+    C = (dQ/dP)/f - 1.
 
     P is largest at K, between I and J, so that the printed slip has different signs before and
-    after. Returns whether it is proven, and parts of the printed slip over the engine's.
+    after. Returns whether it is proven, and the printed slip before and after K over the engine's
+    slip from I to J. `case` is the paper's ellipse of loads on one profile.
     """
+    # the slip of one point (`slip.x`) from I to J [length], by the engine and by the equations
     slip = _SlipFromIToJ(case)
     engine_slip = slip.by_engine
     printed_slip = slip.formulas.integral_while_slipping("IJ", slip.x, slip.rate_as_printed)
     slip_after_k = integral(slip.rate_as_printed, case.time_of("K"), case.time_of("J"))
     ratio_after_k = slip_after_k / engine_slip
     ratio_before_k = printed_slip / engine_slip - ratio_after_k
+    # mended slip (the slope dQ/dP is not multiplied by a load), printed one, engine's
     return _proof(
         slip.with_slope_times(None),
         printed_slip,
@@ -511,7 +572,11 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
     edge, not dQ/dP times P_Y as printed. The product depends on the unit of load; two are tried,
     and the better one must be wrong. Returns whether it is proven, and the slip in either unit over
     the engine's.
+
+    `case` is the paper's ellipse of loads on one profile; `unit_load` is P0/3, a third of the mean
+    normal load.
     """
+    # the slip of one point in the first part of forward slip [length], by the engine and by (18)
     slip = _SlipFromIToJ(case)
     engine_slip = slip.by_engine
     printed_ratios = {
@@ -519,6 +584,7 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
         "printed in P0/3": slip.with_slope_times(case.unit_load) / engine_slip,
     }
     nearest_ratio = min(printed_ratios.values(), key=lambda ratio: abs(ratio - 1))
+    # mended slip (the slope is not multiplied by a load), printed one, engine's
     return _proof(
         slip.with_slope_times(None), nearest_ratio * engine_slip, engine_slip, printed_ratios
     )
@@ -526,29 +592,35 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
 
 def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
     """Prove that the second line of equation (16) is misprinted: movement of the point x = a0, out
-    of contact, from the event E to F. As printed it has int_a^x dx' / sqrt(x'^2 - c^2), as mended a
-    root of x'^2 - a^2; a and c are the half-widths of contact and stick zone. Returns whether it is
-    proven, and the relative error of each.
+    of contact, from the event E (begin of reverse slip) to F (least normal load). As printed it has
+    int_a^x dx' / sqrt(x'^2 - c^2), as mended a root of x'^2 - a^2. Returns whether it is proven,
+    and the relative error of each.
+
+    # notation: a, c half-widths of contact and stick zone, P_c the normal load whose contact
+    #           half-width is c, a0 contact half-width at the mean load
 
     `case` is the paper's ellipse of loads on one profile.
     """
-    formulas = Formulas(case)
-    factor = case.compliance * case.friction / math.pi
-    x = case.unit_length
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
+    slip_factor = case.compliance * case.friction / math.pi  # A f/pi, with A = 2/E*
+    x = case.unit_length  # a0
     time_of_e = case.time_of("E")
     time_of_f = case.time_of("F")
 
     def rate_as_printed(time: Array) -> Array:
-        """Rate of movement by equation (16) as printed."""
+        """Rate of movement by equation (16) as printed: (A f/pi) [2 dP_c/dt int_c^x − dP/dt
+        int_a^x], with the same root in both integrals.
+        """
         load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
         stick_edge_load = formulas.stick_edge_load("EG", time)
         # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
-        integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)
+        integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         half_width = case.contact.half_width(load)
         integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
         stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
-        return factor * (2 * stick_edge_load_rate * integral_from_c - load_rate * integral_from_a)
+        terms = 2 * stick_edge_load_rate * integral_from_c - load_rate * integral_from_a
+        return slip_factor * terms
 
     def rate_as_mended(time: Array) -> Array:
         """Rate of movement by equation (16) as mended."""
@@ -557,7 +629,7 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
     return _proof(
         integral(rate_as_mended, time_of_e, time_of_f),
         integral(rate_as_printed, time_of_e, time_of_f),
-        formulas.engine_slip(x, time_of_e, time_of_f),
+        formulas.engine_slip(x, time_of_e, time_of_f),  # movement between these times
         {},
     )
 
@@ -577,11 +649,15 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
 
     Returns whether it is proven, and numbers by name: "right" is the error with the slope,
     "printed" the lesser one of both gaps; the others are errors and powers of the length by which
-    the slip grows. `case` is the paper's ellipse of loads on one profile.
+    the slip grows. `case` is the paper's ellipse of loads on one profile; `unit_length` is a0.
     """
+    # the engine's slip of that point between these events; all lengths and loads times ten, it
+    # grows by this power of ten
     large_case = case.scaled_ten_times()
     engine_slip = _slip_after_j(case)
     power_of_engine = math.log10(_slip_after_j(large_case) / engine_slip)
+
+    # slip by equation (15) with each reading of h_o: relative error, and power of ten
     errors = {}
     powers = {}
     for reading in ("slope", "gap of the increment", "gap of the punch"):
@@ -589,6 +665,7 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
         slip_of_large_case = _slip_by_15(large_case, 0.8 * large_case.unit_length, reading)
         errors[reading] = _relative_error(slip_by_15, engine_slip)
         powers[reading] = math.log10(slip_of_large_case / slip_by_15)
+
     error_of_slope = errors.pop("slope")
     least_error_of_gaps = min(errors.values())
     numbers = {
@@ -598,6 +675,7 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     }
     numbers |= {f"power with the {reading}": power for reading, power in powers.items()}
     numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
+    # AGREEMENT_TOLERANCE: 1e-9
     grows_alike = abs(powers["slope"] - power_of_engine) <= AGREEMENT_TOLERANCE
     return is_misprint_proven(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 
@@ -612,20 +690,22 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
     """Slip [length] of the point x [length] between the events J and M (second part of forward
     slip) by the paper's equation (15): the time integral of (A f/pi) h_o C dP/dt.
 
-    # notation: c half-width of the stick zone; C the multiplier of the paper's equation (14)
+    # notation: A = 2/E*, f friction, c half-width of the stick zone; C the multiplier of the
+    #           paper's equation (14), (dQ/dP)/f - 1
 
     `reading` is what h_o is, the integral from c to x of one of three functions of x': "slope",
     1/sqrt(x'^2 - c^2); "gap of the increment", arccosh(x'/c); "gap of the punch", x'^2/(2 R).
     `case` is the paper's ellipse of loads on a parabola of radius R.
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
     radius = case.scene.profile.model_dump()["radius"]
 
     def rate(time: Array) -> Array:
-        """ds/dt over A f/pi."""
+        """ds/dt of the slip s over A f/pi: h_o C dP/dt."""
+        # the normal load whose contact half-width is c
         stick_edge_load = formulas.stick_edge_load("JM", time)
         c = np.asarray(case.contact.half_width(stick_edge_load))
-        arccosh_ratio = formulas.arccosh_ratio(x, stick_edge_load)
+        arccosh_ratio = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         integrals = {
             "slope": arccosh_ratio,
             "gap of the increment": x * arccosh_ratio - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
@@ -633,25 +713,26 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
         }
         return formulas.multiplied_load_rate("JM", time) * integrals[reading]
 
-    slip_factor = case.compliance * case.friction / math.pi
+    slip_factor = case.compliance * case.friction / math.pi  # A f/pi
     return slip_factor * formulas.integral_while_slipping("JM", x, rate)
 
 
 def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
     """Prove that equation (17), the displacement of a point out of contact in full stick, has a
-    factor 2 f too much: dU = (A/pi) arccosh(x/a) dQ as mended, a the contact half-width.
+    factor 2 f too much: dU = (A/pi) arccosh(x/a) dQ as mended, a the contact half-width, A = 2/E*.
 
     Both are compared with the engine's displacement at x = 1.1 a0 between the events G (end of
-    reverse slip) and H, at two coefficients of friction. Returns whether it is proven, and the
-    relative errors of both.
+    reverse slip) and H (least Q), at two coefficients of friction. Returns whether it is proven,
+    and the relative errors of both.
 
-    `hertz_case` is the paper's ellipse of loads on a parabola.
+    `hertz_case` is the paper's ellipse of loads on a parabola; `unit_length` is a0, the contact
+    half-width at the mean load.
     """
 
     def mended_over_engine(friction: float) -> float:
         """Displacement from G to H by the mended equation (17), over the engine's."""
         case = hertz_case.with_zero_mean_shear(friction)
-        formulas = Formulas(case)
+        formulas = Formulas(case)  # the paper's equations, with their misprints mended
         x = 1.1 * case.unit_length
         time_of_g = case.time_of("G")
         time_of_h = case.time_of("H")
@@ -663,7 +744,7 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
             return tangential_rate * formulas.arccosh_ratio(x, load)
 
         integral_of_17 = integral(rate, time_of_g, time_of_h)
-        engine_displacement = formulas.engine_slip(x, time_of_g, time_of_h)
+        engine_displacement = formulas.engine_slip(x, time_of_g, time_of_h)  # between these times
         return case.compliance / math.pi * integral_of_17 / engine_displacement
 
     ratios = {friction: mended_over_engine(friction) for friction in (1.0, 0.6)}
@@ -703,9 +784,12 @@ class _PartsOfWork:
         return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.engine_density
 
     def mended(self, phase: str) -> float:
-        """The mended part: with arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J."""
+        """Part of W(x) in a phase of slip by the mended equations, over the engine's W(x): with
+        arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J.
+        """
 
         def rate(time: Array) -> Array:
+            """Integrand over time."""
             stick_edge_load = self.formulas.stick_edge_load(phase, time)
             arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
             load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))
@@ -714,14 +798,19 @@ class _PartsOfWork:
         return self.formulas.integral_while_slipping(phase, self.x, rate)
 
     def with_multiplier_as_c(self, phase: str, length_unit: float) -> float:
-        """The part with arccosh(x/C), as printed: C has no unit, so that the result depends on the
-        unit of length. It is in units of the scene over `length_unit`.
+        """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
+        printed arccosh(x/C), over the engine's W(x) at the point `x`. C, the multiplier of the
+        paper's equation (14), has no unit, so that the part depends on the unit of length.
+
+        `length_unit` is the scene's unit of length in the unit that is tried: 1 to take x in the
+        scene's own unit.
         """
 
         def rate(time: Array) -> Array:
+            """Integrand over time: `root_factor` is what all readings of the equation share."""
             ratio = length_unit * self.x / np.abs(self.formulas.multiplier_c(phase, time))
             arccosh_ratio = np.arccosh(np.maximum(ratio, 1.0))
-            load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))
+            load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))  # |C dP/dt|
             return self.root_factor(time) * load_rate * arccosh_ratio
 
         return self.formulas.integral_while_slipping(phase, self.x, rate)
@@ -733,14 +822,19 @@ class _PartsOfWork:
         )
 
     def with_printed_sign(self, phase: str) -> float:
-        """The part with the printed minus before it, with C dP and its sign in every phase, and
-        arccosh(x/c).
+        """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
+        printed minus before it and with C dP and its sign in every phase, over the engine's W(x) at
+        the point `x`. The arccosh is the mended one, arccosh(x/c).
+
+        # notation: c half-width of the stick zone, C multiplier of the paper's equation (14)
         """
 
         def rate(time: Array) -> Array:
-            load_rate, _ = self.formulas.rates(time)
+            """Integrand over time: `root_factor` is what all readings of the equation share."""
+            load_rate, _ = self.formulas.rates(time)  # dP/dt
+            # the normal load whose contact half-width is c
             stick_edge_load = self.formulas.stick_edge_load(phase, time)
-            arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)  # arccosh(x/c)
             multiplier = self.formulas.multiplier_c(phase, time)
             return -self.root_factor(time) * arccosh_ratio * multiplier * load_rate
 
@@ -749,23 +843,27 @@ class _PartsOfWork:
 
 def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
     """Prove that equations (11), (23) and (24) on the dissipation are misprinted, at the place x
-    [length] of the peak of W(x), for a parabola. Returns, by name of the misprint, whether it is
-    proven, and numbers.
+    [length] of the peak of W(x), the dissipation per area, for a parabola. Returns name of a
+    misprint -> (whether it is proven, numbers).
 
     (23) and (24) have arccosh(x/C), where C is also the multiplier of equation (14), and a minus
     before the integral; as mended arccosh(x/c), c the half-width of the stick zone, and no minus.
     All values are over the engine's W(x). `case` is the paper's ellipse of loads.
     """
-    formulas = Formulas(case)
+    # parts of W(x) by phases of slip (_PHASES: reverse slip EG, forward slip IJ and JM), mended and
+    # with the printed sign; `case.unit_length` is the contact half-width at the mean load
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
     solution = case.solve(x=[x / case.unit_length], fields=("dissipation_density",))
     parts_of_work = _PartsOfWork(formulas, x, float(solution.dissipation_density[0]))
     mended_parts = {f"mended {phase}": parts_of_work.mended(phase) for phase in _PHASES}
     printed_parts = {
         f"printed {phase}": parts_of_work.with_printed_sign(phase) for phase in _PHASES
     }
-    # the scene's unit of length is the millimetre
+
+    # W(x) with the printed arccosh, in two units of length: the scene's is the millimetre
     sum_in_millimetres = sum(parts_of_work.with_multiplier_as_c(phase, 1.0) for phase in _PHASES)
     sum_in_metres = sum(parts_of_work.with_multiplier_as_c(phase, 1e-3) for phase in _PHASES)
+    # how long the point slips, and how long the printed arccosh is a real number
     slip_time = sum(formulas.integral_while_slipping(phase, x, np.ones_like) for phase in _PHASES)
     real_time = sum(map(parts_of_work.time_with_real_arccosh, _PHASES))
     numbers_of_arccosh = {
@@ -776,6 +874,7 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
 
     mended_sum = sum(mended_parts.values())
     printed_sum = sum(printed_parts.values())
+    # the engine's value is 1
     return {
         "(23), (24), arccosh": _proof(mended_sum, sum_in_millimetres, 1.0, numbers_of_arccosh),
         "(23), (24), sign": _proof(
@@ -790,12 +889,14 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
 
 
 def _integral_over_face(case: Case) -> VerdictAndNumbers:
-    """Prove what equation (11) is: the integral of W(x) over the face, not a work per area. It
-    grows with the square of all lengths and loads at the same stresses, and W(x) with their first
-    power. Returns whether it is proven, and numbers.
+    """Prove what equation (11) is: the integral of W(x), the dissipation per area, over the contact
+    face, and not a work per area. It grows with the square of all lengths and loads at the same
+    stresses, and W(x) with their first power. Returns whether it is proven, and numbers.
 
-    `case` is the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile; its half-widths and places x are over the
+    contact half-width at the mean load, and `unit_work` is the unit of dissipation.
     """
+    # powers of ten by which both grow when all lengths and loads are ten times as large
     fields = ("dissipation_density", "dissipation")
     solution = case.solve(x=[1.0], fields=fields, steady=True)
     large_solution = case.scaled_ten_times().solve(x=[1.0], fields=fields, steady=True)
@@ -803,7 +904,9 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
         large_solution.dissipation_density[0] / solution.dissipation_density[0]
     )
     power_of_work = math.log10(large_solution.dissipation / solution.dissipation)
-    # W(x) has corners at the contact half-widths of the events: the integral in parts between them.
+
+    # The integral of W(x), in parts: W(x) has corners at the edges of the slip zone, and at the
+    # contact half-widths of the events F to J.
     corners = sorted(
         {
             case.permanent_stick_half_width,
@@ -818,6 +921,8 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
     # twice: W(x) is even, and the integral is over x > 0
     dissipation = 2 * sum(parts_of_work) * case.unit_work
     error = _relative_error(dissipation, case.steady_cycle.dissipation)
+
+    # AGREEMENT_TOLERANCE: 1e-9
     powers_hold = (
         abs(power_of_density - 1) <= AGREEMENT_TOLERANCE
         and abs(power_of_work - 2) <= AGREEMENT_TOLERANCE

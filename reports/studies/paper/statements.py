@@ -36,7 +36,7 @@ from semi_analytic.friction_work import slip_times
 
 # Scaled values up to this differ by round-off only.
 _ROUNDING_ERROR = 1e-10
-# Error of an exponent that is measured between two points.
+# Tolerance of an exponent that is measured between two points.
 _EXPONENT_TOLERANCE = 0.01
 # x/a0 of the points at which tractions are compared, from the centre to near the largest contact.
 _SHEAR_POINTS = (0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.9, 1.0, 1.1)
@@ -45,7 +45,9 @@ _STATED_HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
 
 
 def judge_statements(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Key of a statement -> its verdict and numbers."""
+    """All statements of the paper, judged by computing: key of a statement -> (verdict, numbers).
+    `paper` holds the paper's two profiles, with their solutions.
+    """
     return (
         statements_on_tractions(paper.hertz_case)
         | statements_on_cycle(paper.hertz_case)
@@ -57,10 +59,12 @@ def judge_statements(paper: Paper) -> dict[str, VerdictAndNumbers]:
 
 # --------------------------------------------------------------------- tractions of the first cycle
 def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
-    """Check what the paper states of the tractions: the shear by its equations (5) to (8) against
-    that of the engine, at the events that it calls by letters, and what the first cycle leaves.
-    Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse of loads on one
-    profile.
+    """Check what the paper states of the shear traction in the first cycle, against half-plane
+    theory: its equations (5) in full stick, (6) in forward and (7) in reverse slip, the rest at
+    event E (end of forward slip), and the tractions that the cycle leaves.
+
+    `case` is the paper's ellipse of loads on one profile. Returns name of a statement ->
+    (verdict, numbers).
     """
     return {
         "(5)": _shear_in_stick(case),
@@ -72,31 +76,38 @@ def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
 
 
 def _error_of_shear(case: Case, time: float, shear_by_formula: Array) -> float:
-    """Largest difference of a shear traction from the engine's at an instant, over the largest
-    value of the latter. `shear_by_formula` (n,) is given at the n points of `_SHEAR_POINTS`.
+    """Relative error of a formula's shear traction at the instant `time`: its largest difference
+    from the engine's shear, over the largest engine's shear. `shear_by_formula` (n,) is given at
+    the n points of `_SHEAR_POINTS`.
     """
-    shear = case.solve(time=[time], x=_SHEAR_POINTS, fields=("shear",)).shear[0]
-    return float(np.max(np.abs(shear_by_formula - shear)) / np.max(np.abs(shear)))
+    engine_shear = case.solve(time=[time], x=_SHEAR_POINTS, fields=("shear",)).shear[0]
+    largest_difference = np.max(np.abs(shear_by_formula - engine_shear))
+    return float(largest_difference / np.max(np.abs(engine_shear)))
 
 
 def _shear_in_stick(case: Case) -> VerdictAndNumbers:
-    """Check the paper's equation (5), the shear traction of full stick, against the engine.
+    """Check the paper's equation (5), the shear traction of full stick, against the engine, which
+    solves the problem by half-plane theory.
 
     The paper's letters are events of the first cycle: A its start, B the end of full stick, C the
     largest normal load. The verdict is "confirmed" if the equation holds at A, at B and halfway
     from B to C, where the normal load still grows but the edges slip; "refined" if at A and B only.
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, relative errors).
+
+    `case` is the paper's ellipse of loads on one profile: `unit_length` is the contact half-width
+    at the mean load. Returns (verdict, relative errors).
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
+    # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
     x = np.array(_SHEAR_POINTS) * case.unit_length
 
     def error_at(time: float) -> float:
-        """Relative error of equation (5) at an instant."""
+        """Relative error of equation (5) at an instant, largest over the points."""
         normal_load = float(formulas.loads(time)[0])
         return _error_of_shear(case, time, formulas.shear_of_full_stick(x, normal_load))
 
     error_in_stick = max(error_at(case.time_of("A")), error_at(case.time_of("B")))
     error_in_slip = error_at((case.time_of("B") + case.time_of("C")) / 2)
+    # AGREEMENT_TOLERANCE: relative error 1e-9
     verdict = verdict_of_condition(
         max(error_in_stick, error_in_slip) <= AGREEMENT_TOLERANCE,
         nearly=error_in_stick <= AGREEMENT_TOLERANCE,
@@ -113,11 +124,13 @@ def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
     #           stick (initial loading, and the ellipse up to B)
 
     The letters are events: slip begins at B, P is largest at C and Q at D, slip ends at E. `case`
-    is the paper's ellipse of loads on one profile. Returns (verdict, largest relative errors).
+    is the paper's ellipse of loads on one profile: `contact` is its normal contact, `unit_length`
+    the contact half-width at the mean load. Returns (verdict, largest relative errors).
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
+    # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
     x = np.array(_SHEAR_POINTS) * case.unit_length
-    pressure = case.contact.pressure
+    pressure = case.contact.pressure  # a function of place and normal load
     instants = {
         "B-C": (case.time_of("B") + case.time_of("C")) / 2,
         "C": case.time_of("C"),
@@ -130,7 +143,9 @@ def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
         load_at_y = formulas.intersection_with_initial_loading(time)
         pressure_since_y = pressure(x, normal_load) - pressure(x, load_at_y)
         shear_by_6 = formulas.shear_of_full_stick(x, load_at_y) + case.friction * pressure_since_y
+        # largest difference from the engine's shear over all points, relative
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
+    # AGREEMENT_TOLERANCE: 1e-9
     largest_error = max(errors.values())
     return verdict_of_condition(largest_error <= AGREEMENT_TOLERANCE), errors | {
         "largest error": largest_error
@@ -146,12 +161,14 @@ def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
     #           which the line of gradient f through the loads at E meets the initial loading
 
     The letters are events: reverse slip begins at E, P is least at F, reverse slip ends at G.
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest relative
+    `case` is the paper's ellipse of loads on one profile: `contact` is its normal contact,
+    `unit_length` the contact half-width at the mean load. Returns (verdict, largest relative
     errors).
     """
-    formulas = Formulas(case)
+    formulas = Formulas(case)  # the paper's equations, with their misprints mended
+    # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
     x = np.array(_SHEAR_POINTS) * case.unit_length
-    pressure = case.contact.pressure
+    pressure = case.contact.pressure  # a function of place and normal load
     load_at_z = formulas.intersection_with_initial_loading(case.time_of("E"))
     instants = {
         "E-F": (case.time_of("E") + case.time_of("F")) / 2,
@@ -161,12 +178,14 @@ def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
     errors = {}
     for name, time in instants.items():
         normal_load = float(formulas.loads(time)[0])
-        stick_edge_load = float(formulas.stick_edge_load("EG", time))
+        stick_edge_load = float(formulas.stick_edge_load("EG", time))  # P_c
         sum_of_pressures = (2 * pressure(x, stick_edge_load) - pressure(x, normal_load)) - pressure(
             x, load_at_z
         )
         shear_by_7 = formulas.shear_of_full_stick(x, load_at_z) + case.friction * sum_of_pressures
+        # largest difference from the engine's shear over all points, relative
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
+    # AGREEMENT_TOLERANCE: 1e-9
     largest_error = max(errors.values())
     return verdict_of_condition(largest_error <= AGREEMENT_TOLERANCE), errors | {
         "largest error": largest_error
@@ -178,22 +197,31 @@ def _rest_at_e(case: Case) -> VerdictAndNumbers:
     ends: all points come to rest, and reverse slip then starts from the edges.
 
     Just before E a part of the contact must slip, just after E almost none. Two points of the slip
-    zone (x/a0 = 0.8 and 0.85) must be slow just before E, beside their mean speed since slip began
-    at B. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    zone (x/a0 = 0.8 and 0.85, a0 the contact half-width at the mean load) must be slow just before
+    E, compared with their mean speed since slip began at B.
+
+    `case` is the paper's ellipse of loads on one profile; `case.solve` is its half-plane solution
+    at instants [rad] and at places x/a0. Returns (verdict, numbers).
     """
     time_of_b = case.time_of("B")
     time_of_e = case.time_of("E")
     time_step = 1e-6
+
+    # the stick zone just before and just after E, as a fraction of the contact
     solution_around_e = case.solve(time=[time_of_e - time_step, time_of_e + time_step])
     stick_ratio_before, stick_ratio_after = (
         solution_around_e.stick_half_width / solution_around_e.contact_half_width
     ).tolist()
+
+    # speed of slip at both points, (2,) each
     slip_at_b, slip_before_e, slip_at_e = case.solve(
         time=[time_of_b, time_of_e - time_step, time_of_e], x=[0.8, 0.85], fields=("slip",)
     ).slip
     speed_before_e = (slip_at_e - slip_before_e) / time_step
     mean_speed = (slip_at_e - slip_at_b) / (time_of_e - time_of_b)
     largest_speed_ratio = float(np.max(speed_before_e / mean_speed))
+
+    # AGREEMENT_TOLERANCE: 1e-9
     comes_to_rest = (
         stick_ratio_before < 1 - AGREEMENT_TOLERANCE
         and 1 - stick_ratio_after <= AGREEMENT_TOLERANCE
@@ -217,13 +245,20 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
     #           second forward slip
 
     The verdict is "refined" if the slip is as stated, but tractions remain at the centre too.
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile; half-widths and places are over a0, the
+    contact half-width at the mean load. Returns (verdict, numbers).
     """
+    # Formulas(case): the paper's equations, with their misprints mended
     load_at_z = Formulas(case).intersection_with_initial_loading(case.time_of("E"))
+    # the load whose contact is the stick zone, where reverse slip E-G ends
     load_at_t = float(Formulas(case).stick_edge_load("EG", case.time_of("G")))
     half_width_z, half_width_t = case.scaled_half_width([load_at_z, load_at_t])
+
+    # slip gained from B to G: largest within a(P_Z), least from there to a(P_T); change from G to M
     slip_numbers = _slip_of_first_cycle(case, half_width_z, half_width_t)
 
+    # residual traction at the centre, at a(P_Z), and at two points between a(P_T) and the contact
+    # edge of G
     half_width_g = case.half_width_at("G")
     x = np.array(
         [
@@ -237,6 +272,7 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
     centre_over_z = float(traction[0] / traction[1])
     largest_beyond_t = float(np.max(np.abs(traction[2:])))
 
+    # what the statement says is zero; _ROUNDING_ERROR: 1e-10
     largest_of_zeros = max(
         slip_numbers["slip within a(P_Z)"],
         slip_numbers["change in later cycles"],
@@ -254,13 +290,17 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
 
 
 def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -> dict[str, float]:
-    """Slip that points gain in the first cycle, from its begin (event B) to the end of reverse slip
-    (G): its largest size at 0 < x < `half_width_z`, and its least from there to `half_width_t`.
-    With it the largest change of slip from G to the end of the second forward slip (M).
+    """Slip that points gain in the first cycle, from the begin of slip (event B) to the end of
+    reverse slip (G): its largest size at 0 < x < `half_width_z`, and its least from there to
+    `half_width_t`. With it the largest change of slip from G to the end of the second forward slip
+    (M).
 
-    The half-widths a(P_Z) and a(P_T) of `_residual_tractions` are over a0. The slips are over A
-    P0/3, with A = 2/E* and P0 the mean normal load.
+    `half_width_z` is a(P_Z), up to which no slip stays, and `half_width_t` is a(P_T), that of the
+    permanent stick zone. Both are over a0, the contact half-width at the mean normal load P0. The
+    slips are over A P0/3 (`case.unit_slip`), with A = 2/E*. `case` is the paper's ellipse of loads
+    on one profile.
     """
+    # 50 points within a(P_Z), and 50 between a(P_Z) and a(P_T)
     fractions = np.linspace(0.01, 0.99, 50)
     x_within = half_width_z * fractions
     x_beyond = half_width_z + (half_width_t - half_width_z) * fractions
@@ -281,11 +321,16 @@ def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -
 
 
 def _residual_traction_at_g(case: Case, x: Array, load_at_t: float) -> Array:
-    """Residual shear traction at the event G (end of reverse slip) at points `x` over a0, times
-    a0/(P0/3): the engine's q + f (p(P_G) - p(P_T)) - q_T.
+    """Residual shear traction at the event G (end of reverse slip) at points `x` (n,) over a0,
+    times a0/(P0/3): the engine's q + f (p(P_G) - p(P_T)) - q_T, (n,).
 
     Two known parts are taken off: the traction of reverse slip, and q_T, what loading in full stick
     up to P_T (`load_at_t`) alone leaves.
+
+    # notation: a0 contact half-width at the mean load P0; p(P) pressure under the normal load P;
+    #           P_G the load at G; P_T that whose contact is the permanent stick zone; f friction
+
+    `case` is the paper's ellipse of loads on one profile: `unit_length` is a0, `unit_load` P0/3.
     """
     shear = case.solve(time=[case.time_of("G")], x=x, fields=("shear",)).shear[0]
     places = x * case.unit_length
@@ -293,7 +338,7 @@ def _residual_traction_at_g(case: Case, x: Array, load_at_t: float) -> Array:
     pressure_since_t = case.contact.pressure(places, load_at_g) - case.contact.pressure(
         places, load_at_t
     )
-    shear_of_stick = Formulas(case).shear_of_full_stick(places, load_at_t)
+    shear_of_stick = Formulas(case).shear_of_full_stick(places, load_at_t)  # q_T
     residual = shear + case.friction * pressure_since_t - shear_of_stick
     return np.asarray(residual * case.unit_length / case.unit_load)
 
@@ -304,10 +349,13 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers).
 
     B: begin of slip in the first cycle; from E to G reverse slip, from G to I full stick, from I to
-    M forward slip. `case` is the paper's ellipse of loads on one profile.
+    M forward slip. `case` is the paper's ellipse of loads on one profile; its half-widths, and the
+    points x of figure 5 (`POINTS`), are over a0, the contact half-width at the mean load.
     """
-    revolution = 2 * math.pi
+    revolution = 2 * math.pi  # period of the loads
     time_of = {letter: case.time_of(letter) for letter in LETTERS}
+
+    # width of the slip zone at many instants of the phases G-I and I-M, over a0
     slip_width_in_stick = _slip_zone_width(case, time_of["G"], time_of["I"])
     slip_width_in_slip = _slip_zone_width(case, time_of["I"], time_of["M"])
     numbers_of_stick = {
@@ -315,12 +363,16 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
         "least slip in I-M": float(slip_width_in_slip.min()),
         "share of the cycle": (time_of["I"] - time_of["G"]) / revolution,
     }
-    # least half-widths of the stick zone: where slip ends
+
+    # least half-widths of the stick zone: where slip ends; `front_load` is the normal load whose
+    # contact is the stick zone
     stick_edge_at_e, stick_edge_at_g, stick_edge_at_m = (
         float(case.scaled_half_width(case.events[letter].front_load)) for letter in "EGM"
     )
     forward_duration = (time_of["M"] - time_of["I"]) / revolution
     reverse_duration = (time_of["G"] - time_of["E"]) / revolution
+
+    # _ROUNDING_ERROR: 1e-10
     return {
         "stick from G to I": (
             verdict_of_condition(
@@ -354,11 +406,13 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
 
 def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement that a cycle leaves no net slip at the four points of figure 5.
-    The net slip is taken over the largest range of slip. `case` is the paper's ellipse of loads on
+    The net slip is divided by the largest range of slip. `case` is the paper's ellipse of loads on
     one profile. Returns (verdict, numbers).
     """
-    # From G of the first cycle on: the engine marches along it, later ones it looks up.
+    # One period from event G (end of reverse slip) of the first cycle on: the engine computes it
+    # instant by instant, and takes later cycles from it.
     times = case.time_of("G") + np.linspace(0.0, 2 * math.pi, 361)
+    # POINTS: x over the contact half-width at the mean load; slip (361, 4)
     slip = case.solve(time=times, x=POINTS, fields=("slip",)).slip
     relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return verdict_of_condition(relative_net_slip <= _ROUNDING_ERROR), {
@@ -367,7 +421,7 @@ def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
 
 
 def _slip_zone_width(case: Case, start_time: float, end_time: float) -> Array:
-    """Width of the slip zone at each edge, (a - c)/a0, at 201 instants between two times: the
+    """Width of the slip zone at each edge, (a - c)/a0, (201,) at instants between two times: the
     contact's half-width a minus that of the stick zone, c, over a0 = a(P0).
     """
     solution = case.solve(time=np.linspace(start_time, end_time, 203)[1:-1])
@@ -379,12 +433,12 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> VerdictA
     """Check the paper's statement that the stick zone shrinks all the way from the event B to E
     (times `start_time` and `end_time`), although the contact grows from B to C.
 
-    Half-widths are over a0: c of the stick zone, a of the contact. `case` is the paper's ellipse of
-    loads on one profile. Returns (verdict, numbers).
+    Half-widths are over a0, the contact half-width at the mean load: c of the stick zone, a of the
+    contact. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
     """
     times = np.linspace(start_time, end_time, 201)
     stick_half_widths = case.solve(time=times).stick_half_width / case.unit_length
-    least_fall = float(np.min(-np.diff(stick_half_widths)))
+    least_fall = float(np.min(-np.diff(stick_half_widths)))  # between neighbouring instants
     contact_at_b = case.half_width_at("B")
     contact_at_c = case.half_width_at("C")
     return verdict_of_condition(least_fall > 0 and contact_at_c > contact_at_b), {
@@ -403,16 +457,22 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
     The ratio of mean speeds, forward over reverse, is taken twice: over the time in which the point
     itself slips, and over the whole phase in which any point does. The paper's letters are events
     of the steady cycle: reverse slip begins at E and ends at G, forward slip begins at I and ends
-    at M. Distances are over A P0/3, with A = 2/E* and the mean load P0; times over a cycle of 2 pi.
+    at M. Distances of slip are over A P0/3, with A = 2/E* and the mean load P0; the durations that
+    are returned are over the period 2 pi.
 
-    `x` is over the half-width a0 at the mean load. Returns (verdict, numbers). `case` is the
-    paper's ellipse of loads on one profile.
+    `x` is over the half-width a0 at the mean load (`case.unit_length`). The verdict is "refined" if
+    the statement holds for the whole phases only. Returns (verdict, numbers). `case` is the paper's
+    ellipse of loads on one profile.
     """
     # P at which the edge of contact is at the point
     edge_load = np.asarray(case.contact.load(np.array([x * case.unit_length])))
+
+    # distance and duration of the point's slip in each direction
     distance = {"forward": 0.0, "reverse": 0.0}
     duration = {"forward": 0.0, "reverse": 0.0}
+    # slip_spans: by phase of the cycle, spans of time with slip in one direction (+1 or −1)
     for span in chain.from_iterable(case.slip_spans.values()):
+        # when the point begins and ends to slip within the span; no later end if it never does
         start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
         if end_time > start_time:
             direction = "forward" if span.direction > 0 else "reverse"
@@ -422,6 +482,8 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
             slip = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
             distance[direction] += abs(float(slip[1] - slip[0])) / case.unit_slip
             duration[direction] += end_time - start_time
+
+    # the same distances over the whole phases
     duration_of_phase = {
         "forward": case.time_of("M") - case.time_of("I"),
         "reverse": case.time_of("G") - case.time_of("E"),
@@ -452,14 +514,18 @@ def _point_history(case: Case, x: float) -> VerdictAndNumbers:
     """Check the sequence of stick, slip and separation that the paper states for a point of figure
     5, at `x` over the half-width a0 at the mean load. The cycle may begin anywhere in the sequence.
 
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers); of these,
+    "runs" is how many states follow each other in a cycle.
     """
+    # states of the point at 1440 instants of the steady cycle, and each once for the time it lasts
     times = case.cycle_times(1441)
     middle_times = (times[1:] + times[:-1]) / 2
     states = case.solve(time=middle_times, x=[x], fields=("state",)).state[:, 0]
     state_names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
     letters = [letter_of[name] for name in state_names]
+
+    # what the paper states for x, in these letters, from each possible begin
     stated_letters = _sequence(_STATED_HISTORIES[x])
     stated_sequences = [
         stated_letters[start:] + stated_letters[:start] for start in range(len(stated_letters))
@@ -484,16 +550,19 @@ def _sequence(states: Sequence[str]) -> list[str]:
 
 def one_way_slip(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement on where slip is in one direction only: the x/a0, printed as
-    0.88, beyond which reverse slip does no work.
+    0.88, beyond which reverse slip does no work. a0 is the contact half-width at the mean load.
 
-    Five times, the part of the slip zone in which this place lies is divided by 100. The numbers
-    also have the largest contact half-width over a0 at the events E and G, between which reverse
-    slip lasts. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    Five times, the interval of the slip zone in which this place lies is divided by 100. The
+    numbers also have the larger contact half-width over a0 at the events E and G, between which
+    reverse slip lasts. `case` is the paper's ellipse of loads on one profile. Returns (verdict,
+    numbers).
     """
+    # the slip zone of the steady cycle, over a0
     lower_bound = case.permanent_stick_half_width
     upper_bound = case.largest_half_width
     for _ in range(5):
         x = np.linspace(lower_bound, upper_bound, 101)
+        # the last of these points at which reverse slip (from E to G) does work per area
         last_index = np.flatnonzero(case.density_of_phases(x)["EG"] > 0)[-1]
         lower_bound = float(x[last_index])
         upper_bound = float(x[last_index + 1])
@@ -505,8 +574,10 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
 # ------------------------------------------------------------------- other loads, the other profile
 def statements_on_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states on the influence of friction, mean shear force, initial loading
-    and profile on slip and dissipation. Returns name of a statement -> (verdict, numbers). `paper`
-    holds the paper's two profiles, with their solutions.
+    and profile on slip and dissipation. Returns name of a statement -> (verdict, numbers).
+
+    `paper` holds the paper's ellipse of loads on its two profiles: the parabola (`hertz_case`) and
+    the flat and rounded one (`rounded_case`).
     """
     case = paper.hertz_case
     return {
@@ -519,14 +590,16 @@ def statements_on_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
 
 
 def friction_delays_slip(case: Case) -> VerdictAndNumbers:
-    """Check the paper's statement on friction: the more there is, the later slip begins at the
-    events E and I, and the later reverse slip ends, at G.
+    """Check the paper's statement on friction: the larger the coefficient of friction, the later
+    slip begins (reverse slip at event E, forward slip at I), and the later reverse slip ends (G).
 
     The shifts are from the least to the largest coefficient of friction, in degrees of the cycle.
     The verdict is "refined" if slip begins later but does not end later. `case` is the paper's
     ellipse of loads on one profile. Returns (verdict, shifts).
     """
+    # FRICTIONS: coefficients of the paper's figure 4b; the mean shear force is set to zero
     cases = [case.with_zero_mean_shear(f) for f in sorted(FRICTIONS)]
+    # letter of an event -> its times [rad], from the least coefficient to the largest
     times_of = {
         letter: np.array([case_of_friction.time_of(letter) for case_of_friction in cases])
         for letter in "EGI"
@@ -546,11 +619,12 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
     paper's figure 4b: with the mean shear force Q0 of the cycle, and with Q0 = 0.
 
     "Confirmed" if at no coefficient the contact slides with Q0; "refined" if at none with Q0 = 0.
-    `case` is the paper's load cycle, an ellipse of P and Q, on one of its profiles. Returns
-    (verdict, numbers).
+    `case` is the paper's load cycle, an ellipse of P and Q, on one of its profiles; `unit_load` is
+    a third of the mean normal load. Returns (verdict, numbers).
     """
-    frictions = np.array(FRICTIONS)
+    frictions = np.array(FRICTIONS)  # those of figure 4b, (n,)
     mean_shear = case.load_ellipse.mean_tangential_load
+    # loads, profile and material of the case, with these coefficients and mean shear forces
     arguments = case.batch_arguments(
         friction_coefficient=frictions, mean_tangential_load=mean_shear * np.array([[1.0], [0.0]])
     )
@@ -572,8 +646,8 @@ def sliding_coefficients(case: Case) -> VerdictAndNumbers:
 
 def no_effect_of_mean_shear(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement that neither stick zone nor dissipation depends on the mean shear
-    force, with three other mean forces. Returns (verdict, numbers). `case` is the paper's ellipse
-    of loads on one profile.
+    force, with three other mean forces. Returns (verdict, largest changes). `case` is the paper's
+    ellipse of loads on one profile; `unit_load` is a third of its mean normal load.
     """
     changed_cases = [
         case.with_load(mean_tangential_load=force * case.unit_load, initial_loading="straight")
@@ -588,17 +662,24 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
     shear inside the permanent stick zone. It is compared with two other initial loadings: a
     straight line, and one with two vertices.
 
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest changes).
+    # notation: c half-width of the stick zone, W dissipation of a cycle, q shear traction, a0
+    #           contact half-width at the mean normal load P0
+
+    `case` is the paper's ellipse of loads on one profile: `unit_load` is P0/3, `unit_length` a0,
+    and its half-widths are over a0. Returns (verdict, largest changes of c, W and q).
     """
+    # P and Q at the vertices
     vertices = tuple((p * case.unit_load, q * case.unit_load) for p, q in ((1.0, 0.5), (2.0, -0.5)))
     changed_cases = [
         case.with_load(initial_loading=initial_loading)
         for initial_loading in ("straight", vertices)
     ]
-    changes = _changes(case, changed_cases)
+    changes = _changes(case, changed_cases)  # the largest, of c and of W
 
     def shear(chosen_case: Case, x: Array) -> Array:
-        """Shear traction over P0/(3 a0) at `x` over a0, a cycle after forward slip ends at M."""
+        """Shear traction over P0/(3 a0) at `x` over a0, a cycle after event M, the end of forward
+        slip.
+        """
         time = [chosen_case.time_of("M") + 2 * math.pi]
         solution = chosen_case.solve(time=time, x=x, fields=("shear",))
         return np.asarray(solution.shear * case.unit_length / case.unit_load)
@@ -610,6 +691,7 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
             for changed_case in changed_cases
         )
 
+    # inside and outside the permanent stick zone
     change_inside = change_of_shear(np.linspace(0, case.permanent_stick_half_width * 0.999, 50))
     change_outside = change_of_shear(
         np.linspace(case.permanent_stick_half_width * 1.001, case.largest_half_width, 50)
@@ -623,8 +705,11 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
 
 def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the flat and rounded profile beside the parabola: it slips on
-    its rounded edges alone, and in narrower bands at the edges of contact. All widths are over a0.
-    Returns name of a statement -> (verdict, numbers).
+    its rounded edges alone, and in narrower bands at the edges of contact.
+
+    `hertz_case` and `rounded_case` are the paper's ellipse of loads on the parabola and on the flat
+    and rounded profile. All widths are over a0, the contact half-width at the mean load. Returns
+    name of a statement -> (verdict, numbers).
     """
     # without load the contact is as wide as the flat
     flat_half_width = float(rounded_case.scaled_half_width(0.0))
@@ -643,15 +728,17 @@ def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndN
 
 
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
-    """Largest changes that variants of a case (`changed_cases`) make in the steady cycle: of the
-    stick half-width c, over a0, and of the dissipation W, relative.
+    """Largest differences of the steady cycle between a case and its variants (`changed_cases`): of
+    the stick half-width c, over the contact half-width a0 at the mean load, and of the dissipation
+    W, relative.
 
-    W is taken as the closed integral of Q dU, U the tangential displacement: its integrand depends
-    on the mean shear force. `case` is the paper's ellipse of loads on one profile.
+    W is taken as the closed integral of Q dU (`loop_work`), U the tangential displacement: its
+    integrand depends on the mean shear force. `case` is the paper's ellipse of loads on one
+    profile; `unit_length` is a0.
     """
 
     def stick_half_widths_of(chosen_case: Case) -> Array:
-        """c/a0 at 73 instants of the steady cycle."""
+        """c/a0 at 73 instants of the steady cycle, (73,)."""
         times = chosen_case.cycle_times(73)
         return chosen_case.solve(time=times).stick_half_width / chosen_case.unit_length
 
@@ -668,26 +755,30 @@ def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
 
 # --------------------------------------------------------------------------------- work of friction
 def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
-    """Check what the paper states of the dissipation: how much of it forward slip does, and W(x),
-    the dissipation per area, at both ends of the slip zone. Returns name of a statement ->
-    (verdict, numbers). `case` is the paper's ellipse of loads on one profile.
+    """Check what the paper states of the dissipation: which share of it forward slip does, and
+    W(x), the dissipation per area in a cycle, at both ends of the slip zone. Returns name of a
+    statement -> (verdict, numbers).
+
+    `case` is the paper's ellipse of loads on one profile; half-widths and places are over the
+    contact half-width at the mean load.
     """
+    # dissipation of a steady cycle: all of it (`value`), and that of forward slip
     batch = semi_analytic.dissipation(**case.batch_arguments())
     forward_share = float(batch.forward / batch.value)
     shares = {"share of forward slip": forward_share, "share of reverse slip": 1 - forward_share}
 
+    # W(x) at four points, by their distance from the stick edge over the width of the slip zone:
+    # two in the stick zone, two in the slip zone
     stick_edge = case.permanent_stick_half_width
     contact_edge = case.largest_half_width
     zone_width = contact_edge - stick_edge
-    # over the width of the slip zone from the stick edge on: two in the stick zone, two in the slip
-    # zone
     fractions = np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
     densities = sum_over_phases(
         case.density_of_phases(stick_edge + zone_width * fractions)
     ).tolist()
     density_in_stick = max(densities[:2])
     density_in_middle = densities[2]
-    density_at_edge = densities[3]
+    density_at_edge = densities[3]  # of contact
     end_ratio = max(density_in_stick, density_at_edge) / density_in_middle
     numbers_at_ends = {
         "largest at the ends over mid-zone": end_ratio,
@@ -705,6 +796,8 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
 
     exponent_at_stick = exponent(stick_edge, 1.0)
     exponent_at_edge = exponent(contact_edge, -1.0)
+
+    # _EXPONENT_TOLERANCE: 0.01
     return {
         "most work in forward slip": (
             verdict_of_condition(forward_share > 0.75, nearly=forward_share > 0.5),
@@ -736,8 +829,9 @@ _PROFILE_NAMES = ("Hertz", "flat and rounded")
 
 
 def _statements_on_comparison(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal
-    loads, f, material and a0.
+    """Check what the paper states on the peak of the dissipation per area W(x), on the influence of
+    P0/P1 and f, and on the flat and rounded contact beside Hertz at equal loads, f, material and
+    a0. Returns name of a statement -> (verdict, numbers).
     """
     return (
         _places_of_peaks(paper)
@@ -752,9 +846,14 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     beyond 60 % of the way from the stick edge to the contact edge.
 
     The last statement takes the sweeps of loads, at the largest coefficient of friction: "near" is
-    the load nearest to gross sliding, "far" the farthest. `paper` holds the paper's two profiles,
-    with their solutions. Returns name of a statement -> (verdict, numbers).
+    the load nearest to gross sliding, "far" the farthest.
+
+    `paper` holds, for the parabola and the flat and rounded profile: `peaks`, of the paper's own
+    cycle, with `place` [length] and `fraction` of the way; and `sweeps`, whose `peak_fraction` has
+    coefficients of friction along rows and mean loads along columns. Returns name of a statement ->
+    (verdict, numbers).
     """
+    # the paper's own cycle
     statements: dict[str, VerdictAndNumbers] = {}
     cases = (paper.hertz_case, paper.rounded_case)
     for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
@@ -762,6 +861,8 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
         numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.unit_length}
         verdict = verdict_of_condition(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
         statements[f"place of the peak, {profile_name}"] = (verdict, numbers)
+
+    # the loads nearest to and farthest from gross sliding
     fractions = {}
     for profile_name, sweep in zip(_PROFILE_NAMES, paper.sweeps, strict=True):
         fractions[f"{profile_name}, near"] = float(sweep.peak_fraction[0, 0])
@@ -776,9 +877,11 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
 
 
 def _exponents(sweep: Sweep, quantity: str) -> Array:
-    """Exponent n with which a quantity of a sweep ("work" or "peak") goes as P0^n, at constant
-    amplitude P1 and half-width a(P0). (m, k - 1) for a sweep of (m, k) loads: between neighbouring
-    values of P0.
+    """Exponent n with which a quantity of a sweep of loads, a cycle's "work" of friction or the
+    "peak" of the work per area, goes as P0^n, at constant amplitude P1 and half-width a(P0).
+
+    (m, k - 1) for a sweep of (m, k) loads, coefficients of friction along rows, `load_ratio` P0/P1
+    along columns: n between neighbouring values of P0.
     """
     log_quantity = np.log(getattr(sweep, quantity))
     log_load = np.log(sweep.load_ratio)
@@ -786,13 +889,17 @@ def _exponents(sweep: Sweep, quantity: str) -> Array:
 
 
 def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Check what the paper states of a cycle's work W, the peak of W(x) over x, and their quotient
-    (the figure of merit), from loads near gross sliding to loads far from it.
+    """Check what the paper states of a cycle's dissipation W, the peak of W(x), the dissipation per
+    area, and their quotient (the figure of merit), from loads near gross sliding to loads far from
+    it.
 
-    The sweeps have friction along rows, P0/P1 along columns; the first column is nearest to
-    sliding. `paper` holds the paper's two profiles, with their solutions. Returns name of a
-    statement -> (verdict, numbers).
+    `paper.sweeps` are those of the parabola and of the flat and rounded profile: `work` W and
+    `peak`, at constant amplitude P1 and contact half-width a0 = a(P0). They have coefficients of
+    friction along rows, mean loads P0/P1 along columns; the first column is nearest to sliding.
+    Returns name of a statement -> (verdict, numbers).
     """
+    # W and the peak: the largest rise from a load to the next, negative if they always fall; and
+    # by what factor they fall over all loads, at the largest coefficient of friction
     hertz_sweep = paper.sweeps[0]
     largest_rise = {}
     falls = {}
@@ -803,9 +910,13 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
         falls[f"fall of {quantity}"] = float(
             values_at_first_friction[0] / values_at_first_friction[-1]
         )
-    # At constant radius, not constant a0: the peak goes as 1/a0, and a0 grows like sqrt(P0).
+
+    # Exponents n of P0^n, between neighbouring loads. At constant radius, not constant a0: the peak
+    # goes as 1/a0, and a0 grows like sqrt(P0).
     peak_exponents = _exponents(hertz_sweep, "peak") - 0.5
     least_gap = float(np.min(peak_exponents - _exponents(hertz_sweep, "work")))
+
+    # at which loads the figure of merit is largest
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
     best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
     return {
@@ -830,14 +941,19 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
 
 def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the flat and rounded contact beside the Hertz contact: how
-    many times its dissipation W, and the peak of W(x) over x, are those of Hertz. Returns name of a
-    statement -> (verdict, numbers). `paper` holds the paper's two profiles, with their solutions.
+    many times as large as those of Hertz are its dissipation W, and the peak of W(x), the
+    dissipation per area. Returns name of a statement -> (verdict, numbers).
+
+    # notation: A = 2/E*, f friction, P0 mean normal load, a0 contact half-width at P0
+
+    `paper` holds for both profiles: the case, which is the paper's cycle, its peak, and a sweep
+    over many P0 and f, whose quotients are given as least and largest.
     """
     hertz_sweep, rounded_sweep = paper.sweeps
     hertz_peak, rounded_peak = paper.peaks
 
     def scaled_work(case: Case) -> float:
-        """W over A f^2 P0^2."""
+        """W over A f^2 P0^2, the unit of work."""
         return case.steady_cycle.dissipation / case.unit_work
 
     def scaled_peak(case: Case, peak: semi_analytic.PeakBatch) -> float:
@@ -848,6 +964,7 @@ def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
     quotient_of_peaks = scaled_peak(paper.rounded_case, rounded_peak) / scaled_peak(
         paper.hertz_case, hertz_peak
     )
+    # "confirmed" if a quotient rounds to the paper's, "refined" if within 20 % (`slack`)
     return {
         "five times the energy": (
             verdict_of_number(quotient_of_works, 5, 0, slack=0.2),
@@ -874,24 +991,27 @@ def _span(quotients: Array) -> dict[str, float]:
 
 
 def _dependence_of_the_peak(paper: Paper) -> VerdictAndNumbers:
-    """Check the paper's statement that the largest W(x) of the flat and rounded contact falls less
-    with the mean normal load P0 than that of the Hertz contact.
+    """Check the paper's statement that the largest W(x), the dissipation per area, of the flat and
+    rounded contact falls less with the mean normal load P0 than that of the Hertz contact.
 
     At the least coefficient of friction W(x) has two maxima, and the largest jumps from the inner
     to the outer one as P0 grows. The numbers show the loads P0/P1 around the jump, and the places
     of the peak: 0 at the stick edge, 1 at the contact edge.
 
     `paper` holds sweeps of both profiles over P0 in units of the amplitude P1, each (m, k):
-    friction along rows, P0/P1 along columns. Returns (verdict, numbers).
+    friction along rows, P0/P1 along columns. Of each, `peak` is the largest W(x) at constant P1,
+    and `peak_fraction` its place. Returns (verdict, numbers).
     """
     hertz_sweep, rounded_sweep = paper.sweeps
+    # By what factor the peak falls from the least P0 to the largest, (m,).
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
     hertz_falls = hertz_sweep.peak[:, 0] / hertz_sweep.peak[:, -1]
     rounded_falls = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
-    # the exponents are negative: the larger one is that of the weaker fall
+    # exponents n of P0^n, (m, k - 1); they are negative: the larger one is that of the weaker fall
     falls_less = _exponents(rounded_sweep, "peak") > _exponents(hertz_sweep, "peak")
     share_of_weaker_falls = float(np.mean(falls_less))
-    # the last row: the least coefficient of friction
+
+    # the jump of the peak's place, in the last row: the least coefficient of friction
     load_ratios = rounded_sweep.load_ratio[-1]
     peak_fractions = rounded_sweep.peak_fraction[-1]
     column_before_jump = int(np.argmax(np.abs(np.diff(peak_fractions))))
