@@ -135,13 +135,27 @@ class Ellipses:
     @property
     def largest_slip_zone_load(self) -> Array:
         """Largest load P - P_c of the slip zones in the cycle, (m,) [force per thickness]: at the
-        ends of the slip phases E-G and J-M, or within I-J.
+        ends of the slip phases E-G and J-M, u or v sin^2(D/2), or within I-J, 2 P1 sin(t_E) sin(s).
+
+        # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
+        #           (`slip_angle`) length of E-G and of J-M [rad]; P1 amplitude of P; t_E angle t at
+        #           which reverse slip begins; s angle in I-J, from 0 to pi - D; P_c load at the
+        #           stick edge
         """
-        tangent = np.tan(self.slip_angle / 2)
-        square = tangent * tangent
-        ends = np.maximum(self.forward_amplitude, self.reverse_amplitude) * square / (1 + square)
-        sine = np.where(tangent > 1, 2 * tangent / (1 + square), 1.0)
-        return np.maximum(ends, 2 * self.load_amplitude * self.sine_of_start * sine)
+        tangent_of_half = np.tan(self.slip_angle / 2)
+        squared_tangent = tangent_of_half * tangent_of_half
+        load_at_phase_ends = (
+            np.maximum(self.forward_amplitude, self.reverse_amplitude)
+            * squared_tangent
+            / (1 + squared_tangent)
+        )
+        # of sin(s): 1 if pi/2 lies in I-J, else sin(D)
+        largest_sine = np.where(
+            tangent_of_half > 1, 2 * tangent_of_half / (1 + squared_tangent), 1.0
+        )
+        return np.maximum(
+            load_at_phase_ends, 2 * self.load_amplitude * self.sine_of_start * largest_sine
+        )
 
     def load(self, cosine: Array | float) -> Array:
         """P at the times t of given cos t, counted from the least load so that it keeps its digits
@@ -181,8 +195,8 @@ def ellipses_of(
     # notation: r exp(-i phase) = shear_cosine - i shear_sine, r = Q1/f: the parts of Q/f in phase
     #           with P and a quarter of a cycle later
     shear_over_friction = tangential_amplitude / friction
-    # cos and sin of the phase from half of it; the mirrored loop, Q -> -Q, goes round the other
-    # way: phase + pi.
+    # cos and sin of the phase from the tangent of half of it; the mirrored loop, Q -> -Q, goes
+    # round the other way: phase + pi.
     half_tangent = np.tan(phase / 2)
     scaled_shear = shear_over_friction / (1 + half_tangent * half_tangent)
     shear_cosine = (
@@ -194,15 +208,15 @@ def ellipses_of(
     shear_sine = 2 * scaled_shear * np.abs(half_tangent)
     u = np.hypot(shear_cosine - amplitude, shear_sine)
     v = np.hypot(shear_cosine + amplitude, shear_sine)
-    positive_u = np.where(u > 0, u, 1.0)
+    nonzero_u = np.where(u > 0, u, 1.0)
     difference_of_squares = (amplitude - shear_over_friction) * (amplitude + shear_over_friction)
     return Ellipses(
         mean_load=mean,
         load_amplitude=amplitude,
         forward_amplitude=u,
         reverse_amplitude=v,
-        cosine_of_start=(shear_cosine - amplitude) / positive_u,
-        sine_of_start=shear_sine / positive_u,
+        cosine_of_start=(shear_cosine - amplitude) / nonzero_u,
+        sine_of_start=shear_sine / nonzero_u,
         slip_angle=np.arctan2(2 * amplitude * shear_sine, difference_of_squares),
         # P_T < 0 is admitted to rounding only: it is gross sliding.
         permanent_stick_load=np.maximum(mean - (u + v) / 2, 0.0),
@@ -213,11 +227,16 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
     """Three values at angles `s` [rad] in one phase of slip: rate of (+-Q - f P)/f per rad, load
     P - P_c of the slip zones, and normal load P, shape of `s`.
 
+    # notation: t time in P = P0 + P1 cos t, t_E (`slip_start`) that at which E-G begins; u and v
+    #           (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
+    #           (`slip_angle`) length of E-G and of J-M
+
     The phase is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). s counts from
     the begin of E-G and I-J, and back from the end of J-M. P_c is the load at which the edge of
     contact would be at the stick edge. Loads are forces per thickness.
     """
-    # Tangents of half the angles stand for sines: numpy has them in vector code.
+    # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
+    # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load` is P from cos(t).
     if name == "I-J":
         sine_of_rate, _ = _sine_and_square(s)
         _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
@@ -257,6 +276,9 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     """Angles [rad] at which the load at the stick edge is P = `loads`, for the phases of slip E-G
     and J-M: 2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u.
 
+    # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P_T
+    #           (`permanent_stick_load`) least load at the stick edge
+
     Both count back from the end of the phase. They are 0 for P below P_T, the load of the permanent
     stick zone, and pi for loads that the stick edge does not reach.
     """
@@ -272,44 +294,60 @@ def cut_angles_of_phases(ellipses: Ellipses, corners: Array) -> dict[str, Array]
     """Angles [rad] in each slip phase between which its integrands are smooth, (cuts, m) ascending,
     by the name of the phase.
 
+    # notation: t time in P = P0 + P1 cos t, P0 and P1 `mean_load` and `load_amplitude`; start_angle
+    #           the time t at which E-G begins; D (`slip_angle`) length of E-G and of J-M [rad]; u
+    #           and v amplitudes of (Q -+ f P)/f
+
     "E-G" is reverse slip, "I-J" and then "J-M" forward slip. Angles count from the begin of E-G and
     I-J, and back from the end of J-M. Cuts are the ends of a phase, and where the edge of contact
     or of stick passes a corner of the profile. There P or P_c, the load at the stick edge, equals
     one of the loads `corners` (c, 1). A corner that is not met adds a cut of no consequence.
+    `load_moves` is False for constant P.
     """
     cosine_at_corner = (corners - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
-    # Corners that are not met, but nearly: a cut at the greatest or least load.
-    rising_angle = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
-    falling_angle = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
+    # t in [0, pi] at which P is the load of a corner, and pi minus it; a corner that is not met
+    # gets a cut at the greatest or least load
+    angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
+    angle_from_least_load = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
+    # angles at which P_c is that load, counted back from the end: in E-G and in J-M
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corners)
     start_angle = ellipses.slip_start
     full_turn = 2 * math.pi
     inner_cuts = {
         "E-G": (
-            rising_angle - start_angle,
-            full_turn - rising_angle - start_angle,
+            angle_at_corner - start_angle,
+            full_turn - angle_at_corner - start_angle,
             ellipses.slip_angle - stick_edge_angle_by_v,
         ),
         "I-J": (
-            falling_angle - start_angle,
-            full_turn - falling_angle - start_angle,
-            start_angle - falling_angle,
-            start_angle + falling_angle,
+            angle_from_least_load - start_angle,
+            full_turn - angle_from_least_load - start_angle,
+            start_angle - angle_from_least_load,
+            start_angle + angle_from_least_load,
         ),
-        "J-M": (start_angle - rising_angle, start_angle + rising_angle, stick_edge_angle_by_u),
+        "J-M": (
+            start_angle - angle_at_corner,
+            start_angle + angle_at_corner,
+            stick_edge_angle_by_u,
+        ),
     }
-    lengths = {
+    # [rad]
+    length_of_phase = {
         "E-G": ellipses.slip_angle,
         "I-J": math.pi - ellipses.slip_angle,
         "J-M": ellipses.slip_angle,
     }
-    angles = {}
-    for name, length in lengths.items():
-        cuts = np.concatenate([np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]])
-        angles[name] = np.sort(np.clip(cuts, cuts[0], cuts[-1]), axis=0)
-    return angles
+    cut_angles_by_phase = {}
+    for name, length in length_of_phase.items():
+        cut_angles = np.concatenate(
+            [np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]]
+        )
+        cut_angles_by_phase[name] = np.sort(
+            np.clip(cut_angles, cut_angles[0], cut_angles[-1]), axis=0
+        )
+    return cut_angles_by_phase
 
 
 def quadrature_error(values: Array, size: Array) -> Array:
@@ -333,18 +371,21 @@ def work_density_of(
     ellipses: Ellipses, contact: Contact, x: Array, node_stride: int = 1
 ) -> tuple[Array, Array]:
     """Friction work per area W(x) of a cycle of each load ellipse at its own place |x| = x[k],
-    times pi E*/(2 f^2): in forward slip and in reverse slip, (m,) each.
+    times pi E*/(2 f^2) [stress * force per thickness]: in forward slip and in reverse slip, (m,)
+    each.
 
     `contact` is the normal contact P(a) of the profile. With `node_stride` = 2 every second node of
     the quadrature rule is taken, which is right to some 1e-6.
     """
-    works = np.zeros((len(PHASE_NAMES), len(x)))
+    # rows: the slip phases E-G (reverse), I-J and J-M (forward)
+    densities_of_phases = np.zeros((len(PHASE_NAMES), len(x)))
+    # _POINTS_AT_ONCE: 500
     for first_point in range(0, len(x), _POINTS_AT_ONCE):
-        points_at_once = np.arange(first_point, min(first_point + _POINTS_AT_ONCE, len(x)))
-        works[:, points_at_once] = _work_density_of_phases(
-            ellipses.take(points_at_once[:, None]), contact, x[points_at_once, None], node_stride
+        point_numbers = np.arange(first_point, min(first_point + _POINTS_AT_ONCE, len(x)))
+        densities_of_phases[:, point_numbers] = _work_density_of_phases(
+            ellipses.take(point_numbers[:, None]), contact, x[point_numbers, None], node_stride
         )
-    return works[1] + works[2], works[0]
+    return densities_of_phases[1] + densities_of_phases[2], densities_of_phases[0]
 
 
 def _work_density_of_phases(
@@ -357,8 +398,11 @@ def _work_density_of_phases(
     I-J and J-M (forward slip). `ellipses` and `x` are columns (m, 1); `node_stride` 2 takes every
     second node of the rule.
     """
+    # P_x, under which the edge of contact is at x
     load_at_x = contact.load(x)
+    # (number of the phase, first and last angle at which the point slips), four of them
     ranges_of_slip = _ranges_of_slip(ellipses, load_at_x)
+    # angles between which the integrands are smooth, (cuts, m) for each phase
     cuts_of_phases = list(
         cut_angles_of_phases(
             ellipses.take((slice(None), 0)), contact.corner_loads[:, None]
@@ -366,35 +410,43 @@ def _work_density_of_phases(
     )
     density = np.zeros((len(PHASE_NAMES), len(x)))
     for phase_number, begin, end in ranges_of_slip:
-        inner_cuts = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
-        cuts = np.concatenate([begin, inner_cuts, end], axis=1)
-        ellipse_of_piece, cut_number = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
+        # pieces of the range of slip, between cuts, of every ellipse
+        inner_cut_angles = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
+        cut_angles = np.concatenate([begin, inner_cut_angles, end], axis=1)
+        ellipse_of_piece, cut_number = np.nonzero(cut_angles[:, 1:] > cut_angles[:, :-1])
         if not len(ellipse_of_piece):
             continue
+
+        # graded to singular ends: angles and weights, (pieces, nodes)
         angle_in_phase, weights = graded_nodes(
-            cuts[ellipse_of_piece, cut_number],
-            cuts[ellipse_of_piece, cut_number + 1],
+            cut_angles[ellipse_of_piece, cut_number],
+            cut_angles[ellipse_of_piece, cut_number + 1],
             node_stride,
         )
+        # w'/f, P - P_c with P_c the load at the stick edge, and P
         rate, slip_zone_load, load = rate_and_loads_in_phase(
             PHASE_NAMES[phase_number], ellipses.take(ellipse_of_piece), angle_in_phase
         )
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
+        # P_x - P_c
         load_excess = np.maximum(load_at_x[ellipse_of_piece] - stick_edge_load, 0.0)
-        advance = contact.edge_advance(
+        stick_edge_advance = contact.edge_advance(
             stick_edge_load
         )  # of the stick edge beyond the least half-width
-        arccosh_ratio = contact.arccosh_ratio(x[ellipse_of_piece], load_excess, advance)
-        works_at_nodes = (
+        arccosh_ratio = contact.arccosh_ratio(x[ellipse_of_piece], load_excess, stick_edge_advance)
+        density_at_nodes = (
             weights * rate * contact.pressure(x[ellipse_of_piece], load) * arccosh_ratio
         )
-        np.add.at(density[phase_number], ellipse_of_piece, np.sum(works_at_nodes, axis=1))
+        # add the pieces of each ellipse
+        np.add.at(density[phase_number], ellipse_of_piece, np.sum(density_at_nodes, axis=1))
     return density
 
 
 def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Array, Array], ...]:
     """Angles [rad] between which the point x of each ellipse slips: number of the slip phase, first
     and last angle s in the phase, (m, 1) each. It does not slip where the last is below the first.
+    `load_at_x` (m, 1) is P_x. `ellipses` holds P0 and P1 as `mean_load` and `load_amplitude`, t_E
+    as `slip_start`, D as `slip_angle`; `load_moves` is False for constant P.
 
     # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
     #           the edge of stick, P_min least P; u, v forward and reverse amplitude, of (Q -+ f
@@ -412,27 +464,30 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     )
     # At constant P the point is open throughout or never.
     share_at_constant_load = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
+    # h, for which the point is open; `angle_of_squared_half_sine`: 2 arcsin of the root
     open_angle = angle_of_squared_half_sine(
         np.where(ellipses.load_moves, share_of_load_range, share_at_constant_load)
     )
     start_angle = ellipses.slip_start
-    phase_angle = ellipses.slip_angle
+    slip_angle = ellipses.slip_angle
+    # angles at which the stick edge is at x, counted back from the end: in E-G and in J-M
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
-    passing_angle = np.maximum(phase_angle - stick_edge_angle_by_v, 0.0)
+    # the same in E-G, from its begin
+    stick_edge_angle = np.maximum(slip_angle - stick_edge_angle_by_v, 0.0)
     # E-G before and after the least load, I-J, J-M
     return (
-        (0, passing_angle, np.minimum(phase_angle, math.pi - open_angle - start_angle)),
-        (0, np.maximum(passing_angle, math.pi + open_angle - start_angle), phase_angle),
+        (0, stick_edge_angle, np.minimum(slip_angle, math.pi - open_angle - start_angle)),
+        (0, np.maximum(stick_edge_angle, math.pi + open_angle - start_angle), slip_angle),
         (
             1,
             np.abs(start_angle - open_angle),
-            np.minimum(math.pi - phase_angle, 2 * math.pi - open_angle - start_angle),
+            np.minimum(math.pi - slip_angle, 2 * math.pi - open_angle - start_angle),
         ),
         (
             2,
             np.maximum(0.0, start_angle - math.pi + open_angle),
             np.minimum(
-                np.minimum(phase_angle, stick_edge_angle_by_u), start_angle + math.pi - open_angle
+                np.minimum(slip_angle, stick_edge_angle_by_u), start_angle + math.pi - open_angle
             ),
         ),
     )
@@ -472,7 +527,10 @@ class PieceRule(NamedTuple):
 
 
 def _graded_piece_rule() -> PieceRule:
-    """The graded rule on [0, 1]. Its error check takes every second node alone."""
+    """The graded rule on [0, 1]. Its error check takes every second node alone: weights -w and w in
+    turn, whose sum over an integrand is 0 but for the error.
+    """
+    # GRADED_RULE holds the nodes as distances from both ends
     weight = graded_nodes(0.0, 1.0)[1]
     error_check = weight.copy()
     error_check[::2] -= 2 * weight[::2]
@@ -486,13 +544,16 @@ def _graded_piece_rule() -> PieceRule:
 
 
 def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
-    """Gauss' rule of `count` nodes on [0, 1] for integrands with roots at the ends. Its error
-    checks are the last three Legendre coefficients of the integrand.
+    """Gauss' rule of `count` nodes on [0, 1] for integrands with roots at the ends: nodes as signed
+    distances from an end, and weights. Its error checks are the last three Legendre coefficients of
+    the integrand.
 
     A change of variable makes roots smooth and crowds the nodes: t^2 to the lower end
     (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
-    node, weights = gauss_rule(count)
+    # nodes and weights (count,) on [0, 1]
+    node, unit_weights = gauss_rule(count)
+    # the last three Legendre polynomials at the nodes, (3, count), times 2 k + 1 for the order k
     orders = np.arange(count - 3, count)
     polynomials = legendre.legvander(2 * node - 1, count - 1)[:, orders].T
     coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
@@ -500,17 +561,17 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
         distance_from_end = node[:, None]
         starts_at_lower_end = np.array(True)
     elif crowded_ends == 1:
-        weights = weights * 2 * node
+        unit_weights = unit_weights * 2 * node
         distance_from_end = node[:, None] ** 2
         starts_at_lower_end = np.array(True)
     else:
-        weights = weights * 6 * node * (1 - node)
+        unit_weights = unit_weights * 6 * node * (1 - node)
         t = np.minimum(node, 1 - node)  # from the nearer end
         crowded_distance = (t * t * (3 - 2 * t))[:, None]
         starts_at_lower_end = node[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
     return PieceRule(
-        distance_from_end, starts_at_lower_end, weights, weights * coefficients_of_values
+        distance_from_end, starts_at_lower_end, unit_weights, unit_weights * coefficients_of_values
     )
 
 
@@ -598,23 +659,28 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     """Upper bound of the round-off error of the friction work of a cycle, `work` = W pi E*/(2 f^2),
     (m,) [force^2 per thickness^2], by the last digits of loads and angles.
 
-    u and v, the amplitudes of (Q -+ f P)/f, are differences of Q1/f and P1. Digits are lost as u, v
-    are small against the loads, or the angles D and pi - D of the phases of slip against pi.
+    # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
+    #           (`slip_angle`) length of the phases E-G and J-M [rad], pi - D of I-J; P1 amplitude
+    #           of P
+
+    u and v, the amplitudes of (Q -+ f P)/f, are differences of Q1/f and P1. Digits are lost where
+    u, v are small against the loads, or D and pi - D against pi. The relative error is 2e-12 and a
+    last digit, 1e-15, for each such ratio.
     """
     loop_size = (
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_angle = np.minimum(ellipses.slip_angle, math.pi - ellipses.slip_angle)
-    # Nothing slips where one of them is 0.
-    lost_by_size = loop_size / np.where(
+    # Nothing slips where one of them is 0; _LEAST_DIVISOR is 1e-100.
+    digits_lost_by_size = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
-    lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
+    digits_lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
     least_slip = _LAST_DIGIT_SHARE * loop_size
     relative_error = _RELATIVE_ERROR_OF_PHASE_INTEGRALS + _LAST_DIGIT_SHARE * (
-        lost_by_size + lost_by_angle
+        digits_lost_by_size + digits_lost_by_angle
     )
     return relative_error * np.abs(work) + least_slip * least_slip
 
@@ -623,24 +689,35 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     """Upper bound of the relative error of the friction work W of each load loop, (m,), by the last
     digits of its loads and phase alone.
 
+    # notation: P1 (`load_amplitude`) amplitude of P; t_E the time at which reverse slip begins, u
+    #           cos(t_E) = Q1/f cos(phase) - P1
+
     W goes as a power of the amplitudes u and v of (Q -+ f P)/f, three where slip is small. u is the
     difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
-    sin(phase) has only the digits of pi - phase.
+    sin(phase) has only the digits of pi - phase. u and v are `forward_amplitude` and
+    `reverse_amplitude`.
     """
     loop_size = (
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
     smaller_amplitude = np.minimum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     shear_sine = ellipses.forward_amplitude * ellipses.sine_of_start  # Q1/f |sin(phase)|
+    # Q1/f cos(phase)
     shear_cosine = ellipses.forward_amplitude * ellipses.cosine_of_start + ellipses.load_amplitude
-    cotangent = -shear_cosine / np.where(
+    # minus the cotangent; _LEAST_DIVISOR is 1e-100
+    cotangent_of_phase = -shear_cosine / np.where(
         shear_sine > _LEAST_DIVISOR * loop_size, shear_sine, np.inf
     )
-    lost_by_phase = np.where(shear_cosine < 0, cotangent, 0.0)
-    lost_by_size = loop_size / np.where(
+    digits_lost_by_phase = np.where(shear_cosine < 0, cotangent_of_phase, 0.0)
+    digits_lost_by_size = loop_size / np.where(
         smaller_amplitude > _LEAST_DIVISOR * loop_size, smaller_amplitude, np.inf
     )
-    return _LAST_DIGITS_OF_LOOP * _LAST_DIGIT_SHARE * (1 + lost_by_size + math.pi * lost_by_phase)
+    # six last digits, of 1e-15 each
+    return (
+        _LAST_DIGITS_OF_LOOP
+        * _LAST_DIGIT_SHARE
+        * (1 + digits_lost_by_size + math.pi * digits_lost_by_phase)
+    )
 
 
 def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]:
@@ -650,7 +727,7 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
 
     Integrated over the time of slip, cut where an edge passes a corner of the profile. Next to
     singular ends the rule is graded; intervals that have not converged are halved. NaN where that
-    does not help.
+    does not help. `contact` is the normal contact P(a) of the profile, A = 2/E*.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -664,6 +741,7 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
+    # the last value is the error; _CONVERGED_SHARE_OF_GRADED_RULE: 1e-9
     forward_work, reverse_work, _ = _work_over_phases(
         ellipses,
         contact,
@@ -689,12 +767,15 @@ def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, i
 
     Loads of a group lie in [2^first octave, 2^(last octave + 1)), its largest ones within eight
     octaves. Which table an ellipse gets follows from its own loads alone. Loads below 2^-48 of the
-    mean count as that.
+    mean count as that. `permanent_stick_load` is the least load at the stick edge, the least that
+    an ellipse looks up.
     """
+    # _ROUNDING_MARGIN: 1e-12
     largest_load = (ellipses.mean_load + ellipses.load_amplitude) * (1 + _ROUNDING_MARGIN)
     least_load = np.maximum(
         ellipses.permanent_stick_load, LEAST_LOAD_SHARE * ellipses.mean_load
     ) * (1 - _ROUNDING_MARGIN)
+    # eight octaves make a step: tables differ by whole steps
     step_of_largest_load = (np.frexp(largest_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     step_of_least_load = (np.frexp(least_load)[1] - 1) // _OCTAVES_OF_TABLE_STEP
     for last_step in np.unique(step_of_largest_load).tolist():
@@ -709,9 +790,9 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Friction work W of forward and of reverse slip per steady cycle of each load ellipse, times
     pi E*/(2 f^2), (2, m) [force^2 per thickness^2], for any profile.
 
-    To ten digits; NaN where the quadrature does not converge. `contact` is the normal contact P(a)
-    of the profile. Where the load of the slip zones is no small share of P0, ln a(P) is looked up
-    in a series.
+    To ten digits, E* being the composite modulus; NaN where the quadrature does not converge.
+    `contact` is the normal contact P(a) of the profile. Where the load of the slip zones is no
+    small share of P0, ln a(P) is looked up in a series.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -733,16 +814,19 @@ def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Arra
     on any profile, and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2];
     NaN where the quadrature does not converge.
     """
-    works = np.empty((3, len(ellipses.mean_load)))
+    # rows: forward work, reverse work, error of their sum
+    works_and_error = np.empty((3, len(ellipses.mean_load)))
+    # octaves: powers of two between which the loads of the group lie
     for ellipse_numbers, first_octave, last_octave in groups_by_largest_load(ellipses):
-        works[:, ellipse_numbers] = _dissipation_of_group(
+        works_and_error[:, ellipse_numbers] = _dissipation_of_group(
             ellipses.take(ellipse_numbers), contact, first_octave, last_octave
         )
-    total_work = works[0] + works[1]
-    works[2] += roundoff_error(ellipses, total_work) + contact.relative_roundoff * np.abs(
+    total_work = works_and_error[0] + works_and_error[1]
+    # round-off of the loads and angles, and of P(a) itself
+    works_and_error[2] += roundoff_error(ellipses, total_work) + contact.relative_roundoff * np.abs(
         total_work
     )
-    return works
+    return works_and_error
 
 
 def _dissipation_of_group(
@@ -755,50 +839,59 @@ def _dissipation_of_group(
     from the largest load P - P_c of the slip zones over P0. Above 0.002: integrals over the loads P
     and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and
     up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow but with all
-    digits.
+    digits. P_c is the load at the stick edge, a the contact half-width.
     """
-    works = np.empty((3, len(ellipses.mean_load)))
+    works_and_error = np.empty((3, len(ellipses.mean_load)))
+
+    # choose the method of each ellipse
     slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load
-    kernel = contact.dissipation_kernel
+    kernel_of_contact = contact.dissipation_kernel
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
-    takes_series = np.zeros(len(slip_zone_share), dtype=bool)
+    uses_table = np.zeros(len(slip_zone_share), dtype=bool)
+    # loads at which the edge of contact is at a corner of the profile, and the function ln a(P)
     corner_loads = contact.corner_loads
     log_half_width = _log_half_width_of(contact)
     table = None
     if len(ellipses.mean_load) > _ELLIPSES_WITHOUT_TABLE and np.any(
         slip_zone_share > _SHALLOW_SLIP_SHARE
     ):
+        # polynomials of ln a, each between two of the `series_ends`
         table = _cached_log_half_width(contact, first_octave, last_octave + 1)
         corner_loads = table.series_ends
         log_half_width = table
-        takes_series = (slip_zone_share > _SHALLOW_SLIP_SHARE) & ~has_deep_slip
-    takes_direct_kernel = ~has_deep_slip & ~takes_series
-    if np.any(takes_direct_kernel):
-        works[:, takes_direct_kernel] = _work_over_phases(
-            ellipses.take(takes_direct_kernel),
+        uses_table = (slip_zone_share > _SHALLOW_SLIP_SHARE) & ~has_deep_slip
+    uses_contact = ~has_deep_slip & ~uses_table
+
+    # Lam of the contact
+    if np.any(uses_contact):
+        works_and_error[:, uses_contact] = _work_over_phases(
+            ellipses.take(uses_contact),
             contact,
-            kernel,
+            kernel_of_contact,
             _PHASE_RULES,
             _CONVERGED_COEFFICIENT_SHARE,
         )
-    if table is not None and np.any(takes_series):
+
+    # Lam by the table of ln a
+    if table is not None and np.any(uses_table):
         works_by_series = _work_over_phases(
-            ellipses.take(takes_series),
+            ellipses.take(uses_table),
             contact,
             table.dissipation_kernel_by_series,
             _PHASE_RULES,
             _CONVERGED_COEFFICIENT_SHARE,
         )
-        # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
+        # Lam by series has the last digits of P - P_c times the slope of ln a, not of itself.
         forward_work, reverse_work, error = works_by_series
         work = np.abs(forward_work + reverse_work)
-        error += _LAM_ERROR_OF_SERIES / slip_zone_share[takes_series] * work
-        works[:, takes_series] = works_by_series
+        error += _LAM_ERROR_OF_SERIES / slip_zone_share[uses_table] * work
+        works_and_error[:, uses_table] = works_by_series
+    # no kernel: integrals of ln a over the loads
     if np.any(has_deep_slip):
-        works[:, has_deep_slip] = _work_over_loads(
+        works_and_error[:, has_deep_slip] = _work_over_loads(
             ellipses.take(has_deep_slip), corner_loads, log_half_width
         )
-    return works
+    return works_and_error
 
 
 def _work_over_phases(
@@ -813,8 +906,9 @@ def _work_over_phases(
 
     The integrand in each phase of slip is w'/f `kernel`(P, P - P_c), the kernel int
     ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; P_c is the load at the
-    stick edge. Phases are cut where an edge passes a corner of the profile. Each interval is
-    integrated by one of the `rules` and halved until its error is below `converged_share` of W.
+    stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
+    profile. Each interval of angle is integrated by one of the `rules` and halved until its error
+    check is below `converged_share` of W.
     """
     corners = contact.corner_loads
     # A corner that is nearly met counts too.
@@ -822,17 +916,22 @@ def _work_over_phases(
     is_below_largest_load = corners < 1.01 * np.max(
         ellipses.mean_load + ellipses.load_amplitude, initial=0.0
     )
+    # permanent_stick_load: the least load at the stick edge
     corners_in_range = corners[is_above_least_load & is_below_largest_load, None]
+    # intervals of each phase: E-G (reverse slip), I-J and J-M (forward)
     pieces_of_phases = []
-    for phase_number, cuts in enumerate(cut_angles_of_phases(ellipses, corners_in_range).values()):
-        has_length = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
+    # (cuts, m) ascending, for each phase
+    for phase_number, cut_angles in enumerate(
+        cut_angles_of_phases(ellipses, corners_in_range).values()
+    ):
+        has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
         ellipse_of_piece, cut_number = np.nonzero(
             has_length.T & (ellipses.largest_slip_zone_load > 0)[:, None]
         )
-        begin_angle = cuts[cut_number, ellipse_of_piece]
-        end_angle = cuts[cut_number + 1, ellipse_of_piece]
+        begin_angle = cut_angles[cut_number, ellipse_of_piece]
+        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
         # The second rule, if there is one, for intervals that end at a corner.
-        is_part_of_phase = end_angle - begin_angle < cuts[-1, ellipse_of_piece]
+        is_part_of_phase = end_angle - begin_angle < cut_angles[-1, ellipse_of_piece]
         rule_number = np.minimum(is_part_of_phase, len(rules) - 1)
         pieces_of_phases.append(
             AnglePieces.of_group(
@@ -842,17 +941,19 @@ def _work_over_phases(
 
     def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
         """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,)."""
-        rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
+        slip_rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASE_NAMES):
+            # the pieces of one phase, which stand side by side
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
-            rate[:, columns], slip_zone_load[:, columns], load[:, columns] = (
+            slip_rate[:, columns], slip_zone_load[:, columns], load[:, columns] = (
                 rate_and_loads_in_phase(
                     name, ellipses.take(ellipse_of_piece[columns]), angle_in_phase[:, columns]
                 )
             )
-        return rate * kernel(load, np.minimum(slip_zone_load, load))
+        return slip_rate * kernel(load, np.minimum(slip_zone_load, load))
 
     pieces = AnglePieces.joined(pieces_of_phases)
+    # (phases, m) and (m,)
     works_of_phases, error = _integrals_by_group(
         ellipses, pieces, len(PHASE_NAMES), work_rate, rules, converged_share
     )
@@ -870,26 +971,32 @@ def _work_over_loads(
     (3, m), by integration over loads instead of over time.
 
     Integrated by parts, W is a sum of integrals of `log_half_width` = ln a over P and over P_c, the
-    load at the stick edge. A course is one of these loads through one phase of slip: E-G (reverse),
-    I-J or J-M (forward). Courses are cut at the `corner_loads` (n,), between which ln a is smooth.
+    load at the stick edge; a is the contact half-width as a function of the load. A course is one
+    of these loads through one phase of slip: E-G (reverse), I-J or J-M (forward). Courses are cut
+    at the `corner_loads` (n,), between which ln a is smooth.
 
-    Angles are t along P; along P_c in phase I-J 2 t_I - t, where P_c is P at that time. In E-G and
-    J-M the angle along P_c counts back from the end of the phase, where P_c is least.
+    Angles are t along P = P0 + P1 cos t; along P_c in phase I-J 2 t_I - t, where P_c is P at that
+    time and t_I is the begin of forward slip. In E-G and J-M the angle along P_c counts back from
+    the end of the phase, where P_c is least.
     """
     # L counts from that of P0: what is left of any constant is round-off.
-    log_at_mean = log_half_width(ellipses.mean_load[None])[0]
+    log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,)."""
         weight, load = np.empty((2, *angle.shape))
+        # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
         for course_number, name in enumerate(_COURSE_NAMES):
+            # the pieces of one course, which stand side by side
             columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
             weight[:, columns], load[:, columns] = log_weight_and_load(
                 name, ellipses.take(ellipse_of_piece[columns]), angle[:, columns]
             )
-        return weight * (log_half_width(load) - log_at_mean[ellipse_of_piece])
+        return weight * (log_half_width(load) - log_at_mean_load[ellipse_of_piece])
 
+    # intervals of angle along the courses, cut at the corners
     pieces = _pieces_of_courses(ellipses, corner_loads)
+    # (courses, m) and (m,); checks are taken relative to 50 P0^2 at least
     works_of_courses, error = _integrals_by_group(
         ellipses,
         pieces,
@@ -906,6 +1013,7 @@ def _work_over_loads(
         stick_course_early,
         stick_course_later,
     ) = works_of_courses
+    # a last digit, 1e-15, of the square of the largest load
     error += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
     forward_work = load_course_of_forward + stick_course_early + stick_course_later
     reverse_work = load_course_of_reverse + stick_course_of_reverse
@@ -916,9 +1024,13 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge,
     cut where the load is one of the `corner_loads` (n,).
 
+    # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
+    #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`
+
     Groups of intervals are courses, P or P_c through one phase of slip. In this order: P in E-G
     (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval begins at
-    its lower load, and is also cut at the largest and at the least load.
+    its lower load, and is also cut at the largest and at the least load. Angles are t along P, 2
+    t_I - t along P_c in I-J, and count back from the end of the phase along P_c in E-G and J-M.
     """
     is_in_range = (corner_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
         corner_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
@@ -926,44 +1038,52 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     corner_loads = corner_loads[is_in_range, None]
     start = ellipses.slip_start
     full_turn = 2 * math.pi
+    # `load_moves` is False for constant P
     cosine_at_corner = (corner_loads - ellipses.mean_load) / np.where(
         ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
     angle_at_corner = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
+    # angles at which P_c is the load of a corner, counted back from the end: in E-G and in J-M
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corner_loads)
     # Cut at the largest and the least load too, so that the load is monotonic in an interval.
     zero_angles = np.zeros(len(start))
-    least_angle = np.full((1, len(start)), math.pi)
-    largest_angle = np.full((1, len(start)), full_turn)
-    # begin, end and cuts of each
+    angle_of_least_load = np.full((1, len(start)), math.pi)
+    angle_of_largest_load = np.full((1, len(start)), full_turn)
+    # begin, end and inner cuts of each course, in the order above
     courses = (
         (
             start,
             start + ellipses.slip_angle,
-            (angle_at_corner, least_angle, full_turn - angle_at_corner, largest_angle),
+            (
+                angle_at_corner,
+                angle_of_least_load,
+                full_turn - angle_at_corner,
+                angle_of_largest_load,
+            ),
         ),
         (
             start + math.pi,
             start + full_turn,
-            (full_turn - angle_at_corner, largest_angle, full_turn + angle_at_corner),
+            (full_turn - angle_at_corner, angle_of_largest_load, full_turn + angle_at_corner),
         ),
         (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_v,)),
         (start + ellipses.slip_angle, start + math.pi, (full_turn - angle_at_corner,)),
         (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,)),
     )
     pieces_of_courses = []
-    for course_number, (begin, end, cuts) in enumerate(courses):
-        unsorted_ends = np.concatenate([begin[None], *cuts, end[None]])
-        ends = np.sort(np.clip(unsorted_ends, begin, np.maximum(begin, end)), axis=0)
-        ellipse_of_piece, cut_number = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
-        begin_angle = ends[cut_number, ellipse_of_piece]
-        end_angle = ends[cut_number + 1, ellipse_of_piece]
+    for course_number, (begin, end, inner_cuts) in enumerate(courses):
+        unsorted_angles = np.concatenate([begin[None], *inner_cuts, end[None]])
+        cut_angles = np.sort(np.clip(unsorted_angles, begin, np.maximum(begin, end)), axis=0)
+        ellipse_of_piece, cut_number = np.nonzero((np.diff(cut_angles, axis=0) > 1e-14).T)
+        begin_angle = cut_angles[cut_number, ellipse_of_piece]
+        end_angle = cut_angles[cut_number + 1, ellipse_of_piece]
         if course_number in (0, 1, 3):
             # P grows from pi to 2 pi
             load_grows = (begin_angle + end_angle) / full_turn % 2 > 1
             begin_angle, end_angle = np.where(
                 load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
+        # by the length of the interval
         rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(
             AnglePieces.of_group(
@@ -977,9 +1097,15 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, shape of `angle`,
     along one course: P, or P_c at the stick edge, through a phase of slip.
 
-    `name` is the load and the phase, such as "P_c, E-G". `angle` [rad] is the variable along the
-    course: t for P, 2 t_I - t for P_c in I-J, else counted back from the end of the phase. One
-    tangent of half of it stands for sine and cosine, since numpy has it in vector code.
+    # notation: t_E, t_I times at which reverse and forward slip begin, P1 (`load_amplitude`)
+    #           amplitude of P; u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q
+    #           -+ f P)/f; D (`slip_angle`) length of E-G and of J-M
+
+    `name` is the load and the phase: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J" or "P_c, J-M". E-G
+    is reverse slip, I-M = I-J and J-M forward slip. a is the contact half-width. `angle` [rad] is
+    the variable along the course: t for P, 2 t_I - t for P_c in I-J, else counted back from the end
+    of the phase. One tangent of half of it stands for sine and cosine, since numpy has it in vector
+    code.
     """
     tangent = np.tan(angle / 2)
     squared_tangent = tangent * tangent
@@ -1006,6 +1132,7 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
             cosine,
             sine,
         )
+    # P0 + P1 cos(angle), counted from the least load
     load = (
         ellipses.mean_load - ellipses.load_amplitude
     ) + 2 * ellipses.load_amplitude * squared_cosine
@@ -1014,16 +1141,17 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
         cosine_from_start = ellipses.cosine_of_start * cosine + ellipses.sine_of_start * sine
         sine_from_start = ellipses.cosine_of_start * sine - ellipses.sine_of_start * cosine
         squared_sine = 2 * ellipses.sine_of_start * sine_from_start * sine_from_start
-        weight = (1 - cosine_from_start) * sine + squared_sine
-        return -ellipses.forward_amplitude * ellipses.load_amplitude * weight, load
+        weight_over_amplitudes = (1 - cosine_from_start) * sine + squared_sine
+        return -ellipses.forward_amplitude * ellipses.load_amplitude * weight_over_amplitudes, load
+    # along P: the phase ends at t_E + D, or at t_E a turn later
     if name == "P, E-G":
-        amplitude = ellipses.reverse_amplitude
+        slip_amplitude = ellipses.reverse_amplitude
         end_angle = ellipses.slip_start + ellipses.slip_angle
     else:
-        amplitude = ellipses.forward_amplitude
+        slip_amplitude = ellipses.forward_amplitude
         end_angle = ellipses.slip_start
     cosine_to_end = np.cos(end_angle) * cosine + np.sin(end_angle) * sine
-    return amplitude * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
+    return slip_amplitude * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
 
 
 def _log_weight_and_stick_edge_load(
@@ -1041,9 +1169,10 @@ def _log_weight_and_stick_edge_load(
         P_c = P_T + `stick_amplitude` `squared_half_sine`
         P - P_c = `slip_amplitude`/2 (1 - cos(angle - `angle_at_no_slip`))
 
-    P_T is the load at the edge of the permanent stick zone. `squared_half_sine` = sin^2(angle/2);
-    `cosine` and `sine` are of the angle. The two amplitudes are v, u in reverse slip and u, v in
-    forward slip.
+    P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone, a the contact
+    half-width. The angle counts back from the end of the phase.
+    `squared_half_sine` = sin^2(angle/2); `cosine` and `sine` are of the angle. The two amplitudes
+    are v, u in reverse slip and u, v in forward slip.
     """
     load_above = stick_amplitude * squared_half_sine
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
@@ -1064,14 +1193,14 @@ def _integrals_by_group(
     """Integrals for the friction work of each ellipse, summed by group, (n_groups, m), and the
     error of their sum, (m,); NaN where fifteen halvings do not converge.
 
-    A group is a phase of slip, or P or P_c through a phase; its range of angles is given cut into
-    intervals, the `pieces`. Those whose error checks are too large are halved and integrated again.
-    After three halvings an error check of 1e-14 P0^2 is enough.
+    A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase; its range
+    of angles is given cut into intervals, the `pieces`. Those whose error checks are too large are
+    halved and integrated again. After three halvings an error check of 1e-14 P0^2 is enough.
 
     Parameters
     ----------
     integrand
-        of (group, ellipse, angle) arrays
+        of arrays: group (n,), ellipse (n,) and angle (nodes, n) of n intervals
     rules
         quadrature rules, of which each interval names one
     converged_share, least_work
@@ -1085,28 +1214,37 @@ def _integrals_by_group(
         least_work = 0.0
     works_of_groups = np.zeros((n_groups, n_ellipses))
     error_of_ellipse = np.zeros(n_ellipses)
-    work_size = np.zeros(n_ellipses)
-    for halvings in range(_MOST_HALVINGS + 1):
-        integrals, checks = _piece_integrals(pieces, integrand, rules)
+    reference_work = np.zeros(n_ellipses)
+    for n_halvings in range(_MOST_HALVINGS + 1):
+        # of each interval, (n,): its integral, and the largest of sums that are 0 but for the error
+        integrals, largest_checks = _piece_integrals(pieces, integrand, rules)
         ellipse_of_piece = pieces.ellipse
-        if not halvings:
+        if not n_halvings:
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
-            work_size = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
-        is_check_small = ~(checks > converged_share * work_size[ellipse_of_piece])
-        is_check_negligible = checks <= _NEGLIGIBLE_CHECK_SHARE * np.square(
+            reference_work = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
+        # not (>): NaN counts as converged
+        is_check_small = ~(largest_checks > converged_share * reference_work[ellipse_of_piece])
+        is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * np.square(
             ellipses.mean_load[ellipse_of_piece]
         )
-        has_converged = is_check_small | ((halvings >= _FEW_HALVINGS) & is_check_negligible)
+        # after _FEW_HALVINGS = 3 a negligible check is enough
+        has_converged = is_check_small | ((n_halvings >= _FEW_HALVINGS) & is_check_negligible)
         np.add.at(
             works_of_groups,
             (pieces.group[has_converged], ellipse_of_piece[has_converged]),
             integrals[has_converged],
         )
-        errors = checks * np.where(is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK)
-        np.add.at(error_of_ellipse, ellipse_of_piece[has_converged], errors[has_converged])
+        # error over check at most: 0.01, or 4 where the check is only negligible
+        piece_errors = largest_checks * np.where(
+            is_check_small, _ERROR_OVER_SMALL_CHECK, _ERROR_OVER_LARGE_CHECK
+        )
+        np.add.at(error_of_ellipse, ellipse_of_piece[has_converged], piece_errors[has_converged])
+
+        # the others are halved
         pieces = pieces.take(~has_converged).halved()
         if not len(pieces.ellipse):
             break
+    # what has not converged after fifteen halvings
     works_of_groups[pieces.group, pieces.ellipse] = np.nan
     return works_of_groups, error_of_ellipse
 
@@ -1119,16 +1257,17 @@ def _piece_integrals(
     """Integral over each interval of angle by the quadrature rule that it names, (n,), and the
     largest of that rule's error checks, (n,): sums that are 0 but for the error.
 
-    `integrand` takes arrays of group, ellipse and angle. Intervals of one rule are taken together,
-    as many as fit the cache.
+    `integrand` takes arrays of group and ellipse (n,) and angle (nodes, n). Each of the `rules`
+    holds its nodes as signed distances from one end of the interval [0, 1]. Intervals of one rule
+    are taken together, as many as fit the cache: 16,000 nodes.
     """
     integrals = np.empty(len(pieces.ellipse))
     largest_checks = np.empty(len(pieces.ellipse))
     for rule_number, rule in enumerate(rules):
         numbers_of_rule = np.flatnonzero(pieces.rule_number == rule_number)
         pieces_at_once = _PIECE_NODES_AT_ONCE // len(rule.weight)
-        for k in range(0, len(numbers_of_rule), pieces_at_once):
-            numbers = numbers_of_rule[k : k + pieces_at_once]
+        for first_piece in range(0, len(numbers_of_rule), pieces_at_once):
+            numbers = numbers_of_rule[first_piece : first_piece + pieces_at_once]
             begin_angle = pieces.begin_angle[numbers]
             end_angle = pieces.end_angle[numbers]
             angle = (
@@ -1136,10 +1275,10 @@ def _piece_integrals(
                 + (end_angle - begin_angle) * rule.distance_from_end
             )
             values_at_nodes = integrand(pieces.group[numbers], pieces.ellipse[numbers], angle)
-            length = np.abs(end_angle - begin_angle)
-            integrals[numbers] = rule.weight @ values_at_nodes * length
+            piece_length = np.abs(end_angle - begin_angle)
+            integrals[numbers] = rule.weight @ values_at_nodes * piece_length
             largest_checks[numbers] = (
-                np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * length
+                np.max(np.abs(rule.error_checks @ values_at_nodes), axis=0) * piece_length
             )
     return integrals, largest_checks
 
@@ -1168,17 +1307,19 @@ class LogHalfWidth:
 
     def __init__(self, contact: SymmetricContact, first_octave: int, last_octave: int) -> None:
         """Polynomials of L = ln(half-width) for loads from 2^first_octave to 2^last_octave, or to
-        where the profile ends; below, L is that of 2^first_octave.
+        where the profile ends; below, L is that of 2^first_octave. `contact` is the normal contact
+        P(a) of the profile; its `extent` is the half-width where the profile ends.
 
-        They are found along one coordinate, the sum of sqrt(P - P_b) over the corners. From the
-        load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to the load
-        of the next corner.
+        The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the corners.
+        From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
+        the load of the next corner.
         """
         corners = contact.corner_loads
         largest_load = 2.0**last_octave
         if contact.extent != math.inf:
             largest_load = min(largest_load, float(contact.load(contact.extent)))
         corners_inside = corners[(corners > 2.0**first_octave) & (corners < largest_load)]
+        # 0, the corners and the largest load; and the coordinate of each
         corner_loads = np.array([0.0, *corners_inside, largest_load])
         corner_coordinates = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
         log_half_width = _log_half_width_of(contact)
@@ -1193,13 +1334,17 @@ class LogHalfWidth:
             v = coordinates - corner_coordinates[corner_number]
             return log_half_width(corner_loads[corner_number] + np.square(v))
 
-        octave_count = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
-        octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-octave_count, 0)
+        # below the first corner: ranges that halve the coordinate, down to that of 2^first_octave
+        n_octaves = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
+        octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-n_octaves, 0)
+        # Chebyshev series, halved until they are resolved; `edges` are their ends along the
+        # coordinate. The factor says how much coarser than round-off P(a) is.
         series = piecewise_series_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
             max(contact.relative_roundoff / 4e-14, 1.0),
         )
+        # for each polynomial: the load of the corner below it, and its coefficients
         corner_number = corner_below(series.edges[:-1])
         self._corner_load = corner_loads[corner_number]
         self._log_half_width = SeriesAsPowers(series.coefficients)
@@ -1210,7 +1355,8 @@ class LogHalfWidth:
 
     def _values_of_series(self, series_number: Indices, v: Array) -> Array:
         """L = ln a by the polynomials of the given numbers at v = sqrt(P - P_b), shape of v; P_b is
-        the load of the corner below each.
+        the load of the corner below each. `_first_v` and `_last_v` (n,) are the ends of the
+        polynomials; within them the position goes from -1 to 1.
         """
         first_v = self._first_v[series_number]
         position = (v - first_v) * (2 / (self._last_v[series_number] - first_v)) - 1
@@ -1227,34 +1373,42 @@ class LogHalfWidth:
 
     def dissipation_kernel_by_series(self, load: Array, slip_zone_load: Array) -> Array:
         """Kernel of the friction work, Lam = int_{P_c}^P [L(eta) - L(P_c)] d eta with L = ln a,
-        from P = `load` and P - P_c = `slip_zone_load`; arrays of one shape.
+        from P = `load` and P - P_c = `slip_zone_load`; arrays of one shape. a is the contact
+        half-width, P_c the load at the stick edge.
 
         To 1e-16 of P - P_c. L is a polynomial in v = sqrt(P - P_b) above each corner load P_b. The
-        integral goes from polynomial to polynomial by Gauss' rule in v.
+        integral goes from polynomial to polynomial by Gauss' rule in v; the ends of the polynomials
+        are `series_ends` as loads, `_first_v` and `_last_v` in v.
         """
         stick_edge_load = load - slip_zone_load
         nodes, weights = gauss_rule(4)
+        # number of the polynomial that holds P_c, and of that which holds P
         series_number = np.searchsorted(self.series_ends, stick_edge_load)
         last_series_number = np.searchsorted(self.series_ends, load)
         v = np.sqrt(np.maximum(stick_edge_load - self._corner_load[series_number], 0.0))
         log_at_stick_edge = self._values_of_series(series_number, v)
         integral = np.zeros(load.shape)
         remaining_load = slip_zone_load
+
+        # one polynomial after the other
         for _ in range(int(np.max(last_series_number - series_number, initial=0)) + 1):
             load_to_end_of_series = np.square(self._last_v[series_number]) - v * v
-            load_rise = np.clip(
+            # up to the end of this polynomial, or to P in the last one
+            load_range = np.clip(
                 np.where(series_number < last_series_number, load_to_end_of_series, np.inf),
                 0.0,
                 remaining_load,
             )
-            step_of_v = load_rise / np.maximum(v + np.sqrt(v * v + load_rise), 1e-300)
-            v_at_nodes = v[..., None] + step_of_v[..., None] * nodes
+            # v at the end minus v, without cancellation
+            range_of_v = load_range / np.maximum(v + np.sqrt(v * v + load_range), 1e-300)
+            v_at_nodes = v[..., None] + range_of_v[..., None] * nodes
             log_excess_at_nodes = (
                 self._values_of_series(series_number[..., None], v_at_nodes)
                 - log_at_stick_edge[..., None]
             )
-            integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
-            remaining_load = remaining_load - load_rise
+            # d eta = 2 v dv
+            integral += range_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
+            remaining_load = remaining_load - load_range
             series_number = np.minimum(series_number + 1, last_series_number)
             v = np.where(remaining_load > 0, self._first_v[series_number], v)
         return integral
@@ -1291,7 +1445,8 @@ def works_by_lam(
 
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
     a(P_c)] d eta, or a multiple of it, which W then has too. Each ellipse gets as few nodes as it
-    needs. Ellipses of one rule and one formula for Lam are integrated together.
+    needs. Ellipses of one rule and one formula for Lam are integrated together. P_c is the load at
+    the stick edge, a(eta) the contact half-width under the load eta.
 
     Parameters
     ----------
@@ -1302,33 +1457,40 @@ def works_by_lam(
     least_share
         loads below this share of P0 count as that share
     """
+    # (m,) booleans
     takes_careful_kernel = _takes_careful_kernel(ellipses, deep_share)
     # The same rule and the same kernel: one kind, integrated together.
+    # number of the rule times 2, plus 1 for the careful kernel
     kind_of_ellipse = 2 * _gauss_rule_numbers(ellipses) + takes_careful_kernel
     order_by_kind = np.argsort(kind_of_ellipse, kind="stable")
+    # (9, m) angles and loads of the ellipses, in the order of their kinds
     parameters_by_kind = _phase_parameters(ellipses, least_share).take(order_by_kind, axis=1)
-    sums = np.empty((3, len(order_by_kind)))
+    # rows: reverse slip, later and earlier forward slip, without the constant factors
+    sums_by_phase = np.empty((3, len(order_by_kind)))
     ends_of_kinds = np.cumsum(np.bincount(kind_of_ellipse, minlength=2 * len(_LAM_RULES)))
     # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES_AT_ONCE, 64 * len(_LAM_RULES[-1][0])))
     for kind_number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
+        # as many as have 16,384 nodes together
         ellipses_at_once = max(_NODES_AT_ONCE // len(_LAM_RULES[kind_number // 2][0]), 64)
         for begin in range(
             ends_of_kinds[kind_number - 1] if kind_number else 0,
             ends_of_kinds[kind_number],
             ellipses_at_once,
         ):
-            block = slice(begin, min(begin + ellipses_at_once, ends_of_kinds[kind_number]))
+            columns = slice(begin, min(begin + ellipses_at_once, ends_of_kinds[kind_number]))
             lam_kernel = careful_kernel if kind_number % 2 else quick_kernel
-            sums[:, order_by_kind[block]] = phase_integrals(
-                parameters_by_kind[:, block],
+            sums_by_phase[:, order_by_kind[columns]] = phase_integrals(
+                parameters_by_kind[:, columns],
                 _LAM_RULES[kind_number // 2],
                 lam_kernel,
                 memory,
             )
-    integral_of_reverse, integral_later, integral_early = 2 * sums
+    integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
+
+    # the factors that are constant in a phase, and 2 from the nodes
     twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
-    integral_early *= (
+    integral_of_early_slip *= (
         (math.pi - ellipses.slip_angle)
         * ellipses.forward_amplitude
         / np.where(
@@ -1338,8 +1500,9 @@ def works_by_lam(
         )
     )
     return (
-        integral_later * ellipses.slip_angle * ellipses.forward_amplitude + integral_early,
-        integral_of_reverse * ellipses.slip_angle * ellipses.reverse_amplitude,
+        integral_of_later_slip * ellipses.slip_angle * ellipses.forward_amplitude
+        + integral_of_early_slip,
+        integral_of_reverse_slip * ellipses.slip_angle * ellipses.reverse_amplitude,
     )
 
 
@@ -1347,6 +1510,8 @@ def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.b
     """Whether the quick formula for the kernel Lam of the friction work is not exact enough, (m,):
     the slip zones never carry more than `deep_share` of P0, or one of u and v is at most that share
     of the other.
+
+    # notation: u, v `forward_amplitude`, `reverse_amplitude`; P0 `mean_load`
 
     u and v are the amplitudes of (Q -+ f P)/f. Lam is the integral of ln a - ln a(P_c) over the
     loads from P_c, that at the stick edge, to P.
@@ -1365,8 +1530,9 @@ def error_of_works_by_lam(
     """Upper bound of the error of the friction work W pi E*/(2 f^2), (m,) [force^2 per
     thickness^2], by its kernel Lam, which a quick or a careful formula gives.
 
-    Lam is the integral of ln a - ln a(P_c) over the loads from P_c to P. The quick formula is a
-    difference, which loses the last digits of P L, L = ln a.
+    Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
+    is the contact half-width. The quick formula is a difference, which loses the last digits of P
+    L, L = ln a.
 
     Parameters
     ----------
@@ -1377,12 +1543,14 @@ def error_of_works_by_lam(
     log_size
         size of L = ln a, (m,) or one for all
     """
+    # 1e-15 of the largest load times u + v and the size of L
     last_digits = (
         _LAST_DIGIT_SHARE
         * (ellipses.mean_load + ellipses.load_amplitude)
         * (ellipses.forward_amplitude + ellipses.reverse_amplitude)
         * log_size
     )
+    # _RELATIVE_ERROR_OF_LAM_RULES: 5e-11, for what the quadrature rules leave out
     return (
         roundoff_error(ellipses, work)
         + _RELATIVE_ERROR_OF_LAM_RULES * np.abs(work)
@@ -1396,8 +1564,8 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
     #           P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; s angle from
-    #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E time
-    #           of E
+    #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E
+    #           (`slip_start`) time t of E in P = P0 + P1 cos t
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
     and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
@@ -1412,6 +1580,7 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     length_of_i_to_j = np.maximum(math.pi - ellipses.slip_angle, _LEAST_DIVISOR)
     larger_amplitude = np.maximum(ellipses.forward_amplitude, ellipses.reverse_amplitude)
     least_load = ellipses.mean_load - ellipses.load_amplitude
+    # squares of twice the imaginary parts: where P_c = 0 and where P = 0
     square_at_no_stick = _square_of_imaginary(ellipses.permanent_stick_load, larger_amplitude)
     square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
     # Real part and squared imaginary part of singularities, each phase being the interval [-1, 1].
@@ -1433,6 +1602,7 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
         distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
         half_sum_of_distance = (distance_from_plus_1 + distance_from_minus_1) / 2
         np.minimum(half_sum_of_distances, half_sum_of_distance, out=half_sum_of_distances)
+    # each rule has a least half sum of distances; the number of rules that need more
     return np.sum(half_sum_of_distances < _LEAST_HALF_SUMS_OF_DISTANCES, axis=0, dtype=np.uint8)
 
 
@@ -1456,6 +1626,7 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     load count as that.
     """
     parameters = np.empty((9, len(ellipses.mean_load)))
+    # h and g
     parameters[0] = ellipses.slip_angle / 2
     parameters[1] = (math.pi - ellipses.slip_angle) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
@@ -1466,6 +1637,7 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
         least_share * ellipses.mean_load,
         out=parameters[3],
     )
+    # u and v
     parameters[4] = ellipses.forward_amplitude
     parameters[5] = ellipses.reverse_amplitude
     # alpha and beta by half-angle formulas; the smaller one from alpha beta = P1 sin(t_E),
@@ -1479,6 +1651,7 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
     is_alpha_larger = ellipses.cosine_of_start < 0
     parameters[6] = np.where(is_alpha_larger, larger_root, smaller_root)
     parameters[7] = np.where(is_alpha_larger, smaller_root, larger_root)
+    # k
     parameters[8] = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     return parameters
 
@@ -1524,6 +1697,7 @@ def phase_integrals(
     nodes, weights = rule
     h, g, permanent_stick_load, least_load, u, v, alpha, beta, k = parameters
     shape = (4, 3, len(nodes), len(h))
+    # P_c and P - P_c of all three phases, and working arrays (3, n, m)
     stick_edge_loads, slip_zone_loads, work_arrays, kernel_buffer = memory[
         : math.prod(shape)
     ].reshape(shape)
@@ -1639,16 +1813,19 @@ class LamTable:
 
     def __init__(self, contact: Contact, first_octave: int, last_octave: int) -> None:
         """Tabulate J = int_0^P ln a d eta, L = ln a and dL/dP of a contact as polynomials in P, on
-        equal cells of each octave of loads from 2^first_octave to 2^(last_octave + 1).
+        sixteen equal cells of each octave of loads from 2^first_octave to 2^(last_octave + 1).
 
         a is the contact half-width over b, half the length of the flat. dL/dP serves two loads
         close together, where differences of J and L lose digits. `contact` is that of a flat and
         rounded face.
         """
+        # number of the first cell by the leading bits of the load: exponent and four bits of
+        # fraction
         self._first_cell = (1023 + first_octave) << _CELL_BITS
         octave, cell_in_octave = (
             grid.ravel() for grid in np.mgrid[first_octave : last_octave + 1, :_CELLS_OF_OCTAVE]
         )
+        # loads at the twelve Chebyshev points of each cell, (cells, 12)
         load = np.ldexp(
             1 + (cell_in_octave[:, None] + (1 + _CHEBYSHEV_POINTS) / 2) / _CELLS_OF_OCTAVE,
             octave[:, None],
@@ -1658,17 +1835,17 @@ class LamTable:
         contact = replace(contact, datum_length=contact.least_half_width / 2)
         integral_of_log = -contact.approach_integral(load)
         log_half_width = -contact.log_datum_ratio(load)
-        # Of a short step about the load Lam is half of its square times L', but for a share of
+        # Over a short range about the load Lam is half of its square times L', but for a share of
         # 3e-14.
-        load_step = 1e-6 * load
+        load_range = 1e-6 * load
         with np.errstate(all="ignore"):
             slope_of_log = (
                 2
-                * contact.dissipation_kernel(load + load_step * (2 / 3), load_step)
-                / (load_step * load_step)
+                * contact.dissipation_kernel(load + load_range * (2 / 3), load_range)
+                / (load_range * load_range)
             )
         self.largest_log_half_width = float(np.max(log_half_width))
-        # coefficients (powers, cells)
+        # from values at the Chebyshev points to coefficients (powers, cells)
         self._integral_of_log = _VALUES_TO_POWERS @ integral_of_log.T
         self._log_half_width = _VALUES_TO_POWERS @ log_half_width.T
         self._slope_of_log = _VALUES_TO_POWERS @ slope_of_log.T
@@ -1679,9 +1856,11 @@ class LamTable:
 
         Both come from the bits of the number: its exponent and the leading bits of its fraction
         count the cells, and the other bits of the fraction are the position. AssertionError for a
-        load outside the table.
+        load outside the table. A cell is a sixteenth of an octave: _CELL_BITS = 4 leading bits of
+        the fraction; `_first_cell` is the number of the first.
         """
         bits = load.view(np.int64)
+        # the other bits of the fraction become a number from 1 to 2
         position_bits = bits & _FRACTION_BITS
         position_bits <<= _CELL_BITS
         position_bits |= _BITS_OF_ONE
@@ -1693,13 +1872,16 @@ class LamTable:
 
     def quick_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
         """Kernel of the friction work, Lam = int_{P_c}^P ln(a(eta)/a(P_c)) d eta, (phases, n, m),
-        by differences of tables: to some 1e-16 of P^2 over P - P_c.
+        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables hold J = int_0^P ln
+        a d eta and L = ln a, so that Lam = J(P) - J(P_c) - (P - P_c) L(P_c); a is the contact
+        half-width, P_c the load at the stick edge.
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape. The result is
         written into `buffer` and returned.
         """
         # one phase after the other: it stays in the cache
         for edge_load, load_above, lam in zip(stick_edge_load, slip_zone_load, buffer, strict=True):
+            # cell of the table, and position in it, of P and of P_c
             cell, position = self._cell_and_position(np.stack([edge_load + load_above, edge_load]))
             integral_to_load, integral_to_edge = _polynomials_at(
                 self._integral_of_log, cell, position
@@ -1715,10 +1897,13 @@ class LamTable:
         to 1e-13 of itself.
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape; `buffer` is
-        overwritten. Where P - P_c is below 3/7 P_c, Lam is the integral of the tabulated slope of
-        ln a. Elsewhere it is the difference of tables by `quick_kernel`.
+        overwritten. Where P - P_c is below 3/7 P_c, Lam is (P - P_c)^2 times the integral of
+        (1 - z) L' over z from 0 to 1, L' = d ln a/dP at P_c + z (P - P_c) from a table. a is the
+        contact half-width, P_c the load at the stick edge. Elsewhere it is the difference of tables
+        by `quick_kernel`.
         """
         integral_of_slope = np.zeros(stick_edge_load.shape)
+        # Gauss' nodes z of [0, 1], and weights that include 1 - z
         for node, weight in _RULE_FOR_CLOSE_LOADS:
             load_at_node = stick_edge_load + node * slip_zone_load
             slope_at_node = _polynomials_at(
