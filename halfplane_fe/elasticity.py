@@ -79,11 +79,13 @@ class System:
 
     @cached_property
     def node_of_dof(self) -> Indices:
-        """Node of each degree of freedom, (n_dofs,)."""
-        lambda_of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
+        """Node of each degree of freedom, (n_dofs,): of u_x and u_y in turn, then of the mixed
+        pressure at the corners, where the elements have one.
+        """
+        nodes_of_displacements = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
         if not split_lame(self.material, self.order).lambda_of_pressure:
-            return lambda_of_displacement
-        return np.concatenate([lambda_of_displacement, np.arange(self.mesh.nvertices)])
+            return nodes_of_displacements
+        return np.concatenate([nodes_of_displacements, np.arange(self.mesh.nvertices)])
 
     @cached_property
     def basis(self) -> skfem.Basis:
@@ -113,14 +115,17 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
 
 
 def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
-    """Node numbers of each element of a mesh, (n_elements, n): corners, mid-side nodes, middle."""
+    """Node numbers of each element of a mesh, (n_elements, n): corners, then, of elements of order
+    2, mid-side nodes, then the middle node of a quadrilateral.
+    """
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral,
     # as VTK does its mid-side nodes.
     n_corners = mesh.refdom.nfacets
-    rows = [mesh.t[:n_corners]]
+    rows = [mesh.t[:n_corners]]  # (nodes, n_elements)
     if order == 2:
-        rows.append(mesh.nvertices + mesh.t2f)
+        rows.append(mesh.nvertices + mesh.t2f)  # a node in the middle of each element side
     if order == 2 and n_corners == 4:
+        # nodes in the middle of the elements have the last numbers
         rows.append(np.arange(mesh.p.shape[1] - mesh.nelements, mesh.p.shape[1])[None])
     return np.vstack(rows).T.astype(np.int64)
 
@@ -142,6 +147,15 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     It states which degrees of freedom lie on the contact and on the arc of a half-disc (a
     half-plane's mesh), which are held, and the forces of a unit of tension on the body's ends.
 
+    Parameters
+    ----------
+    body
+        its `mesh`, and `supports`: name of a boundary -> "fixed" (no displacement), "rollers" (none
+        along y), "guided" (none along x), "half_plane" (an arc with the half-plane around it) or
+        "pulled" (an end under tension)
+    material
+        its elastic constants
+
     Raises
     ------
     InputError
@@ -155,6 +169,8 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear"
             f" elements lock above {_LARGEST_NU_LINEAR:g}; take order = 2"
         )
+
+    # Degrees of freedom (2, n) along x and y of each boundary, and where known reactions act.
     boundary_dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     half_plane_arcs = tuple(name for name, support in supports.items() if support == "half_plane")
     pulled_ends = tuple(name for name, support in supports.items() if support == "pulled")
@@ -164,6 +180,8 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     if pulled_ends and supports["base"] == "rollers":
         # Such a body has no arc: its ends hold it against Q.
         reaction_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
+
+    # Degrees of freedom that the supports hold: components 0 (along x) and 1 (along y).
     components_held = {
         "fixed": (0, 1),
         "rollers": (1,),
@@ -180,6 +198,8 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
             along_x = boundary_dofs[name][0]
             middle = np.argmin(np.abs(mesh.p[0, along_x // 2]))
             held_dofs.append(along_x[[middle]])
+
+    # The tension on the ends is added last, since its forces need the system.
     system = System(
         mesh=mesh,
         material=material,
@@ -198,8 +218,10 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
 def _tension_forces(system: System, facets: list[int]) -> Array:
     """Nodal forces (n_dofs,) by a unit of tension along x on the ends of a body [length]; `facets`
     are the numbers of the element sides there, whose outward normals are along x.
+
+    # notation: in the integral v test displacement, w.n outward normal of the element side
     """
-    forces = np.zeros(len(system.node_of_dof))
+    forces = np.zeros(len(system.node_of_dof))  # one entry for each degree of freedom
     if facets:
         ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
         forces[: ends.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
@@ -239,20 +261,28 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     quasi-definite. `elements` are the numbers of the elements.
 
     # notation: phi_i shape functions; a, b, c directions x, y; lambda, G Lame's constants, lambda_1
-    # the part of lambda that enters through r; B divergence, M mass matrix of r
+    # the part of lambda that enters through r; B divergence, M mass matrix of r; in subscripts of
+    # einsum e elements, i and j nodes, c directions
     """
     lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
-    cells = system.cells[elements]
+    cells = system.cells[elements]  # (n_elements, n_nodes) node numbers
     n_nodes = cells.shape[1]
+
+    # Gradients of the shape functions (n_elements, 2 n_nodes, q) at q quadrature points, and the
+    # area of each point.
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
     gradients, point_areas = _gradients_and_areas(mesh, cells, system.order, points, weights)
+
+    # Matrix of each element: K of the displacement.
     D = gradients * point_areas @ gradients.transpose(0, 2, 1)
     D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
     element_matrices = lam * D + G * D.swapaxes(2, 4)
     element_matrices[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
     element_matrices = element_matrices.reshape(len(cells), 2 * n_nodes, -1)
     dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
+
+    # B and M of the mixed pressure, which is linear between the corners.
     if lambda_1:
         corners = cells[:, : mesh.refdom.nfacets]
         linear_element = scalar_element(mesh, 1)
@@ -265,6 +295,8 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
         element_matrices = np.block(
             [[element_matrices, divergence.transpose(0, 2, 1)], [divergence, mass]]
         )
+
+    # Entries of all elements are summed in a sparse matrix.
     rows = np.broadcast_to(dofs[:, :, None], element_matrices.shape)
     columns = np.broadcast_to(dofs[:, None, :], element_matrices.shape)
     entries = (element_matrices.ravel(), (rows.ravel(), columns.ravel()))
@@ -279,6 +311,8 @@ def _gradients_and_areas(
 
     Parameters
     ----------
+    mesh
+        of the body: its `p` (2, n_nodes) are places of nodes [length]
     cells
         (n_elements, n) nodes of the elements
     order
@@ -289,7 +323,7 @@ def _gradients_and_areas(
     # notation: in subscripts of einsum e elements, n their nodes, q quadrature points, a and b
     # directions; xx, xy, yx, yy entries of the Jacobian
     """
-    element = scalar_element(mesh, order)
+    element = scalar_element(mesh, order)  # Lagrange element; lbasis: shape function and gradient
     reference_gradients = np.stack(  # (n, 2, q)
         [element.lbasis(points, i)[1] for i in range(cells.shape[1])]
     )
@@ -318,7 +352,7 @@ class CondensedBody:
         what was condensed
     x, y
         (n,) places of the contact nodes in ascending order of x; y = 0 on a flat face [length]
-    weights
+    face_lengths
         (n,) integral of each node's shape function over the surface [length]
     compliance
         (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x,
@@ -349,8 +383,8 @@ class CondensedBody:
 
 
 def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> SuperLU:
-    """Sparse factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no
-    pivoting, in the order asked for.
+    """Sparse LU factors of a stiffness that is symmetric, positive or quasi-definite [stress]: no
+    pivoting, rows and columns in the order that `ordering` names to SuperLU.
     """
     # Minimum degree on A + A^T is 5 times faster here than the default order.
     return splu(
@@ -377,12 +411,22 @@ class _Subspace(NamedTuple):
     factor_of_dof: Array
 
     def motions(self, moved_dofs: Indices, motion_numbers: Indices) -> sparse.csr_matrix:
-        """Displacement (m, n) of m degrees of freedom of the body, by their numbers, in n of the k
-        motions, by theirs.
+        """Displacement (m, n) of m degrees of freedom of the body in n of the k motions that span
+        a subspace of its displacements.
+
+        A degree of freedom is moved by one motion, `column_of_dof`, by the factor `factor_of_dof`.
+
+        Parameters
+        ----------
+        moved_dofs
+            (m,) numbers of the degrees of freedom
+        motion_numbers
+            (n,) numbers of the motions among the k
         """
-        place = np.full(len(self.leading_dofs), -1)
-        place[motion_numbers] = np.arange(len(motion_numbers))
-        column = place[self.column_of_dof[moved_dofs]]
+        # Position of each motion among the n; -1 of those not asked for.
+        position = np.full(len(self.leading_dofs), -1)
+        position[motion_numbers] = np.arange(len(motion_numbers))
+        column = position[self.column_of_dof[moved_dofs]]
         factor = np.where(column >= 0, self.factor_of_dof[moved_dofs], 0.0)
         return sparse.csr_matrix(
             (factor, np.maximum(column, 0), np.arange(len(moved_dofs) + 1)),
@@ -395,7 +439,9 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
     energy in common, so that each subspace can be condensed by itself on one half.
 
     Symmetric: u_x is odd in x, u_y and the pressure r are even; antisymmetric: the other way round.
-    The stiffness in each is twice that of the half x >= 0.
+    The stiffness in each is twice that of the half x >= 0. A subspace is spanned by motions: each
+    displaces one degree of freedom together with its mirror image, by factors +-sqrt(1/2), or one
+    at x = 0 alone, by 1.
 
     Returns
     -------
@@ -405,10 +451,12 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
     """
     mesh = system.mesh
     all_dofs = np.arange(len(system.node_of_dof))
-    mirror_images = _mirror_images(system)
+    mirror_images = _mirror_images(system)  # number of the one at (-x, y) for each; or None
     right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
     if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
         return np.arange(mesh.nelements), (_Subspace(all_dofs, all_dofs, np.ones(len(all_dofs))),)
+
+    # Sign of the mirror image's displacement or pressure: opposite for u_x if symmetric.
     on_right = mesh.p[0, system.node_of_dof] >= 0
     signs_if_symmetric = np.ones(len(all_dofs))
     signs_if_symmetric[: 2 * mesh.p.shape[1] : 2] = -1.0  # u_x
@@ -427,8 +475,11 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
 def _mirror_images(system: System) -> Indices | None:
     """Number of the degree of freedom at (-x, y) for each one at (x, y), (n_dofs,).
 
-    None where nodes, elements or supports of the mesh are not mirror images to the last bit.
+    None where nodes, elements or supports of the mesh are not mirror images to the last bit. Used
+    of the `system` are its mesh, the nodes of its elements (`cells`), and the degrees of freedom
+    that belong to the contact, to reactions and to supports.
     """
+    # Nodes in order of x and in order of -x are mirror images of each other.
     places = system.mesh.p
     nodes_from_left = np.lexsort((places[1], places[0]))
     nodes_from_right = np.lexsort((places[1], -places[0]))
@@ -438,6 +489,8 @@ def _mirror_images(system: System) -> Indices | None:
         return None
     images_of_nodes = np.empty_like(nodes_from_left)
     images_of_nodes[nodes_from_left] = nodes_from_right
+
+    # Degrees of freedom: u_x and u_y of each node in turn, then the pressures at the corners.
     images_of_displacements = (2 * images_of_nodes[:, None] + [0, 1]).ravel()
     images_of_pressures = 2 * len(images_of_nodes) + images_of_nodes
     images = np.concatenate([images_of_displacements, images_of_pressures])[
@@ -449,6 +502,7 @@ def _mirror_images(system: System) -> Indices | None:
         rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
+    # Elements, contact, reactions and supports must have mirror images among themselves.
     for dofs in (
         2 * system.cells.T,
         system.contact_dofs,
@@ -467,6 +521,9 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     It is the minimum-degree order of the inner nodes, those that carry neither contact forces nor
     reactions, by their stiffness along x alone. This takes a quarter of the work of ordering all
     degrees of freedom. All other nodes have the last rank.
+
+    Used of the `system` are its mesh, the degrees of freedom of contact and reactions along x (row
+    0), and the node of each degree of freedom. That along x of node k is number 2 k.
     """
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
@@ -476,6 +533,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     # The pressure r of contact nodes comes last: first of all, it would fill the factors.
     ranks = np.full(n_nodes, n_nodes)
     if len(inner_nodes):
+        # `perm_c` of the sparse factors is the rank of each row in the order of elimination.
         ranks[inner_nodes] = factorise(
             stiffness[2 * inner_nodes][:, 2 * inner_nodes].tocsc()
         ).perm_c
@@ -533,7 +591,8 @@ class _Elimination(NamedTuple):
 
             [K_ii 0; K_ti 1] = L U,   L_ti = K_ti U_ii^-1,   S = K_tt - L_ti D L_ti^T,
 
-        D being the diagonal of U. For S, which is dense, Cholesky is several times faster.
+        D being the diagonal of U. For S, which is dense, Cholesky is several times faster. Returned
+        is a record of the stiffness, n_inner, these sparse factors and the Cholesky factor of S.
         """
         n_rows = stiffness.shape[0]
         remaining = slice(n_inner, None)
@@ -541,6 +600,7 @@ class _Elimination(NamedTuple):
         factors = factorise(
             sparse.hstack([stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
         )
+        # L_ti D L_ti^T
         eliminated_stiffness = _weighted_outer_product(
             factors.L[remaining, :n_inner], factors.U.diagonal()[:n_inner]
         )
@@ -583,19 +643,32 @@ def _condensed_subspace(
     complement of both, the compliance is [B; 1]^T S^-1 [B; 1]. From it the work of the tractions on
     the arc in the half-plane's own displacement is subtracted.
 
+    # notation: [B; 1] B above the unit matrix
+
     Parameters
     ----------
     system
-        the body's mesh, supports and degrees of freedom
+        the body's mesh, and its degrees of freedom: of the contact nodes (`contact_dofs`), of those
+        with known reactions to the contact (`reaction_dofs`: arc of a half-disc, or ends of a body
+        on rollers), of those that supports hold (`held_dofs`); forces by tension on its ends
     subspace
-        its symmetric or antisymmetric displacements, or all
+        its symmetric or antisymmetric displacements, or all, spanned by motions; `leading_dofs` is
+        the degree of freedom that each motion moves, together with its mirror image
     stiffness
         of the whole system [stress]
     ranks
         (n_dofs,) place of each degree of freedom in an order of elimination that keeps factors
         sparse
     half_plane_loads
-        tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
+        by unit forces on the contact: nodal forces on the arc of a half-disc by the half-plane
+        around it, and tractions and displacements of the half-plane at points of the arc, whose
+        product is work
+
+    Returns
+    -------
+    _CondensedSubspace
+        Motions that move the contact nodes, their compliance, amplitudes by a unit of tension on
+        the ends, and the relative error of both.
     """
     # Numbers of the subspace's motions: those that move the contact, the nodes with reactions, the
     # nodes held, and the inner nodes.
@@ -606,6 +679,9 @@ def _condensed_subspace(
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
         held_numbers, reaction_numbers = _held_on_arc(system, subspace, reaction_numbers)
+
+    # Stiffness of the motions that are not held, in the order of elimination: the inner ones first,
+    # which are eliminated.
     inner_numbers = np.delete(
         np.arange(len(subspace.leading_dofs)),
         np.concatenate([held_numbers, reaction_numbers, contact_numbers]),
@@ -617,6 +693,8 @@ def _condensed_subspace(
     ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
     elimination = _Elimination.from_stiffness(ordered_stiffness, len(inner_numbers))
+
+    # Loads on these motions: B and the work in the half-plane, by unit forces on the contact.
     contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_numbers)
     loads = _SubspaceLoads(
         arc_loads=subspace.motions(system.reaction_dofs.ravel(), reaction_numbers).T
@@ -625,6 +703,8 @@ def _condensed_subspace(
         displacements_on_arc=half_plane_loads.displacements @ contact_motions,
         tension_on_ends=ordered_motions.T @ system.tension_forces,
     )
+
+    # Compliance [B; 1]^T S^-1 [B; 1] minus that work.
     inverse_of_schur = elimination.inverse_of_schur
     displacement_by_forces = (
         inverse_of_schur[:, :n_reactions] @ loads.arc_loads + inverse_of_schur[:, n_reactions:]
@@ -669,7 +749,19 @@ def _tension_response_and_error(
     Residuals of the mesh's equations under a random load on the contact, and under tension;
     displacement by the compliance against that of the mesh; reciprocity of both loads (Betti). As
     in the compliance, the work of the half-plane's tractions on the arc is subtracted.
+
+    Parameters
+    ----------
+    elimination
+        factorised stiffness of the mesh; its first `n_inner` degrees of freedom are eliminated,
+        then come those of the arc of a half-disc, then the k of the contact
+    loads
+        `arc_loads` (m, k) on the arc by unit forces on the contact; tractions and displacements of
+        the half-plane at points of the arc by them; forces by a unit of tension on the ends
+    compliance
+        (k, k) displacement of the contact by unit forces on it
     """
+    # Two loads: random forces on the contact with their reactions on the arc, and tension.
     n_inner = elimination.n_inner
     n_arc, n_contact = loads.arc_loads.shape
     random_forces = np.random.default_rng(0).standard_normal(n_contact)
@@ -684,10 +776,13 @@ def _tension_response_and_error(
     displacement = displacement - loads.tractions_on_arc @ (
         loads.displacements_on_arc @ random_forces
     )
+
+    # Residuals over the largest load, and the compliance against the displacement of the mesh.
     largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
     residual_forces = elimination.stiffness @ test_solutions - test_loads
     residuals = np.abs(residual_forces).max(axis=0) / largest_loads
     error_of_compliance = np.abs(compliance @ random_forces - displacement).max()
+
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
     error_of_work = np.abs(
@@ -710,10 +805,25 @@ def _held_on_arc(
     """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
     motion and the others, ascending. One is held for each rigid motion in the subspace.
 
-    Pivoted QR of the rigid motions picks those that hold best. `arc_numbers` are numbers of motions
-    in the subspace (symmetric or antisymmetric displacements).
+    Pivoted QR of the rigid motions picks those that hold best.
+
+    Parameters
+    ----------
+    system
+        the mesh of the half-disc; its `reaction_dofs` are the degrees of freedom on the arc
+    subspace
+        symmetric or antisymmetric displacements of it, spanned by motions, each of a degree of
+        freedom and its mirror image
+    arc_numbers
+        numbers of the motions in the subspace that move the arc
+
+    Returns
+    -------
+    held_numbers, remaining_numbers
+        The two parts of `arc_numbers`.
     """
     all_arc_dofs = system.reaction_dofs.ravel()
+    # Part of each motion in the two translations and the rotation, (n_arc_numbers, 3).
     rigid_in_subspace = (
         subspace.motions(all_arc_dofs, arc_numbers).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
@@ -724,8 +834,8 @@ def _held_on_arc(
     return arc_numbers[pivots[:n_rigid]], np.sort(arc_numbers[pivots[n_rigid:]])
 
 
-# Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
-# least on bodies of all sizes.
+# Share of the rows from which on a column of L_ti counts as a dense one: of the shares tried it
+# took the least time on bodies of all sizes.
 _SHARE_OF_DENSE_COLUMN = 1 / 12
 
 
@@ -733,15 +843,18 @@ def _weighted_outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     """The product columns @ diag(factor) @ columns.T, (k, k), of sparse `columns` (k, n) and a
     diagonal `factor` (n,) of either sign.
 
-    For speed, columns with many entries are multiplied as dense ones, the others as sparse ones.
+    For speed, columns with entries in more than a twelfth of the rows are multiplied as dense ones,
+    the others as sparse ones.
     """
     n_rows = columns.shape[0]
     product = np.zeros((n_rows, n_rows))
-    column_counts = np.diff(columns.indptr)
+    column_counts = np.diff(columns.indptr)  # number of entries in each column
     is_dense = column_counts > _SHARE_OF_DENSE_COLUMN * n_rows
     is_sparse = ~is_dense & (column_counts > 0)
     scaled_columns = columns.copy()
     scaled_columns.data *= np.repeat(np.sqrt(np.abs(factor)), column_counts)
+
+    # Positive and negative factors apart: sqrt|factor| stands in both columns of each product.
     for sign_of_factor in np.unique(np.sign(factor)):
         has_sign = factor * sign_of_factor > 0
         sparse_columns = scaled_columns[:, has_sign & is_sparse]
@@ -774,9 +887,23 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     tractions of the half-plane around it.
 
     On a body that rolls on its base and is held at its ends, the ends take a force along x in
-    proportion to the nodal forces of a tension on them. `reaction_dofs` are then those of the ends,
-    and there are no points of an arc. For other bodies all arrays are empty. `datum_length` is the
-    distance from a force at which the half-plane's surface has no displacement [length].
+    proportion to the nodal forces of a tension on them, and there are no points of an arc. For
+    other bodies all arrays are empty.
+
+    Parameters
+    ----------
+    system
+        the body's mesh and material; its degrees of freedom on the contact (`contact_dofs`, x then
+        y) and on the arc or ends (`reaction_dofs`); the boundaries that are arcs
+        (`half_plane_arcs`); nodal forces by a unit of tension on its ends
+    datum_length
+        distance from a force at which the half-plane's surface has no displacement [length]
+
+    Returns
+    -------
+    ArcLoads
+        By unit forces on the contact nodes: forces on the nodes of arc or ends, then tractions and
+        displacements of the half-plane at points of the arc.
     """
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
     arc_places = system.mesh.p[:, system.node_of_dof[system.reaction_dofs[0]]]
@@ -798,12 +925,12 @@ def rigid_motions(mesh: skfem.Mesh) -> Array:
     the latter over the largest |x|; rows are u_x, u_y of each node in turn.
     """
     x, y = mesh.p
-    unit = np.ones_like(x)
-    zero = np.zeros_like(x)
+    ones = np.ones_like(x)
+    zeros = np.zeros_like(x)
     largest_x = np.abs(x).max()
-    along_x = [unit, zero, -y / largest_x]
-    along_y = [zero, unit, x / largest_x]
-    return np.stack([along_x, along_y]).transpose(2, 0, 1).reshape(-1, 3)
+    u_x = [ones, zeros, -y / largest_x]  # in each of the three motions
+    u_y = [zeros, ones, x / largest_x]
+    return np.stack([u_x, u_y]).transpose(2, 0, 1).reshape(-1, 3)
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
@@ -846,11 +973,16 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     >>> shortening.round(12).tolist()  # stress 1 over E = 2, times 3
     [1.5, 1.5]
     """
+    # Finite-element system, far-field loads on the arc of a half-disc, and stiffness: twice that of
+    # the right half where symmetric and antisymmetric displacements are condensed by themselves.
     system = assemble(body, material)
     arc = arc_loads(system, datum_length)
     elements, subspaces = _symmetry_subspaces(system)
     stiffness = len(subspaces) * _stiffness(system, elements)
-    ranks = _elimination_ranks(system, stiffness)
+    ranks = _elimination_ranks(system, stiffness)  # of the degrees of freedom, for sparse factors
+
+    # Condense each subspace and add up the compliances. Asymmetry is the largest skew part over the
+    # largest entry, residual the relative error of the solution under a random load.
     n_dofs = system.contact_dofs.size
     compliance = np.zeros((n_dofs, n_dofs))
     response_to_stress = np.zeros(n_dofs)
@@ -871,7 +1003,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
                 motions @ (motions @ ((subspace_compliance + subspace_compliance.T) / 2)).T
             )
             response_to_stress += motions @ subspace_response
-    except LinAlgError as reason:
+    except LinAlgError as reason:  # a Cholesky factor does not exist
         raise ConvergenceError(
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
         ) from reason
@@ -881,19 +1013,22 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             f" {max(asymmetry, residual):.1e}: the body is too slender for its contact, or some of"
             " its elements are too thin"
         )
+
+    # Places of the contact nodes (2, n), displacement by bulk stress, and lengths of face.
     places = system.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     dof_shape = system.contact_dofs.shape
     displacement_by_stress = response_to_stress.reshape(dof_shape)
     if system.half_plane_arcs:
         displacement_by_stress = displacement_by_unit_stress(material, *places)
+    # of each surface element: nodes, shape functions, and tangents times weights at Gauss points
     nodes, shape_values, _, tangents = line_elements(places, system.order, 3)
-    weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
+    face_lengths = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
     return CondensedBody(
         body=body,
         material=material,
         x=read_only_copy(places[0]),
         y=read_only_copy(places[1]),
-        face_lengths=read_only_copy(weights),
+        face_lengths=read_only_copy(face_lengths),
         compliance=read_only_copy(compliance.reshape(*dof_shape, *dof_shape)),
         displacement_by_stress=read_only_copy(displacement_by_stress),
         diagnostics={
@@ -906,8 +1041,10 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
 
 
 def displacement_by_unit_stress(material: Elastic, x: Array, y: Array) -> Array:
-    """(2, n) displacement of a half-plane by a unit of stress along x, in plane strain: ((1 - nu^2)
-    x, -nu (1 + nu) y)/E.
+    """Displacement (2, n) along x and y of a half-plane at n places by a unit of uniform stress
+    along x, in plane strain [length / stress]: ((1 - nu^2) x, -nu (1 + nu) y)/E.
+
+    # notation: E Young's modulus, nu Poisson's ratio
     """
     E = material.young_modulus
     nu = material.poisson_ratio
@@ -946,16 +1083,21 @@ def displacement_fields(
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
     """
+    # Loads on the contact nodes. `system` numbers the degrees of freedom: those of the contact, of
+    # reactions (arc of a half-disc, or ends of a body on rollers), and those that supports hold.
     system = assemble(condensed_body.body, condensed_body.material)
     loads_on_contact = forces.reshape(-1, forces.shape[-1])
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
+
     # What balances the contact: tractions of the half-plane around it on the arc of a half-disc, or
     # forces on the ends of a block on rollers.
     balancing_loads = arc_loads(system, datum_length)
     nodal_loads[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ loads_on_contact
     if stresses is not None:
-        nodal_loads += system.tension_forces[:, None] * stresses
+        nodal_loads += system.tension_forces[:, None] * stresses  # tension on the ends
+
+    # Solve for the degrees of freedom that are not held.
     held_dofs = system.held_dofs
     if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
@@ -972,6 +1114,7 @@ def displacement_fields(
     n_displacements = system.basis.N
     displacements = unknowns[:n_displacements]
     pressures_over_g = unknowns[n_displacements:]
+
     if system.reaction_dofs.size:
         # Holding nodes took a rigid motion away. By Betti's theorem it moves each contact node by
         # the work of the arc's loads under a unit force there, minus that in the half-plane.
@@ -984,6 +1127,7 @@ def displacement_fields(
         motions_of_contact = motions[system.contact_dofs.ravel()]
         amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
         displacements += motions @ amplitudes
+
     mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(pressures_over_g):
         shear_modulus = split_lame(condensed_body.material, condensed_body.order).shear_modulus
