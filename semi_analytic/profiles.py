@@ -70,7 +70,8 @@ Contact = SymmetricContact | TiltedProfile
 
 def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
     """Normal contact of a symmetric profile between half-planes of two materials: the contact law
-    P(a), and pressure, approach and slip integrals that follow from it.
+    P(a) of load and half-width, and pressure, approach and slip integrals that follow from it. The
+    profile may have a `datum_length` [length], at which rigid movements are measured.
 
     Raises
     ------
@@ -82,8 +83,10 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         raise InputError(
             "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
         )
+    # E*
     modulus = composite_modulus(materials)
     datum_length = getattr(profile, "datum_length", 0.0)
+    # the functions for this kind of profile; `contact` makes the normal contact
     return _kind_of(profile).contact(modulus, profile, datum_length)
 
 
@@ -159,9 +162,11 @@ def _convex_wedge(profile: Wedge) -> ConvexProfile:
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
     """A profile given by a table of heights as a convex curve that can be tilted: parabolas from
-    row to row, straight beyond the ends. InputError where it bends down somewhere.
+    row to row, straight beyond the ends. `sides` are the left and the right half, each with
+    ascending x >= 0, height, slope and curvature. InputError where it bends down somewhere.
     """
     left_side, right_side = profile.sides()  # x of the left side is counted to the left
+    # from left to right, 0 beyond both ends
     curvatures = np.concatenate([[0.0], left_side.curvature[::-1], right_side.curvature, [0.0]])
     if np.min(curvatures) < -1e-12 * np.max(curvatures):
         raise InputError(
@@ -188,6 +193,7 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
     height_at_length = profile.rise
     if exponent == 2:
         return _parabolas([0.0], [2 * height_at_length / length**2] * 2, 0.0)
+    # _LEAST_EXPONENT_OF_TIP: 1.01
     if exponent < _LEAST_EXPONENT_OF_TIP:
         raise InputError(
             f"profile.exponent = {exponent:.6g}: under bulk stress or tilt half-plane theory takes"
@@ -199,6 +205,7 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         """h' (order 1) or h'' (order 2) at x of any sign; 0 at x = 0, also where h'' is not 0, or
         infinite, there.
         """
+        # n (n - 1) ... rise/length^order, the derivative at |x| = length
         derivative_at_length = (
             height_at_length
             / length**derivative_order
@@ -215,8 +222,8 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
             * (relative_distance > 0)
         )
 
-    # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
-    # with these 1e-13.
+    # A high power is a peak at the end: with the steps of GRADED_RULE |x|^20 would lose 2e-10 of
+    # the load, with these 1e-13.
     quadrature_rule = (
         GRADED_RULE if exponent <= 4 else logistic_rule(-36.0, 36.0, 0.45 / exponent**0.2)
     )
@@ -235,17 +242,19 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     """The profile h = sum of c_k (x/length)^(2 k), k from 1, as a convex curve that can be tilted.
     InputError where it bends down somewhere.
 
-    It is a parabola where c_1 stands alone. Else the curve has h, h', h'' and a quadrature rule
-    that is exact for its degree.
+    The rises of the profile are c_k [length]. It is a parabola where c_1 stands alone. Else the
+    curve has h, h', h'' and a quadrature rule that is exact for its degree.
     """
     length = profile.length
     coefficients_of_squares = np.array(profile.rises)  # c_k
     if not np.any(coefficients_of_squares[1:]):
         return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
     k = np.arange(1.0, len(coefficients_of_squares) + 1)
+    # (x/length)^2 at which h'' is negative, None where it never is
     squared_ratio_at_fall = place_of_fall(k * (2 * k - 1) * coefficients_of_squares)
     if squared_ratio_at_fall is not None:
         raise _bends_down_error(length * math.sqrt(squared_ratio_at_fall))
+    # of all powers of x/length, the even ones being c_k
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
     coefficients_of_powers[2::2] = coefficients_of_squares
     height = Polynomial(coefficients_of_powers, domain=[-length, length])
@@ -269,7 +278,8 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     it bends down somewhere within its extent.
 
     h'' is evaluated at a thousand places, denser towards the middle. Corners of the slope become
-    knots of the curve.
+    knots of the curve. The profile is defined for |x| up to its `extent`; its `exponent` is the
+    power of x that the slope follows next to the middle.
     """
     least_distance = profile.extent * 1e-15
 
@@ -281,13 +291,15 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         )  # `curvature_times_x` is x h''
 
     sample_places = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
-    sample_values = second_derivative(sample_places)
-    falling_places = sample_places[sample_values < -1e-7 * np.max(sample_values)]
+    sampled_curvatures = second_derivative(sample_places)
+    # where h'' is below 0 by more than 1e-7 of the largest
+    falling_places = sample_places[sampled_curvatures < -1e-7 * np.max(sampled_curvatures)]
     if len(falling_places):
         raise _bends_down_error(float(falling_places[0]))
-    corners = np.array(_corners(profile))
+    # distances at which h'' jumps
+    corner_places = np.array(_corners(profile))
     return CurvedProfile(
-        knots=np.unique(np.concatenate([-corners, [0.0], corners])),
+        knots=np.unique(np.concatenate([-corner_places, [0.0], corner_places])),
         typical_half_length=profile.extent / 4,
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
@@ -338,7 +350,7 @@ def edge_advance_function(
     load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf
 ) -> Function:
     """The inverse d(P) of a rising contact law P(d), to round-off: advance d of the contact edge
-    from the load.
+    beyond the half-width without load, from the load. The function takes and returns arrays.
 
     Newton's method between the logarithms of both, started from a tabulated cubic through P and
     dP/dd.
@@ -369,8 +381,8 @@ def edge_advance_function(
         """Advance d of the contact edge under each of the `loads` [length], 0 where a load is not
         positive.
 
-        Newton's rule in logarithms of load and d. Where a step leaves the bracket [least_d,
-        largest_d] the bracket is halved instead.
+        Newton's rule in logarithms of load and d, from a first guess and its bounds by a table.
+        Where a step leaves the bracket [least_d, largest_d] the bracket is halved instead.
         """
         positive_loads = np.where(loads > 0, loads, 1.0)
         d, least_d, largest_d = table().first_guess(np.log(positive_loads))
@@ -406,16 +418,20 @@ class _LogTable(NamedTuple):
         """First guess of d(P), the inverse of the contact law, at loads P given by their logarithm,
         and bounds of d from below and above; (n,) each [length].
 
-        Inside the table the guess is a cubic of ln d over ln P, and the bounds are the d of the
-        rows beside it. Beyond its ends d is a power of the load.
+        Inside the table, whose rows are `log_load` ln P and `edge_advance` d, the guess is a cubic
+        of ln d over ln P, and the bounds are the d of the rows beside it. Beyond its ends d is a
+        power of the load, by the slope of the first or last row; the bounds are half and twice the
+        guess.
         """
         # ln P minus that of the first row or the last row of the table, 0 between them
-        log_below = np.minimum(log_load - self.log_load[0], 0.0)
-        log_above = np.maximum(log_load - self.log_load[-1], 0.0)
-        log_d_in_table = self.cubic(log_load - log_below - log_above)
-        d = np.exp(log_d_in_table + self.slope[0] * log_below + self.slope[-1] * log_above)
+        log_below_table = np.minimum(log_load - self.log_load[0], 0.0)
+        log_above_table = np.maximum(log_load - self.log_load[-1], 0.0)
+        log_d_in_table = self.cubic(log_load - log_below_table - log_above_table)
+        d = np.exp(
+            log_d_in_table + self.slope[0] * log_below_table + self.slope[-1] * log_above_table
+        )
         row_below = np.searchsorted(self.log_load[1:-1], log_load)
-        is_in_table = log_below == log_above
+        is_in_table = log_below_table == log_above_table
         least_d = np.where(is_in_table, self.edge_advance[row_below], d / 2)
         largest_d = np.where(is_in_table, self.edge_advance[row_below + 1], d * 2)
         return d, least_d, largest_d
@@ -434,7 +450,7 @@ def _log_table(
     Parameters
     ----------
     unit
-        a d of the expected size; the table covers so many decades below and above it [length]
+        a d of the expected size; the table covers 22 decades below and 15 above it [length]
     corner
         a d at which the law is not smooth; it is a row of the table [length]
     extent
@@ -447,22 +463,24 @@ def _log_table(
     d = np.unique(d[(d > 0) & np.isfinite(d)])
     with np.errstate(all="ignore"):
         loads = load(d)
+        # rows whose load neither vanishes nor overflows, each load once
         usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
-        log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
-        d = d[usable_numbers[first_numbers]]
+        log_loads, number_of_first = np.unique(np.log(loads[usable_numbers]), return_index=True)
+        d = d[usable_numbers[number_of_first]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
-        first_rising = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
-        d = d[first_rising:]
-        log_loads = log_loads[first_rising:]
-        log_slopes = np.exp(log_loads) / (d * stiffness(d))
+        first_rising_row = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
+        d = d[first_rising_row:]
+        log_loads = log_loads[first_rising_row:]
+        # d ln d/d ln P of the law, and between neighbouring rows
+        slopes_of_log_d = np.exp(log_loads) / (d * stiffness(d))
         chord_slopes = np.diff(np.log(d)) / np.diff(log_loads)
     # As long as no slope is more than three times that of a chord beside it the cubic rises.
     least_chord_slopes = np.minimum(
         np.append(chord_slopes, np.inf), np.append(np.inf, chord_slopes)
     )
-    log_slopes = np.fmin(log_slopes, 3 * least_chord_slopes)
-    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), log_slopes)
-    return _LogTable(log_loads, d, cubic, log_slopes)
+    slopes_of_log_d = np.fmin(slopes_of_log_d, 3 * least_chord_slopes)
+    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), slopes_of_log_d)
+    return _LogTable(log_loads, d, cubic, slopes_of_log_d)
 
 
 # --- power laws and their sums
@@ -488,7 +506,8 @@ def abel_load_factor(exponent: float) -> float:
 
 def law_of_power(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
     """Contact law of h = rise (|x|/length)^n, n = `exponent` >= 1 real: P = K (a/length)^n, K = E*
-    n rise abel_load_factor(n), E* = `modulus`.
+    n rise abel_load_factor(n), E* = `modulus`. `rise` is the height at |x| = `length`, a the
+    contact half-width; `abel_load_factor(n)` is the integral of sin(theta)^n from 0 to pi/2.
 
     >>> law = law_of_power(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
@@ -505,7 +524,9 @@ def law_of_power(modulus: float, exponent: float, length: float, rise: float) ->
 
 def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
     """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), k from 1, c_k = `rises`
-    [length]: P is the sum of the loads that each power alone would carry. `modulus` is E*.
+    [length]: P is the sum of the loads that each power alone would carry. `modulus` is E*, a the
+    contact half-width; for a = length they are E* n c_k times the integral of sin(theta)^n from 0
+    to pi/2, n = 2 k.
 
     Raises
     ------
@@ -519,10 +540,12 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
     1.0
     """
     k = np.arange(1.0, len(rises) + 1)
+    # at a = length
     loads_of_terms = (
         modulus * 2 * k * np.array(rises) * np.array([abel_load_factor(2 * power) for power in k])
     )
     # dP/da over a is a polynomial in a^2.
+    # (a/length)^2 at which dP/da is negative, None where it never is
     squared_ratio_at_fall = place_of_fall(loads_of_terms * k)
     if squared_ratio_at_fall is not None:
         half_width = length * float(np.sqrt(squared_ratio_at_fall))
@@ -530,7 +553,7 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
             f"profile: the contact would split near a half-width of {half_width:.6g}; half-plane"
             " theory here needs one contact"
         )
-    first_term = int(np.flatnonzero(loads_of_terms > 0)[0])
+    first_rising_term = int(np.flatnonzero(loads_of_terms > 0)[0])
 
     def load(a: Array) -> Array:
         squared_ratio = np.square(a / length)
@@ -542,12 +565,14 @@ def law_of_even_polynomial(modulus: float, length: float, rises: tuple[float, ..
             2 * ratio / length * polynomial.polyval(ratio * ratio, loads_of_terms * k)
         )
 
+    # then P may hardly grow somewhere
     has_several_terms = sum(rise != 0 for rise in rises) > 1
+    # `edge_advance_function` inverts P(a); P goes as a^power for small a
     return ContactLaw(
         load,
         edge_advance_function(load, stiffness, length),
         stiffness,
-        power=2.0 * (first_term + 1),
+        power=2.0 * (first_rising_term + 1),
         half_width_may_be_steep=has_several_terms,
     )
 
@@ -562,22 +587,24 @@ _SERIES_OF_LOAD_FUNCTION = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBE
 
 
 def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
-    """F(tau) = (1 + tau^2) arctan(tau) - tau to full relative accuracy: the load of a flat face
-    with rounded edges, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
+    """F(tau) = (1 + tau^2) arctan(tau) - tau to full relative accuracy: the load of a flat face of
+    half-length b with edges of radius R, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
 
-    For small tau, where the closed form loses digits, by the series 2 tau^3/3 - 2 tau^5/15 + ...
+    a is the contact half-width, E* the composite modulus. For tau below 0.3, where the closed form
+    loses digits, by the series 2 tau^3/3 - 2 tau^5/15 + ...
 
     >>> round(float(flat_and_rounded_load_function(1.0)), 12)  # pi/2 - 1
     0.570796326795
     """
-    t = np.asarray(tau, dtype=float)
-    closed_form = (1 + t * t) * np.arctan(t) - t
-    is_shallow = t < _SHALLOW_TAU
+    taus = np.asarray(tau, dtype=float)
+    closed_form = (1 + taus * taus) * np.arctan(taus) - taus
+    is_shallow = taus < _SHALLOW_TAU
     if not np.any(is_shallow):
         return closed_form
-    shallow_tau = np.minimum(t, _SHALLOW_TAU)
+    shallow_tau = np.minimum(taus, _SHALLOW_TAU)
     squared_tau = shallow_tau * shallow_tau
-    series_value = np.full(np.shape(t), _SERIES_OF_LOAD_FUNCTION[-1])
+    # Horner's rule, from the last of sixteen coefficients
+    series_value = np.full(np.shape(taus), _SERIES_OF_LOAD_FUNCTION[-1])
     for coefficient in _SERIES_OF_LOAD_FUNCTION[-2::-1].tolist():
         series_value = series_value * squared_tau + coefficient
     return np.where(is_shallow, series_value * shallow_tau * squared_tau, closed_form)
@@ -589,7 +616,9 @@ def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: flo
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
-    F is `flat_and_rounded_load_function`; tau is tan(angle) where that paper has cos(angle) = b/a.
+    F(tau) = (1 + tau^2) arctan(tau) - tau is `flat_and_rounded_load_function`; the functions of the
+    law take the advance d = a - b of the edge; tau is tan(angle) where that paper has
+    cos(angle) = b/a.
 
     >>> law = law_of_flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
     >>> round(float(law.load(np.sqrt(2.0) - 1)), 12)  # tau = 1
@@ -619,9 +648,10 @@ def law_of_two_curvatures(
     modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
 ) -> ContactLaw:
     """Contact law P(a) of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2
-    beyond; R2 infinite makes a wedge with a rounded tip. `modulus` is E*.
+    beyond; R2 infinite makes a wedge with a rounded tip. `modulus` is E*, a the contact half-width.
 
-    Hertz up to a = b, then with t = sqrt(a^2 - b^2) and F of `flat_and_rounded_load_function`
+    Hertz up to a = b, then with t = sqrt(a^2 - b^2) and `flat_and_rounded_load_function`
+    F(tau) = (1 + tau^2) arctan(tau) - tau
 
         P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),
         dP/da = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]
@@ -690,7 +720,9 @@ class _TableSeries:
     def load_or_stiffness_at(
         self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers
     ) -> Array:
-        """P or dP/da, that of the given series, at u on the intervals with these numbers."""
+        """P or dP/da, that of the given series, at u on the intervals with these numbers.
+        `begin_roots` and `end_roots` (n,) are their ends in u = sqrt(a - knot).
+        """
         begin_root = self.begin_roots[interval_number]
         end_root = self.end_roots[interval_number]
         place_in_interval = (2 * u - begin_root - end_root) / (end_root - begin_root)
@@ -698,17 +730,20 @@ class _TableSeries:
 
     def sample_half_widths(self) -> Array:
         """Half-widths at the nodes and both ends of every interval, (n, nodes) [length], at which
-        dP/da is tested: where it falls behind a knot it is least at the next one.
+        dP/da is tested: where it falls behind a knot it is least at the next one. An interval is a
+        range of u = sqrt(a - knot) from `begin_roots` to `end_roots`; CHEBYSHEV_NODES are those of
+        [-1, 1].
         """
         nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
-        root_length = (self.end_roots - self.begin_roots)[:, None]
-        u = self.begin_roots[:, None] + root_length * (1 + nodes_and_ends) / 2
+        range_of_u = (self.end_roots - self.begin_roots)[:, None]
+        u = self.begin_roots[:, None] + range_of_u * (1 + nodes_and_ends) / 2
         return np.asarray(self.knots[:, None] + np.square(u))
 
 
 def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
-    constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*.
+    constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*, a
+    the contact half-width, kappa_j the curvature behind b_j.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -729,22 +764,28 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     ... )  # 25 a^2
     9.0
     """
+    # heights, slopes and curvatures behind each row, for x >= 0
     spline = profile.spline()
+    # a flat before it, if any, is the half-width without load
     first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
     knots = spline.x[first_knot:]
     scaled_curvatures = modulus * spline.curvature[first_knot:]  # E* h'' behind each knot
     least_half_width = float(knots[0])
     extent = float(knots[-1])
-    # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these.
+    # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these scaled
+    # curvatures.
     law_to_second_knot = (
         law_of_flat_and_rounded(scaled_curvatures[0], 1.0, least_half_width)
         if least_half_width > 0
         else law_of_power(scaled_curvatures[0], 2.0, 1.0, 0.5)
     )
+
+    # P and dP/da as functions of the advance d = a - a_0 of the edge
     law = _TableLaw(
         law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
     )
     largest_load = float(law.load(np.array(extent - least_half_width)))
+    # d as a function of the load
     advance_under_load = law_to_second_knot.edge_advance
     if law.has_series:
         corner_advance = float(knots[1]) - least_half_width
@@ -762,6 +803,7 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         return np.asarray(advance_under_load(loads))
 
     if law.has_series:
+        # where dP/da may be least
         half_widths = law.table_series.sample_half_widths()
         stiffness = law.stiffness(half_widths - least_half_width)
         # Round-off may leave that much below 0 where the profile is straight.
@@ -769,6 +811,7 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         if np.any(is_negative):
             raise _contact_splits_error(profile, float(np.min(half_widths[is_negative])))
     inner_knots = tuple(knots[1:-1].tolist())
+    # inner knots: corners of the law, at which dP/da is not smooth
     return ContactLaw(
         law.load, edge_advance, law.stiffness, least_half_width, inner_knots, extent=extent
     )
@@ -810,12 +853,14 @@ class _TableLaw(NamedTuple):
     def _load_or_stiffness(
         self, d: Array, series_behind: SeriesAsPowers, closed_form_before: Callable[[Array], Array]
     ) -> Array:
-        """P or dP/da at advances d of the edge of contact beyond the half-width without load.
+        """P or dP/da at advances d of the edge of contact beyond `least_half_width`, the half-width
+        without load.
 
         Parameters
         ----------
         series_behind
-            the series of P or of dP/da, for half-widths behind the second knot
+            the series of P or of dP/da, for half-widths behind the second knot; without a third
+            knot `has_series` is False
         closed_form_before
             closed form of it in d, for half-widths before that knot
         """
@@ -823,18 +868,20 @@ class _TableLaw(NamedTuple):
         if not self.has_series:
             return closed_form_before(d)
         half_widths = d + self.least_half_width
+        # intervals of half-width behind the knots, each with a series in u = sqrt(a - knot); -1
+        # before the second knot
         interval_number = (
             np.searchsorted(table_series.begin_half_widths, half_widths, side="right") - 1
         )
         distance_from_knot = np.maximum(half_widths - table_series.knots[interval_number], 0.0)
-        values = table_series.load_or_stiffness_at(
+        load_or_stiffness = table_series.load_or_stiffness_at(
             np.maximum(interval_number, 0), np.sqrt(distance_from_knot), series_behind
         )
         is_before_second_knot = interval_number < 0
         if np.any(is_before_second_knot):
             # of d itself, which keeps its digits beside a flat
-            values[is_before_second_knot] = closed_form_before(d[is_before_second_knot])
-        return values
+            load_or_stiffness[is_before_second_knot] = closed_form_before(d[is_before_second_knot])
+        return load_or_stiffness
 
 
 class _RootInterval(NamedTuple):
@@ -873,19 +920,23 @@ def _root_intervals(knots: Array) -> list[_RootInterval]:
     which one Chebyshev series can serve for P(a), a the contact half-width.
 
     P is smooth in u. But the knot before leaves a singularity below, at u^2 = -(its distance). So a
-    first interval as long as the root of that distance is followed by octaves. `knots` (k,) are
-    half-widths at which the curvature of the profile jumps.
+    first interval as long as the root of that distance is followed by intervals that double u.
+    `knots` (k,) are half-widths at which the curvature of the profile jumps.
     """
     intervals: list[_RootInterval] = []
     for knot_before, knot, next_knot in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
-        last_root = (next_knot - knot) ** 0.5
-        first_root = (knot - knot_before) ** 0.5
-        octaves = range(math.ceil(math.log2(last_root / first_root)))
-        interval_ends = [0.0, *(first_root * 2.0**k for k in octaves), last_root]
+        root_of_distance_behind = (next_knot - knot) ** 0.5
+        root_of_distance_before = (knot - knot_before) ** 0.5
+        doublings = range(math.ceil(math.log2(root_of_distance_behind / root_of_distance_before)))
+        interval_ends = [
+            0.0,
+            *(root_of_distance_before * 2.0**k for k in doublings),
+            root_of_distance_behind,
+        ]
         # A last interval that would be a small part of the one before is joined to it.
-        if len(interval_ends) > 2 and last_root - interval_ends[-2] < 0.1 * (
+        if len(interval_ends) > 2 and root_of_distance_behind - interval_ends[-2] < 0.1 * (
             interval_ends[-2] - interval_ends[-3]
         ):
             del interval_ends[-2]
@@ -919,19 +970,22 @@ class _KnotSums(NamedTuple):
             P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
             dP/da = a sum of jump arccos(b/a)
 
-        b are the knots, jump those of E* h''. a = `half_width` is also `origin` + `distance`, so
-        that a - b is known without cancellation; all three have a last axis of length 1.
+        b are the `knots`, jump (`jumps`) those of E* h'', the scaled curvature of the profile.
+        a = `half_width` is also `origin` + `distance`, so that a - b is known without cancellation;
+        all three have a last axis of length 1.
         """
         b = self.knots[knot_numbers]
         distance_from_knots = np.maximum((origin - b) + distance, 0.0)
         # sqrt(a^2 - b^2)
         root_of_squares = np.sqrt(distance_from_knots * (half_width + b))
-        angle = np.where(distance_from_knots > 0, np.arctan2(root_of_squares, b), 0.0)
+        arccos_of_ratio = np.where(distance_from_knots > 0, np.arctan2(root_of_squares, b), 0.0)
         twice_load_per_jump = np.where(
-            distance_from_knots > 0, half_width * half_width * angle - b * root_of_squares, 0.0
+            distance_from_knots > 0,
+            half_width * half_width * arccos_of_ratio - b * root_of_squares,
+            0.0,
         )
         load = twice_load_per_jump @ self.jumps[knot_numbers] / 2
-        stiffness_over_width = angle @ self.jumps[knot_numbers]
+        stiffness_over_width = arccos_of_ratio @ self.jumps[knot_numbers]
         return np.stack([load, stiffness_over_width], axis=-1)
 
     def with_far_knots(
@@ -941,21 +995,25 @@ class _KnotSums(NamedTuple):
         half-width than the range of its half-widths is long.
 
         Sums over these knots are smooth on the range, and one Chebyshev series holds them. The
-        group still has the series of the `wider_group` it was a half of, over fewer knots.
-        `half_width_range` is the least and the largest half-width of the group itself.
+        group still has the series of the `wider_group` it was a half of, over fewer knots, from the
+        first one on. `half_width_range` is the least and the largest half-width of the group
+        itself.
         """
         least_half_width, largest_half_width = half_width_range
         half_widths = (
             least_half_width + (largest_half_width - least_half_width) * (1 + CHEBYSHEV_NODES) / 2
         )
+        # knots below the least half-width by more than the length of the range
         n_knots_far_below = int(
             np.searchsorted(self.knots, 2 * least_half_width - largest_half_width)
         )
         n_far_knots = max(n_knots_far_below, wider_group.n_far_knots)
         wider_least, wider_largest = wider_group.half_width_range
         place_in_wider_range = (half_widths - wider_least) * (2 / (wider_largest - wider_least)) - 1
+        # P and dP/da/a of the far knots of the wider group, at the nodes, (nodes, 2)
         far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
         half_width_column = half_widths[:, None]
+        # those of the knots that are newly far
         far_sums = far_sums + self.sums_over_knots(
             half_width_column,
             half_width_column,
@@ -980,19 +1038,23 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     scaled_curvatures
         (k,) E* h'' behind each knot [stress/length]
     """
+    # ranges of u = sqrt(a - knot)
     intervals = _root_intervals(knots)
     knot_of_interval = np.array([interval.knot for interval in intervals])
     begin_roots = np.array([interval.begin_root for interval in intervals])
     end_roots = np.array([interval.end_root for interval in intervals])
-    # The ends too: loads there are where intervals begin and end.
+    # Chebyshev nodes and both ends of every interval, as values of u.
     nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
     roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
     distances = np.square(roots)
+    # P and dP/da/a as sums over the knots, each a flat punch with rounded edges
     sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
+    # at all half-widths knot + u^2, (intervals, nodes and ends) each
     load, stiffness_over_width = np.moveaxis(
         _sums_over_all_knots(sums, knot_of_interval, distances), -1, 0
     )
     stiffness = stiffness_over_width * (knot_of_interval[:, None] + distances)
+    # series without the ends
     return _TableSeries(
         knot_of_interval,
         begin_roots,
@@ -1036,18 +1098,20 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
             )
         )
     while groups:
-        # its series is that of the wider group of which it was a half
-        group_to_sum = groups.pop()
+        # its series is that of the wider group of which it was a half: add the knots that are far
+        # from it
+        group_to_refine = groups.pop()
         half_width_range = (
-            half_widths[group_to_sum.first, 0],
-            half_widths[group_to_sum.stop - 1, -1],
+            half_widths[group_to_refine.first, 0],
+            half_widths[group_to_refine.stop - 1, -1],
         )
-        group = knot_sums.with_far_knots(group_to_sum, half_width_range)
+        group = knot_sums.with_far_knots(group_to_refine, half_width_range)
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
             middle = (group.first + group.stop) // 2
             groups.append(group._replace(stop=middle))
             groups.append(group._replace(first=middle))
             continue
+        # a group of 32 intervals at most: far knots by their series, near ones one by one
         intervals = slice(group.first, group.stop)
         least_half_width, largest_half_width = half_width_range
         range_length = largest_half_width - least_half_width
@@ -1066,7 +1130,8 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
 
 def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
     """The error for a table of heights under which the contact would split near a `half_width`; its
-    message has the row, the cause and what to do.
+    message has the row, the cause and what to do. `row_before` numbers the rows from 0;
+    `step_of_heights` is the step in which h is written, None where h has digits enough.
 
     Heights that are rounded to few digits rise by equal steps: with those no engine can do
     anything, and the error is a ProfileDataError.
@@ -1124,10 +1189,13 @@ class _SeriesBehindCorner:
         return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
     def load_or_stiffness_at(self, u: Array, derivative_order: int) -> Array:
-        """P (order 0) or dP/da (1) at u; below the least u that has a series as a power of u."""
-        pieces = (self.load, self.stiffness)[derivative_order]
-        first_u = float(pieces.edges[0])
-        values_of_series = pieces(np.maximum(u, first_u))
+        """P (order 0) or dP/da (1) at u; below the least u that has a series as a power of u. u is
+        the distance of the half-width from the corner or, if `is_in_root`, its root.
+        """
+        # the piecewise Chebyshev series, from `edges[0]` on
+        piecewise_series = (self.load, self.stiffness)[derivative_order]
+        first_u = float(piecewise_series.edges[0])
+        values_of_series = piecewise_series(np.maximum(u, first_u))
         if first_u == 0:
             return values_of_series
         # of dP/da of a sharp wedge 0, to round-off
@@ -1137,7 +1205,8 @@ class _SeriesBehindCorner:
 
 def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     """Contact law P(a) of a profile whose slope h'(x) is a Python function: P and dP/da by
-    quadrature, kept as piecewise Chebyshev series. `modulus` is E*.
+    quadrature, kept as piecewise Chebyshev series. `modulus` is E*, a the contact half-width; h is
+    defined up to x = `extent`.
 
     Raises
     ------
@@ -1153,12 +1222,15 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
     1.0
     """
-    corners = _corners(profile)
-    least_half_width = _flat_half_length(profile, corners)
-    corners_beyond = [b for b in corners if least_half_width < b < profile.extent]
-    begins = [least_half_width, *corners_beyond]
-    half_width_ranges = list(pairwise([*begins, profile.extent]))
-    corners_descending = tuple(reversed(begins if least_half_width else corners_beyond))
+    # distances at which h'' jumps, and the half-length of a flat
+    jump_distances = _corners(profile)
+    least_half_width = _flat_half_length(profile, jump_distances)
+    corners_beyond = [b for b in jump_distances if least_half_width < b < profile.extent]
+    first_half_widths = [least_half_width, *corners_beyond]
+    half_width_ranges = list(pairwise([*first_half_widths, profile.extent]))
+    corners_descending = tuple(reversed(first_half_widths if least_half_width else corners_beyond))
+
+    # P and dP/da by series, between two jumps of h'' each
     series_of_ranges = [
         _series_behind_corner(modulus, profile, begin, end, corners_descending)
         for begin, end in half_width_ranges
@@ -1166,9 +1238,11 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     last_load = series_of_ranges[-1].load
     largest_load = float(last_load(last_load.edges[-1]))
 
+    # P and dP/da as functions of the advance d = a - a_0 of the edge
     load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
     load = partial(load_or_stiffness, derivative_order=0)
     stiffness = partial(load_or_stiffness, derivative_order=1)
+    # d as a function of the load
     advance_under_load = edge_advance_function(
         load, stiffness, profile.extent, extent=profile.extent - least_half_width
     )
@@ -1182,6 +1256,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
             )
         return advance_under_load(loads)
 
+    # dP/da < 0 somewhere: the contact would split there
     sample_half_widths = np.unique(
         np.concatenate([np.linspace(begin, end, 200) for begin, end in half_width_ranges])
     )
@@ -1201,7 +1276,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         power=series_of_ranges[0].power if not least_half_width else 2.0,
         extent=profile.extent,
         half_width_may_be_steep=True,
-        # A derivative was taken of h', and two of h.
+        # A derivative was taken of h', and two of h: the rounding of dP/da.
         relative_roundoff=max(1e-11, profile.relative_load_errors.stiffness),
     )
 
@@ -1215,20 +1290,23 @@ def _load_or_stiffness(
     """P (order 0) or dP/da (order 1) of a contact whose edge is d beyond the half-width without
     load, `least_half_width`; an array like d.
 
-    Each range of half-widths between two corners of the profile has series of both; ranges ascend.
+    Each range of half-widths between two corners of the profile has series of both in u, the
+    distance from its begin or, if `is_in_root`, the root of it; ranges ascend.
     """
     half_width = least_half_width + d
-    values = np.zeros(d.shape)
-    begins = [range_series.begin_half_width for range_series in series_of_ranges]
-    range_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
-    for k, range_series in enumerate(series_of_ranges):
-        is_in_range = range_number == k
+    load_or_stiffness = np.zeros(d.shape)
+    first_half_widths = [range_series.begin_half_width for range_series in series_of_ranges]
+    range_number = np.maximum(np.searchsorted(first_half_widths, half_width, side="right") - 1, 0)
+    for series_number, range_series in enumerate(series_of_ranges):
+        is_in_range = range_number == series_number
         if np.any(is_in_range):
             # d itself has more digits beside a flat.
-            distance = (d if k == 0 else half_width - range_series.begin_half_width)[is_in_range]
+            distance = (d if series_number == 0 else half_width - range_series.begin_half_width)[
+                is_in_range
+            ]
             u = np.sqrt(distance) if range_series.is_in_root else distance
-            values[is_in_range] = range_series.load_or_stiffness_at(u, derivative_order)
-    return values
+            load_or_stiffness[is_in_range] = range_series.load_or_stiffness_at(u, derivative_order)
+    return load_or_stiffness
 
 
 def _series_behind_corner(
@@ -1237,8 +1315,9 @@ def _series_behind_corner(
     """Chebyshev series of P and dP/da for contact half-widths between two corners of a profile,
     begin < a < end, by quadrature of its slope.
 
-    The series run in u = a - begin, or in u = sqrt(a - begin) behind a corner, where P is smooth in
-    the root only. u is first cut into octaves, which are then halved until the series are resolved.
+    a is the contact half-width. The series run in u = a - begin, or in u = sqrt(a - begin) behind a
+    corner, where P is smooth in the root only. u is first cut into octaves, 54 at most, which are
+    then halved until the series are resolved.
 
     Parameters
     ----------
@@ -1256,6 +1335,7 @@ def _series_behind_corner(
     """
     is_in_root = begin > 0
     largest_u = np.sqrt(end - begin) if is_in_root else end - begin
+    # each twice the one before
     interval_ends = largest_u * 0.5 ** np.arange(_OCTAVE_COUNT - 1, -1.0, -1.0)
     if is_in_root and profile.slope(np.array(begin)) > 0:
         # P and dP/da are positive at a corner inside the contact: a few octaves resolve them.
@@ -1272,6 +1352,8 @@ def _series_behind_corner(
     # the end. From the middle on each octave is compared with its own. What the values of a height
     # leave uncertain is no more than noise either.
     places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
+    # relative errors of P and dP/da that are negligible; `relative_load_errors` come from the
+    # round-off of a height function
     negligible_shares = (
         max(_NEGLIGIBLE_LOAD_SHARE, profile.relative_load_errors.load),
         max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),
@@ -1325,6 +1407,7 @@ def _abel_integral(
         distance_to_corner = np.maximum(distance + (begin - b), 0.0)
         root_of_squares = np.sqrt(distance_to_corner * (half_width + b))
         angles_of_corners.append(np.arctan2(root_of_squares, b))
+    # quadrature over the angle, split at the corners, (..., panels, nodes)
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
     complement_of_angle = np.where(
@@ -1347,13 +1430,18 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
     is none.
 
     A flat ends at one of the `corners` of the slope, ascending, within which the slope is 0. Slopes
-    that fall towards 0 without a corner are not flat.
+    that fall towards 0 without a corner are not flat. `profile.corners` are the places at which
+    pieces of its slope meet, `extent` is where it ends.
     """
-    sample_places = np.array([*profile.corners, profile.extent])
-    largest_slope = np.max(profile.slope(sample_places))
-    has_no_slope_within = profile.slope(sample_places * 0.999) <= 1e-15 * float(largest_slope)
-    flat_places = sample_places[has_no_slope_within]
-    corners_of_flat = [b for b in corners if len(flat_places) and b <= flat_places[-1] * (1 + 1e-9)]
+    corner_places_and_end = np.array([*profile.corners, profile.extent])
+    largest_slope = np.max(profile.slope(corner_places_and_end))
+    has_no_slope_within = profile.slope(corner_places_and_end * 0.999) <= 1e-15 * float(
+        largest_slope
+    )
+    places_behind_flat = corner_places_and_end[has_no_slope_within]
+    corners_of_flat = [
+        b for b in corners if len(places_behind_flat) and b <= places_behind_flat[-1] * (1 + 1e-9)
+    ]
     if not corners_of_flat:
         return 0.0
     last_corner = corners_of_flat[-1]
@@ -1363,18 +1451,19 @@ def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> f
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:
     """Distances b at which the curvature h'' of a profile jumps, ascending [length]: x h'' a little
-    on either side differs by more than a millionth.
+    on either side differs by more than a millionth. `profile.corners` are the places at which
+    pieces of its slope meet.
     """
-    corners = []
+    jump_distances = []
     for b in profile.corners:
         # `curvature_times_x` is x h''
         bend_before, bend_behind = profile.curvature_times_x(
             np.array([b * (1 - 1e-9), b * (1 + 1e-9)])
         )
-        size = abs(bend_before) + abs(bend_behind) + float(profile.slope(np.array(b)))
-        if abs(bend_before - bend_behind) > 1e-6 * size + 1e-300:
-            corners.append(b)
-    return tuple(corners)
+        size_of_bend = abs(bend_before) + abs(bend_behind) + float(profile.slope(np.array(b)))
+        if abs(bend_before - bend_behind) > 1e-6 * size_of_bend + 1e-300:
+            jump_distances.append(b)
+    return tuple(jump_distances)
 
 
 _KINDS: dict[type, _Kind] = {

@@ -1338,7 +1338,8 @@ class LogHalfWidth:
         n_octaves = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
         octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-n_octaves, 0)
         # Chebyshev series, halved until they are resolved; `edges` are their ends along the
-        # coordinate. The factor says how much coarser than round-off P(a) is.
+        # coordinate. The last argument is the size of values beside which errors are negligible: 1,
+        # or more where P(a) is not exact to round-off.
         series = piecewise_series_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
