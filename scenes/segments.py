@@ -41,11 +41,12 @@ Waves = tuple[tuple[float, float], ...]
 WaveTerms = tuple[tuple[complex, int], ...]
 
 LEAST_LOAD_CHANGE = 1e-290
-"""Changes of load below it are none: their inverse, and soon the numbers themselves, are not known
-to rounding any more.
+"""Changes of load below it count as none: their inverse overflows, and smaller numbers lose digits.
 """
 
+# Of the largest coefficient of a series: smaller ones are round-off.
 _ROUND_OFF_SHARE = 1e-14
+# Of a time: smaller differences are round-off.
 _ROUND_OFF_SHARE_OF_TIME = 4.5e-16
 # Of the largest sum of a series: what rounding of its coefficients leaves of a load that starts
 # from 0.
@@ -95,9 +96,18 @@ class Ellipse(NamedTuple):
         """Time [rad] at which a combination c_P P + c_Q Q of the loads on this ellipse is largest,
         as it is again every 2 pi later.
 
-        The combination is a constant plus the real part of F exp(i (t - origin)), F the sum of the
-        phasors of P and Q. It is largest where t - origin is minus the phase of F.
+        The ellipse is P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase_radians), and
+        its `amplitude` is (P1, Q1). The combination is a constant plus the real part of F exp(i (t
+        - origin)), F the sum of the phasors of c_P P and c_Q Q. It is largest where t - origin is
+        minus the phase of F.
 
+        Parameters
+        ----------
+        combination
+            (c_P, c_Q), under the names `normal` and `tangential`
+
+        Examples
+        --------
         >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).time_of_largest(
         ...     TANGENTIAL_LOAD
         ... ) == math.pi / 2
@@ -205,20 +215,29 @@ class LoadSegment(abc.ABC):
         self, combination: Combination, amount: ArrayLike, begin: float, end: float
     ) -> Array:
         """Time, in the shape of `amount`, at which a combination c_P P + c_Q Q of the loads has
-        changed by `amount` since `begin`: the inverse function of `change_of`.
+        changed by `amount` since `begin`: the inverse function of its change over time.
 
-        Between `begin` and `end` the combination must be monotonic. An amount of the other sign
-        gives `begin`, one beyond the change up to `end` gives `end`. `begin` may be the later time:
-        the result has most digits near it.
+        Between `begin` and `end` the combination must be monotonic. An amount of the opposite sign
+        to its change gives `begin`, one beyond the change up to `end` gives `end`. `begin` may be
+        the later time: the returned time has most digits near it.
+
+        Parameters
+        ----------
+        combination
+            (c_P, c_Q)
+        amount
+            changes of the combination [force per thickness], any shape
+        begin, end
+            two times of the segment
 
         Raises
         ------
         NotFoundError
-            Where Newton's method finds no time, as of loads that are not finite.
+            Where Newton's method does not converge, as for loads that are not finite.
         """
         change = np.asarray(amount, dtype=float)
         total_change = float(self.change_of(combination, end, begin))
-        if abs(total_change) < LEAST_LOAD_CHANGE:
+        if abs(total_change) < LEAST_LOAD_CHANGE:  # below 1e-290: the combination is constant
             return np.full(change.shape, begin)
         change_towards_end = change * math.copysign(1.0, total_change)
         is_before_begin = change_towards_end <= 0
@@ -242,41 +261,48 @@ class LoadSegment(abc.ABC):
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
         since `begin`, by Newton's method safeguarded by bisection.
 
-        Newton's method without a bracket is tried first: it gives None where it does not converge
-        between `begin` and `end`. Then each time has a bracket. It is halved where a Newton step
-        leaves it, or is longer than half the last step. The steps end where round-off keeps the
-        error from falling.
+        Newton's method without a bracket is tried first. Where it fails, each time gets a bracket.
+        A bracket is halved where a Newton step leaves it, or is longer than half the last step. The
+        iteration ends where round-off keeps the error from falling.
 
         Parameters
         ----------
         combination
-            c_P, c_Q of c_P P + c_Q Q
+            (c_P, c_Q) of the combination c_P P + c_Q Q
         wanted_change
-            (n,) amounts between 0 and the total change
+            (n,) amounts between 0 and the total change [force per thickness]
         total_change
             change of the combination from `begin` to `end`
+        begin, end
+            two times of the segment; `begin` may be the later one
 
         Raises
         ------
         NotFoundError
-            Where 4000 steps do not get there.
+            Where 4000 Newton steps or halvings do not converge.
         """
         # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
         times_by_plain_newton = self._times_by_plain_newton(
             combination, wanted_change, begin, end, time
         )
-        if times_by_plain_newton is not None:
+        if times_by_plain_newton is not None:  # None: not converged
             return times_by_plain_newton
+
+        # Errors are signed so that a positive one lies towards the later time.
         direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
         earliest_time = np.full(wanted_change.shape, min(begin, end))
         latest_time = np.full(wanted_change.shape, max(begin, end))
+
+        # For each of the n times: the iterate with the least error so far, and how many steps since
+        # have brought no smaller one.
         best_time = time.copy()
         least_error = np.full(wanted_change.shape, math.inf)
         n_idle_steps = np.zeros(wanted_change.shape, int)
-        is_found = np.zeros(wanted_change.shape, bool)
+        is_converged = np.zeros(wanted_change.shape, bool)
         last_step_length = latest_time - earliest_time
         for _ in range(_MOST_BRACKETED_STEPS):
+            # Change of the combination since `begin`, and its time derivative, at the iterates.
             change_so_far, rate = self._change_and_rate(combination, time, begin)
             signed_error = direction * (change_so_far - wanted_change)
             absolute_error = np.abs(signed_error)
@@ -291,14 +317,18 @@ class LoadSegment(abc.ABC):
             )
             is_round_off = last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.
-            is_found |= (least_error == 0) | has_stalled | is_round_off
-            if is_found.all():
+            is_converged |= (least_error == 0) | has_stalled | is_round_off
+            if is_converged.all():
                 return best_time
+
+            # The bracket shrinks to the side of the error's sign.
             np.copyto(earliest_time, time, where=signed_error < 0)
             np.copyto(latest_time, time, where=signed_error > 0)
-            slope = direction * rate
+            approach_rate = direction * rate
             step = np.full(wanted_change.shape, -math.inf)
-            np.divide(-signed_error, slope, out=step, where=slope > 0)
+            np.divide(-signed_error, approach_rate, out=step, where=approach_rate > 0)
+
+            # Newton's step where it stays in the bracket and converges, else the bracket's middle.
             newton_time = time + step
             takes_newton_time = (
                 (earliest_time <= newton_time)
@@ -306,7 +336,7 @@ class LoadSegment(abc.ABC):
                 & (2 * np.abs(newton_time - time) <= last_step_length)
             )
             next_time = np.where(takes_newton_time, newton_time, (earliest_time + latest_time) / 2)
-            np.copyto(next_time, best_time, where=is_found)
+            np.copyto(next_time, best_time, where=is_converged)
             last_step_length = np.abs(next_time - time)
             time = next_time
         raise NotFoundError(
@@ -318,30 +348,36 @@ class LoadSegment(abc.ABC):
         self, combination: Combination, wanted_change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
-        since `begin`, by Newton's method without a bracket: a third of the cost of `_time_inside`.
-        None where it does not converge to times between `begin` and `end`.
+        since `begin`, by Newton's method without a bracket.
+
+        None where it does not converge within 12 steps to times between `begin` and `end`. It takes
+        a third of the time of Newton's method with brackets.
 
         Newton's method converges quadratically: after a step the error is about step^2 over the
-        distance to the next turning point. That point is at `begin`, at `end` or beyond. The steps
-        end where this error is below the round-off of the time.
+        distance to the next turning point. That point is at `begin`, at `end` or beyond. The
+        iteration ends where this error is below the round-off of the time.
 
         Parameters
         ----------
         combination
-            c_P, c_Q of c_P P + c_Q Q
+            (c_P, c_Q) of the combination c_P P + c_Q Q
         wanted_change
             (n,) amounts between 0 and the change up to `end`
+        begin, end
+            two times of the segment; `begin` may be the later one
         guess
             (n,) first guesses of the times
         """
         time = guess
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             for _ in range(_MOST_PLAIN_STEPS):
+                # Change of the combination since `begin`, and its time derivative.
                 change_so_far, rate = self._change_and_rate(combination, time, begin)
                 step = (wanted_change - change_so_far) / rate
                 time = time + step
                 time_roundoff = _ROUND_OFF_SHARE_OF_TIME * np.abs(time)
                 distance_to_turning_point = np.minimum(np.abs(time - begin), np.abs(end - time))
+                # Step length whose square over the distance leaves an error below round-off.
                 longest_final_step = np.sqrt(
                     time_roundoff
                     * np.maximum(
@@ -374,9 +410,15 @@ class LoadSegment(abc.ABC):
         return None
 
     def shifted(self, delay: float) -> Self:
-        """The same segment, `delay` later."""
+        """This segment of a load path `delay` later: the same loads at times that are larger by
+        `delay`.
+
+        `bulk` (both bulk stresses) and `tilt_and_moment` are segments over the same time, or None;
+        they are delayed too.
+        """
         bulk, tilt_and_moment = (
-            pair and pair.shifted(delay) for pair in (self.bulk, self.tilt_and_moment)
+            companion and companion.shifted(delay)
+            for companion in (self.bulk, self.tilt_and_moment)
         )
         return replace(
             self,
@@ -411,9 +453,14 @@ class StraightSegment(LoadSegment):
         return True
 
     def loads(self, time: ArrayLike) -> Loads:
-        # From the nearer end, so that both ends are met to the last digit.
+        """(P, Q) [force per thickness] at `time`, each in its shape, linear between the segment's
+        two ends: `first_point` (P, Q) at the time `start`, `last_point` (P, Q) at the time `end`.
+
+        Loads are counted from the nearer end, so that both ends are met to the last digit.
+        """
         t = _float_or_array(time)
         near_start = t - self.start <= self.end - t
+        # `_choose` is `numpy.where` for single numbers.
         choose = _choose if isinstance(t, float) else np.where
         time_from_nearer_end = t - choose(near_start, self.start, self.end)
         share_of_segment = time_from_nearer_end / (self.end - self.start)
@@ -427,6 +474,9 @@ class StraightSegment(LoadSegment):
         return self.change_of(combination, np.ones(np.shape(time)), 0.0)
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
+        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, on a
+        straight line between two points (P, Q).
+        """
         share_of_segment = (
             np.asarray(time, dtype=float) - np.asarray(time_before, dtype=float)
         ) / (self.end - self.start)
@@ -483,13 +533,14 @@ class HarmonicSegment(LoadSegment):
 
     @cached_property
     def _fourier_coefficients(self) -> NDArray[np.complex128]:
-        """Complex Fourier coefficients c_k of P and Q, (2, m + 1), k from 0 to m, the highest
-        harmonic whose amplitude is not 0.
+        """Complex Fourier coefficients c_k of P and Q, (2, m + 1): row 0 of P, row 1 of Q, k from 0
+        to m, the highest harmonic whose amplitude is not 0 (m = 1 where none is).
 
-        P minus its mean P0 is the real part of sum c_k exp(i k t), with c_0 = 0 and c_k =
-        P_k exp(-i phi_k); Q likewise.
+        P minus its mean P0 is the real part of sum c_k exp(i k t), with c_0 = 0 and c_k = P_k
+        exp(-i phi_k); Q likewise. `normal` holds (P_k, phi_k), amplitude and phase lag [rad], of k
+        = 1, 2, ..., and `tangential` those of Q.
         """
-        order = max(
+        highest_harmonic = max(
             (
                 k
                 for waves in (self.normal, self.tangential)
@@ -498,10 +549,11 @@ class HarmonicSegment(LoadSegment):
             ),
             default=1,
         )
-        coefficients = np.zeros((2, order + 1), dtype=complex)
+        coefficients = np.zeros((2, highest_harmonic + 1), dtype=complex)
         for row, waves in zip(coefficients, (self.normal, self.tangential), strict=True):
             row[1 : len(waves) + 1] = [
-                amplitude * cmath.exp(-1j * phase_lag) for amplitude, phase_lag in waves[:order]
+                amplitude * cmath.exp(-1j * phase_lag)
+                for amplitude, phase_lag in waves[:highest_harmonic]
             ]
         return coefficients
 
@@ -537,9 +589,15 @@ class HarmonicSegment(LoadSegment):
         return {}
 
     def _find_amplitude_and_lead(self, combination: Combination) -> tuple[float, float]:
-        """`amplitude_and_lead`, not cached yet: amplitude and lead [rad] of the sum of the phasors
-        of c_P P and c_Q Q. The amplitude of one load alone has the sign of its coefficient.
+        """Amplitude and lead [rad] of a combination c_P P + c_Q Q of the loads of an ellipse, which
+        is a constant plus amplitude cos(t + lead).
+
+        They are those of the sum of the phasors of c_P P and c_Q Q. Where one coefficient is 0, the
+        amplitude has the sign of the other one.
+
+        # notation: lag: P = mean + amplitude cos(t - lag), Q likewise
         """
+        # Amplitude and lag [rad] of P, then of Q.
         (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
             self._first_harmonics
         )
@@ -561,11 +619,15 @@ class HarmonicSegment(LoadSegment):
 
     def loads(self, time: ArrayLike) -> Loads:
         """Loads P and Q [force per thickness] at `time` [rad], each in its shape: mean plus sum of
-        harmonics. Where both have one harmonic at most, an ellipse, two cosines do.
+        harmonics.
+
+        Where both loads have one harmonic at most, `ellipse` is not None, and two cosines are
+        enough.
         """
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
             times = _float_or_array(time)
+            # Amplitude and phase lag [rad] of P, then of Q.
             (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
                 self._first_harmonics
             )
@@ -575,6 +637,8 @@ class HarmonicSegment(LoadSegment):
             )
         times = np.atleast_1d(np.asarray(time, dtype=float))
         z = np.exp(1j * times)
+        # Fourier coefficients c_k of P and of Q, from the highest k down to 0, for Horner's scheme
+        # in z.
         normal_terms, tangential_terms = self._horner_terms_of_loads
         normal_load = mean_normal + _wave_sum_at(normal_terms, z, times)
         tangential_load = mean_tangential + _wave_sum_at(tangential_terms, z, times)
@@ -620,24 +684,26 @@ class HarmonicSegment(LoadSegment):
         )
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, without
-        cancellation over short times.
+        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time` [rad],
+        without cancellation over short times.
 
-        Of an ellipse, where each load has one harmonic, the combination is a constant plus
-        amplitude cos(t + lead). Its change is -2 amplitude sin(middle_time + lead) sin(half_step).
-        Of several harmonics see `_change_between`.
+        On an ellipse, where each load has one harmonic, the combination is a constant plus
+        amplitude cos(t + lead). It changes by -2 amplitude sin(middle_time + lead)
+        sin(half_interval).
+        Of several harmonics it is a sum in powers of exp(i t).
         """
         end_time = _float_or_array(time)
         begin_time = _float_or_array(time_before)
-        half_step = (end_time - begin_time) / 2
+        half_interval = (end_time - begin_time) / 2
         if self.ellipse:
             middle_time = (end_time + begin_time) / 2
             amplitude, lead = self.amplitude_and_lead(combination)
-            change: Array = -2 * amplitude * np.sin(middle_time + lead) * np.sin(half_step)
+            change: Array = -2 * amplitude * np.sin(middle_time + lead) * np.sin(half_interval)
             return change
-        half_rotation = np.exp(1j * np.atleast_1d(half_step))
+        # exp(i (t - t_0)/2) and, as the middle argument below, exp(i t_0), t_0 the time before.
+        half_rotation = np.exp(1j * np.atleast_1d(half_interval))
         change = self._change_between(combination, _unit_vector(begin_time), half_rotation)
-        return change.reshape(np.shape(half_step))
+        return change.reshape(np.shape(half_interval))
 
     def _change_between(
         self,
@@ -649,22 +715,27 @@ class HarmonicSegment(LoadSegment):
         cancellation over short times.
 
         But for its mean the combination is the real part of f(z) = sum c_k z^k at z = exp(i t).
-        Horner's scheme gives the quotient (f(z) - f(z_0))/(z - z_0). The change is the
-        real part of its product with z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
+        Horner's scheme gives the quotient (f(z) - f(z_0))/(z - z_0). The change is the real part of
+        its product with z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
 
         Parameters
         ----------
+        combination
+            (c_P, c_Q)
         z_before
             z_0 = exp(i t_0), one number or (n,)
         half_rotation
             (n,) exp(i (t - t_0)/2)
         """
+        # Fourier coefficients c_0 to c_m of the combination.
         coefficients, _ = self._series_of(combination)
         *lower_terms, highest_term = coefficients
         if not lower_terms:
             return np.zeros(half_rotation.shape)
         z_middle = half_rotation * z_before  # exp(i (t + t_0)/2)
         z = half_rotation * z_middle
+
+        # Horner's scheme from the highest harmonic down: `sum_before` is the partial sum at z_0.
         quotient: Any = highest_term
         sum_before: Any = highest_term * z_before + lower_terms[-1]
         for coefficient in reversed(lower_terms[:-1]):
@@ -676,6 +747,9 @@ class HarmonicSegment(LoadSegment):
     def _change_and_rate(
         self, combination: Combination, time: Array, time_before: float
     ) -> tuple[Array, Array]:
+        """Change of a combination c_P P + c_Q Q of the loads since `time_before`, and its rate by
+        time, at `time` (n,) [rad]: (n,) each.
+        """
         if self.ellipse:
             return super()._change_and_rate(combination, time, time_before)
         z_before = _unit_vector(time_before)
@@ -688,7 +762,8 @@ class HarmonicSegment(LoadSegment):
         """Segment over the same time with 0 in place of P and the combination c_P P + c_Q Q of this
         segment's loads in place of Q.
 
-        With (c_P, c_Q) = (x, height) of the line of action it is the history of (tilt, moment).
+        With (c_P, c_Q) = (x, height) of the line along which the loads act, it is the history of
+        the tilt, 0, and of the moment x P + height Q.
         """
         coefficients = (np.array(combination) @ self._fourier_coefficients)[1:]
         amplitudes_and_lags = tuple((abs(c), -cmath.phase(c)) for c in coefficients.tolist())
@@ -697,7 +772,7 @@ class HarmonicSegment(LoadSegment):
 
     def _find_turning_points(self, combination: Combination) -> list[float]:
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
-        which its rate is zero, ascending [rad].
+        which its rate is zero, ascending [rad]; none of a constant combination.
 
         One harmonic, amplitude cos(t + lead), turns where t + lead is a multiple of pi. Of several
         the rate is a polynomial in z = exp(i t). Its roots on the unit circle are refined by Newton
@@ -711,6 +786,8 @@ class HarmonicSegment(LoadSegment):
         """
         # Upper bounds of the amplitudes of the combination's harmonics, k = 0, 1, ...
         largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
+
+        # An ellipse: each load has one harmonic.
         if self.ellipse:
             amplitude, lead = self.amplitude_and_lead(combination)
             if (
@@ -721,19 +798,24 @@ class HarmonicSegment(LoadSegment):
             last_multiple = math.floor((self.end + lead) / math.pi)
             turning_times = [k * math.pi - lead for k in range(first_multiple, last_multiple + 1)]
             return [time for time in turning_times if self.start < time < self.end]
+
+        # Several harmonics: coefficients i k c_k of the rate, those at round-off set to 0.
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
         if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
             return []
         # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
-        order = int(np.flatnonzero(rate_coefficients)[-1])
-        coefficients_below_zero = np.conj(rate_coefficients[order:0:-1])
+
+        highest_harmonic = int(np.flatnonzero(rate_coefficients)[-1])
+        coefficients_below_zero = np.conj(rate_coefficients[highest_harmonic:0:-1])
         roots = polynomial.polyroots(
-            np.concatenate([coefficients_below_zero, rate_coefficients[: order + 1]])
+            np.concatenate([coefficients_below_zero, rate_coefficients[: highest_harmonic + 1]])
         )
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
         period = 2 * math.pi
+
+        # A root's angle is a time but for whole periods: all its times along the segment.
         first_times = angles + period * np.floor((self.start - angles) / period)
         n_periods = math.ceil((self.end - self.start) / period) + 2
         times = first_times[:, None] + period * np.arange(n_periods)
@@ -747,34 +829,38 @@ class HarmonicSegment(LoadSegment):
         begin: float,
         end: float,
     ) -> Array:
-        """Times (n,) at which a monotonic combination of the loads has changed by given amounts
-        since `begin`: of an ellipse in closed form by the arc cosine, else by Newton's method.
+        """Times (n,) [rad] at which a monotonic combination of the loads has changed by given
+        amounts since `begin`: on an ellipse in closed form by the arc cosine, else by Newton's
+        method.
 
-        The ellipse's combination, amplitude cos(t + lead) plus a constant, is monotonic while
-        t + lead is between two multiples of pi. These are n_half_turns and the next.
+        The ellipse's combination, amplitude cos(t + lead) plus a constant, is monotonic while t +
+        lead is between two multiples of pi. These are n_half_turns pi and the next.
 
         Parameters
         ----------
         combination
-            c_P, c_Q of c_P P + c_Q Q
+            (c_P, c_Q) of the combination c_P P + c_Q Q
         wanted_change
             (n,) amounts between 0 and the total change
         total_change
             change of the combination from `begin` to `end`
+        begin, end
+            two times of the segment; `begin` may be the later one
         """
         if not self.ellipse:
             return super()._time_inside(combination, wanted_change, total_change, begin, end)
-        # The arc cosine loses digits near an extreme: one Newton step restores them.
         amplitude, lead = self.amplitude_and_lead(combination)
         n_half_turns = math.floor(((begin + end) / 2 + lead) / math.pi)
         sign = -1.0 if n_half_turns % 2 else 1.0
         cosine = sign * (math.cos(begin + lead) + wanted_change / amplitude)
         time = n_half_turns * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
+
+        # The arc cosine loses digits near an extreme: one Newton step restores them.
         rate_at_time = self.rate_of(combination, time)
-        is_steep = np.abs(rate_at_time) > 1e-6 * abs(amplitude)
+        is_off_extreme = np.abs(rate_at_time) > 1e-6 * abs(amplitude)
         remaining_change = wanted_change - self.change_of(combination, time, begin)
         return time + np.where(
-            is_steep, remaining_change / np.where(is_steep, rate_at_time, 1.0), 0.0
+            is_off_extreme, remaining_change / np.where(is_off_extreme, rate_at_time, 1.0), 0.0
         )
 
     def mirrored_time(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
@@ -787,6 +873,9 @@ class HarmonicSegment(LoadSegment):
     def shifted(self, delay: float) -> Self:
         """The same load history, `delay` [rad] later: the phase lag of the k-th harmonic grows by k
         times the delay.
+
+        `normal` and `tangential` hold (amplitude, phase lag [rad]) of the harmonics k = 1, 2, ...
+        of P and of Q. Start and end grow by the delay itself.
         """
         delay_angle = math.remainder(delay, 2 * math.pi)
         # A delay by whole periods, but for round-off, leaves the phases as they are.
@@ -841,12 +930,14 @@ class ChebyshevSegment(LoadSegment):
         return bool(p), bool(q)
 
     def loads(self, time: ArrayLike) -> Loads:
-        """Loads P and Q [force per thickness] at `time`, each in its shape.
+        """Loads P and Q [force per thickness] at `time`, each in its shape, by Chebyshev series of
+        the variable u, -1 at the segment's start and 1 at its end.
 
         A load that starts from 0 is computed as its change since the start: small loads there keep
         their digits.
         """
         loads: list[Array] = []
+        # First P, as the combination 1 P + 0 Q, then Q.
         for combination, coefficients, starts_from_zero in zip(
             (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._starts_from_zero, strict=True
         ):
@@ -859,7 +950,8 @@ class ChebyshevSegment(LoadSegment):
         return normal_load, tangential_load
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
-        _, slope = self._series_of(combination)
+        """Time derivative of a combination c_P P + c_Q Q of the loads, in the shape of `time`."""
+        _, slope = self._series_of(combination)  # coefficients of the derivative by u
         return np.asarray(
             chebyshev.chebval(self._series_variable(time), slope) * (2 / (self.end - self.start))
         )
@@ -878,12 +970,16 @@ class ChebyshevSegment(LoadSegment):
         return {}
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
+        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, without
+        cancellation over short times.
+        """
         t = _float_or_array(time)
         t0 = _float_or_array(time_before)
         series, _ = self._series_of(combination)
-        step = 2 * (t - t0) / (self.end - self.start)
+        change_of_u = 2 * (t - t0) / (self.end - self.start)
         change: Array = np.multiply(
-            divided_difference(series, self._series_variable(t), self._series_variable(t0)), step
+            divided_difference(series, self._series_variable(t), self._series_variable(t0)),
+            change_of_u,
         )
         return change
 
@@ -894,10 +990,10 @@ class ChebyshevSegment(LoadSegment):
 
     def _find_turning_points(self, combination: Combination) -> list[float]:
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
-        which its rate is zero, ascending.
+        which its rate is zero, ascending; none where the rate is constant.
 
         They are the real roots of the Chebyshev series of the rate in u from -1 to 1, refined by
-        Newton steps.
+        Newton steps. u grows linearly with time from -1 at the segment's start to 1 at its end.
 
         >>> segment = ChebyshevSegment(
         ...     0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0)
@@ -905,7 +1001,9 @@ class ChebyshevSegment(LoadSegment):
         >>> segment.turning_points(NORMAL_LOAD)
         [2.0]
         """
+        # `_series_of` gives the coefficients of the combination and of its derivative by u.
         _, rate_series = self._series_of(combination)
+        # `_series` (2, m): Chebyshev coefficients of P and of Q.
         largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
         significant_orders = np.flatnonzero(
             np.abs(rate_series) > _ROUND_OFF_SHARE * largest_coefficient
@@ -913,6 +1011,7 @@ class ChebyshevSegment(LoadSegment):
         if not len(significant_orders) or significant_orders[-1] == 0:
             return []
         roots = chebyshev.chebroots(rate_series[: significant_orders[-1] + 1])
+        # Within 1e-5, the distance that round-off leaves between the roots of a double one.
         is_real = np.abs(roots.imag) < _DISTANCE_OF_DOUBLE_ROOTS
         is_inside = np.abs(roots.real) < 1 + _DISTANCE_OF_DOUBLE_ROOTS
         u = np.clip(roots.real[is_real & is_inside], -1, 1)
@@ -924,12 +1023,16 @@ class ChebyshevSegment(LoadSegment):
         return not np.any(self._series[:, 2:])
 
     def slope_and_bend(self, time: float) -> tuple[float, float] | None:
-        (_, rise, *curving), (_, first, *higher) = self._series.tolist()
-        if not rise or any(curving) or any(higher[1:]):
+        """Slope dQ/dP and half of d2Q/dP2 at `time` where P is linear in time and Q(P) a line or a
+        parabola; None elsewhere.
+        """
+        # Chebyshev coefficients of P, then of Q: the mean, the linear one, those of higher degree.
+        (_, rise, *higher_p), (_, linear_coefficient, *higher_q) = self._series.tolist()
+        if not rise or any(higher_p) or any(higher_q[1:]):
             return None
-        second_coefficient = higher[0] if higher else 0.0
+        second_coefficient = higher_q[0] if higher_q else 0.0
         return (
-            first + 4 * second_coefficient * float(self._series_variable(time))
+            linear_coefficient + 4 * second_coefficient * float(self._series_variable(time))
         ) / rise, 2 * second_coefficient / rise**2
 
 
@@ -986,13 +1089,20 @@ class LoadPath:
         """What all segments carry under `name`, "bulk" or "tilt_and_moment", as a path of its own;
         None where one of them carries nothing.
         """
-        loading = [getattr(segment, name) for segment in self.initial_loading]
-        cycle = [getattr(segment, name) for segment in self.cycle]
-        return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
+        initial_companions = [getattr(segment, name) for segment in self.initial_loading]
+        cycle_companions = [getattr(segment, name) for segment in self.cycle]
+        return (
+            None
+            if None in (*initial_companions, *cycle_companions)
+            else LoadPath(tuple(initial_companions), tuple(cycle_companions))
+        )
 
     def at(self, time: ArrayLike) -> Loads:
         """Loads P and Q [force per thickness] at any times of the path, each in the shape of
         `time`; a time after the first cycle is taken back into it by whole periods.
+
+        The path is `initial_loading`, then `cycle`: load segments with their `start` and `end`
+        times. `period` is the duration of the cycle, None for a path that does not repeat.
 
         Raises
         ------
@@ -1007,12 +1117,15 @@ class LoadPath:
                 self.cycle_start + np.mod(path_time - self.cycle_start, self.period),
                 path_time,
             )
+
         segments = (*self.initial_loading, *self.cycle)
         if np.any(path_time < segments[0].start) or np.any(path_time > segments[-1].end):
             raise ValueError(
                 f"time outside the load path, which runs from {segments[0].start} to"
                 f" {segments[-1].end}"
             )
+
+        # Each time belongs to the first segment that does not end before it.
         end_times = np.array([segment.end for segment in segments])
         segment_index = np.minimum(
             np.searchsorted(end_times, path_time, side="left"), len(segments) - 1
@@ -1025,8 +1138,8 @@ class LoadPath:
 
 
 def _horner_terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
-    """Terms of the sum of c_k exp(i k t) for Horner's scheme, from the highest k down to 0: (c_k,
-    difference of k from the term before).
+    """Terms of the sum of c_k exp(i k t) for Horner's scheme, from the highest k down to 0: pairs
+    (c_k, difference of k from the term before, 0 for the first).
 
     Terms with c_k = 0 are left out, but for k = 0. `coefficients` (m + 1,) are c_0, c_1, ...
     """
@@ -1053,17 +1166,17 @@ def _wave_sum(terms: WaveTerms, time: Array) -> Array:
 
 
 def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Array:
-    """Real part of the sum of c_k exp(i k t), (n,), at `time` (n,), by Horner's scheme in z =
-    exp(i t), (n,).
+    """Real part of the sum of c_k exp(i k t), (n,), at `time` t (n,) [rad], by Horner's scheme in z
+    = exp(i t), (n,).
 
-    `terms` are (c_k, difference of k from the term before), as of `_horner_terms`.
+    `terms` are pairs from the highest k down to 0: (c_k, difference of k from the term before).
     """
     (highest, _), *lower_terms = terms
     if not lower_terms:
         return np.full(z.shape, highest.real)
     partial_sum: Any = highest
-    for coefficient, order_step in lower_terms:
-        power = z if order_step == 1 else np.exp(1j * order_step * time)
+    for coefficient, decrease_of_k in lower_terms:
+        power = z if decrease_of_k == 1 else np.exp(1j * decrease_of_k * time)
         partial_sum = partial_sum * power + coefficient
     sums: Array = partial_sum.real
     return sums
@@ -1075,14 +1188,26 @@ def _refined_turning_points(
     """Turning points of a combination c_P P + c_Q Q of the loads, refined from guesses (n,) by two
     Newton steps on its rate: times inside the segment, ascending.
 
-    The slope of the rate is a difference quotient. A step beyond the distance of double roots is
-    not taken.
+    The slope of the rate is a difference quotient over a millionth of the segment. A Newton step is
+    not taken where it exceeds the distance, 1e-5 of half the segment, of roots that are one double
+    root but for round-off.
+
+    Parameters
+    ----------
+    segment
+        of a load path, from its time `start` to its time `end`
+    combination
+        (c_P, c_Q)
+    guessed_times
+        (n,) approximate zeros of the rate
     """
     times = guessed_times
     time_increment = 1e-6 * (segment.end - segment.start)
     longest_step = _DISTANCE_OF_DOUBLE_ROOTS * (segment.end - segment.start) / 2
     for _ in range(2):
+        # Rate of the combination at the times, and an increment later.
         rate, rate_after = segment.rate_of(combination, np.stack([times, times + time_increment]))
+        # An infinite increment where the rate is constant: no Newton step.
         rate_increment = np.where(rate_after != rate, rate_after - rate, np.inf)
         newton_step = rate * time_increment / rate_increment
         times = times - np.where(np.abs(newton_step) < longest_step, newton_step, 0.0)
@@ -1090,8 +1215,10 @@ def _refined_turning_points(
 
 
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:
-    """Straight segments of a load path from each of the `rows` (time, P, Q) to the next; (P, Q) at
-    their ends are `first` and `last`.
+    """Straight segments of a load path from each of the `rows` (time, P, Q) to the next.
+
+    The segments are one fewer than the rows; each holds (P, Q) at its ends as `first_point` and
+    `last_point`.
 
     >>> [
     ...     segment.last_point
@@ -1121,7 +1248,8 @@ def parabola_segment(
     `last_point` (P, Q) at the time `end`.
 
     P is linear in time, and Q = alpha P + beta P^2 has the slope dQ/dP = `end_slope` at the end.
-    Below, `slope_and_bend` gives dQ/dP and beta.
+    The segment holds P and Q as Chebyshev series. Below, its method `slope_and_bend` gives dQ/dP
+    and beta.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
@@ -1146,16 +1274,20 @@ def sampled_times(segment: LoadSegment, least_count: int) -> Array:
     A straight segment gets its two ends. Others get `least_count`, or more: eight intervals for
     each possible turning point.
 
+    `most_turning_points` of the segment bounds the number of turning points of P and Q inside it, 0
+    for a straight one. Below, the arguments of a segment are its start time, its end time and its
+    loads.
+
     >>> (
     ...     len(sampled_times(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
     ...     len(sampled_times(ellipse_segment(0.0, 6.28, (3, 1), (1, 1), 0.5), 25)),
     ... )
     (2, 25)
     """
-    count = (
+    time_count = (
         max(least_count, 8 * segment.most_turning_points + 1) if segment.most_turning_points else 2
     )
-    return np.linspace(segment.start, segment.end, count)
+    return np.linspace(segment.start, segment.end, time_count)
 
 
 # Of the largest P of a segment: a load below this share of it is zero.
@@ -1163,36 +1295,39 @@ _ZERO_LOAD = 1e-12
 
 
 def largest_ratio(segments: Iterable[LoadSegment]) -> float:
-    """Largest |Q|/P along some load segments; infinite where P is negative, or zero while Q is not,
-    0 where both are zero.
+    """Largest |Q|/P along load segments; infinite where P is negative, or zero while Q is not; 0
+    where both are zero.
 
     Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r, unless r is the
-    largest ratio itself. These combinations are largest at ends and turning points.
+    largest ratio itself. These combinations are largest at ends and turning points of a segment.
 
-    # notation: r ratio reached so far
+    # notation: r ratio reached so far; Combination(c_P, c_Q): c_P P + c_Q Q
 
     >>> largest_ratio([StraightSegment(0.0, 1.0, (1.0, 0.0), (2.0, -1.0))])
     0.5
     """
+    # `turning_points`: times inside a segment at which a combination stops growing or falling.
     ratio = 0.0
     for segment in segments:
         fixed_times = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
             times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))
             times_of_negative_q = segment.turning_points(Combination(ratio, 1.0))
-            times = np.array([*fixed_times, *times_of_positive_q, *times_of_negative_q])
-            ratio_at_times = largest_ratio_of(*segment.loads(times))
-            if not ratio_at_times > ratio * (1 + 1e-15):
+            candidate_times = np.array([*fixed_times, *times_of_positive_q, *times_of_negative_q])
+            largest_candidate = largest_ratio_of(*segment.loads(candidate_times))
+            if not largest_candidate > ratio * (1 + 1e-15):
                 break
-            ratio = ratio_at_times
+            ratio = largest_candidate
             if math.isinf(ratio):
                 return ratio
     return ratio
 
 
 def largest_ratio_of(normal_load: Array, tangential_load: Array) -> float:
-    """Largest |Q|/P of n instants, P and Q (n,): 0 where both are zero, infinite where P is
-    negative, or zero while Q is not. Loads below 1e-12 of the largest P count as zero.
+    """Largest |Q|/P of n instants, P and Q (n,) [force per thickness]: 0 where both are zero,
+    infinite where P is negative, or zero while Q is not.
+
+    Loads below 1e-12 of the largest P count as zero.
     """
     negligible_load = _ZERO_LOAD * np.max(np.abs(normal_load))
     shear_force = np.abs(tangential_load)
