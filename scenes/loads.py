@@ -77,11 +77,11 @@ def straight_loading(
     Parameters
     ----------
     initial_loading
-        (P, Q) points between, or "straight" for none
+        (P, Q) points between [force per thickness], or "straight" for none
     first_segment
-        of the cycle; the last line ends when this starts
+        of the cycle; the initial loading ends at its start time, with its loads there
     line_duration
-        time that each line takes
+        time that each straight segment takes
     """
     points_between = () if initial_loading == "straight" else initial_loading
     cycle_start = tuple(float(load) for load in first_segment.loads(first_segment.start))
@@ -244,14 +244,18 @@ class BulkAndTilt(Frozen, Generic[V]):
 
     @model_validator(mode="after")
     def _require_consistent_bulk_and_tilt(self) -> Self:
-        """Refuse a load that states the tilt in two ways, or bulk stress or tilt beside a
-        prescribed displacement, or lists of them that do not fit the load path (ValueError).
+        """Return this load, if its keys agree; refuse (ValueError) a tilt stated in two ways, or
+        bulk stress or tilt beside a prescribed displacement.
+
+        The load path is made too: that refuses lists of bulk stresses or tilts that do not fit it.
         """
+        # The moment follows from the tilt or from a line along which the loads act: one is enough.
         tilt_keys = [
             key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
         ]
         if len(tilt_keys) > 1:
             raise ValueError(f"{' and '.join(tilt_keys)} say the same thing: state one of them")
+        # `is_driven`: a displacement is prescribed in the place of Q.
         if self.has_bulk_or_tilt and self.is_driven:
             key = next(key for key in BULK_AND_TILT_KEYS if getattr(self, key) is not None)
             raise ValueError(
@@ -277,7 +281,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         """Path over time of the two prescribed quantities, in the places of P and Q of a load path.
 
         The first is P [force per unit thickness], or the approach of a normal actuator [length].
-        The second is Q, or the displacement U of a tangential actuator [length].
+        The second is Q, or the displacement U of a tangential actuator [length]. In the example P
+        is 2 throughout, and U is 0.01 at time 2.
 
         >>> load = PolygonLoad(
         ...     initial_loading=[(2, 0)],
@@ -314,22 +319,26 @@ class BulkAndTilt(Frozen, Generic[V]):
         if self.is_driven:
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
         path = self.path_of_loads()
+        # `has_bulk_or_tilt`: whether the load states a bulk stress, tilt or moment.
         if not self.has_bulk_or_tilt:
             return path
         load_segments: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        # Attribute of a load segment -> what each one carries: "bulk" both bulk stresses,
-        # "tilt_and_moment" tilt and moment.
+        # Companions: two quantities beside P and Q, as a segment over the same time. The attribute
+        # "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
         companions: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
-            # The tilt is 0 there, and the moment M = x P + height Q.
+            # Loads along a line: the tilt is 0, and the moment M = x P + height Q.
             moment_of_loads = Combination(line.x, line.height)
             companions["tilt_and_moment"] = [
                 segment.companion_of(moment_of_loads) for segment in load_segments
             ]
+        # The other companions follow from the values of the keys, None where a key is not stated.
         for attribute, (first_key, second_key) in _KEYS_OF_SEGMENT_ATTRIBUTES.items():
-            pair = getattr(self, first_key), getattr(self, second_key)
-            if pair != (None, None):
-                companions[attribute] = self._companion_segments(path, load_segments, pair)
+            key_values = getattr(self, first_key), getattr(self, second_key)
+            if key_values != (None, None):
+                companions[attribute] = self._companion_segments(path, load_segments, key_values)
+
+        # Each load segment gets its companions; then the path is put together again.
         complete_segments = [
             replace(segment, **dict(zip(companions, companions_of_segment, strict=True)))
             for segment, *companions_of_segment in zip(
@@ -369,14 +378,26 @@ class BulkAndTilt(Frozen, Generic[V]):
 
         Along the cycle they follow formulas of time, if the kind of load has them. Before, they are
         straight lines between their values at the vertices of the load path; the last vertex is
-        where the formulas begin. `pair` holds the values of the two keys in the scene.
+        where the formulas begin.
+
+        Parameters
+        ----------
+        path
+            load path: initial loading, then the cycle
+        load_segments
+            all segments of the path, in this order
+        pair
+            what the scene states for the two quantities: number, list, formula, or None for 0
         """
+        # On the last segments of the path: those on which the quantities follow formulas of time.
         curved_segments = self.formula_segments(path, pair)
         straight_count = len(load_segments) - len(curved_segments)
         straight_load_segments = load_segments[:straight_count]
         values_at_cycle_start: Pair = (0.0, 0.0)
         if curved_segments:
             values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
+
+        # P at the vertices, from 0 on, and both quantities there.
         end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
         normal_loads = np.array([0.0, *end_loads])
         first_values, second_values = (
@@ -396,12 +417,13 @@ class BulkAndTilt(Frozen, Generic[V]):
         self, key_value: Any, normal_loads: NDArray[np.float64], value_at_cycle_start: float
     ) -> NDArray[np.float64]:
         """Values (n,) of a bulk stress, tilt or moment at the n vertices of the initial loading: in
-        proportion to P, or as its own list `initial_loading` states them.
+        proportion to P, or as its own list states them.
 
         Parameters
         ----------
         key_value
-            what the scene states for the quantity
+            what the scene states for the quantity: None, a number, or a formula of time whose
+            `initial_loading` may list values
         normal_loads
             (n,) P at the vertices, from 0 on
         value_at_cycle_start
@@ -413,7 +435,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             Where the list has another number of values than the initial loading has points.
         """
         stated_values = getattr(key_value, "initial_loading", ())
-        # Without (0, 0) and the start of the cycle, which no list states.
+        # No list states (0, 0) and the start of the cycle.
         point_count = len(normal_loads) - 2
         if stated_values and len(stated_values) != point_count:
             raise ValueError(
@@ -432,6 +454,12 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
     """A load whose P, Q, bulk stresses and tilt are sums of cosines of time along the cycle."""
 
     def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        """Two quantities beside P and Q, such as both bulk stresses, as sums of cosines over the
+        segments of the cycle.
+
+        `pair` holds what the scene states for the two: a wave or sum of waves, a number, or None
+        for 0.
+        """
         means, waves = zip(
             *(
                 value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ())
@@ -483,6 +511,9 @@ class EllipseLoad(CyclicLoad[Wave]):
 
     @model_validator(mode="after")
     def _require_loads_or_displacement(self) -> Self:
+        """Return this load; refuse (ValueError) tangential loads beside a prescribed displacement,
+        and a normal load that is neither stated nor replaced by an approach.
+        """
         load_keys = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
         if self.is_driven and load_keys != (0.0, 0.0, 90.0):
             raise ValueError(
@@ -512,9 +543,11 @@ class EllipseLoad(CyclicLoad[Wave]):
         """Load path of P and Q over time: initial loading, then one revolution of the ellipse,
         which begins where |Q - Q0| is largest while P grows.
 
-        Where actuators are prescribed, the approach [length] stands in the place of P, and the
-        displacement U [length] in that of Q.
+        P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase). Where actuators are prescribed, `approach`
+        [length] stands in the place of P, and `tangential_displacement` [length] in that of Q: each
+        holds its mean and amplitude.
         """
+        # Mean and amplitude of the quantities in the places of Q and P.
         tangential_mean = self.mean_tangential_load
         tangential_amplitude = self.tangential_amplitude
         phase = self.phase_radians
@@ -527,6 +560,7 @@ class EllipseLoad(CyclicLoad[Wave]):
         if self.approach is not None:
             normal_mean = self.approach.mean
             normal_amplitude = self.approach.amplitude
+
         # |Q - Q0| is largest at t = phase and half a revolution later; P grows for pi < t < 2 pi.
         start_time = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         revolution = ellipse_segment(
@@ -537,11 +571,15 @@ class EllipseLoad(CyclicLoad[Wave]):
             phase,
         )
         if self.initial_loading == "parabola":
+            # A parabola in the P-Q plane from (0, 0), tangent to the ellipse: half a revolution
+            # long.
             first_p, first_q = revolution.loads(start_time)
             first_loads = (float(first_p), float(first_q))
             # dQ/dP = 0 at its end: there Q is at an extreme of the ellipse.
             parabola = parabola_segment(start_time - math.pi, start_time, first_loads, 0.0)
             return LoadPath((parabola,), (revolution,))
+
+        # Otherwise straight lines through the stated points, each half a revolution long.
         loading = straight_loading(self.initial_loading, revolution, math.pi)
         return LoadPath(loading, (revolution,))
 
@@ -589,11 +627,15 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         ValueError
             For a tuple of another length.
         """
+        # Index of each vertex's entry in a tuple, -1 for a vertex of value 0; index of the vertex
+        # at which the cycle starts.
         entry_numbers, cycle_start = self.entries_of_vertices(len(normal_loads))
         if not isinstance(key_value, tuple):
             growth = normal_loads / (normal_loads[cycle_start] or 1.0)
             is_before_cycle = np.arange(len(normal_loads)) < cycle_start
             return (key_value or 0.0) * np.where(is_before_cycle, growth, 1.0)
+
+        # `rule_of_entries`: words for the message on what the entries belong to.
         needed_count = self.needed_entry_count(entry_numbers)
         if len(key_value) != needed_count:
             raise ValueError(
@@ -640,6 +682,9 @@ class PolygonLoad(StraightLoad):
     rule_of_entries = "one for each point of initial_loading and cycle"
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+        """Number of the list entry that belongs to each vertex of the polygon, -1 for (0, 0); and
+        the number of the vertex at which the cycle starts.
+        """
         cycle_start = len(self.initial_loading)
         # -1 for (0, 0); the return to the start of the cycle has the entry of that start.
         entry_numbers = [*range(-1, cycle_start + len(self.cycle)), cycle_start - 1]
@@ -647,8 +692,8 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _require_distinct_vertices(self) -> Self:
-        """Refuse a polygon in which two successive vertices have equal loads, bulk stresses and
-        tilt (ValueError), since nothing happens between them.
+        """Return this polygon; refuse (ValueError) one in which two successive vertices have equal
+        loads, bulk stresses and tilt, since nothing happens between them.
 
         Where the scene states the times of the vertices, such rests are allowed, and the times are
         checked instead.
@@ -657,19 +702,20 @@ class PolygonLoad(StraightLoad):
         if self.times is not None:
             self._check_times(self.times)
             return self
+        # `is_driven`: a displacement is prescribed in the place of Q.
         path = self.path_of_actuators() if self.is_driven else self.path()
         for segment in (*path.initial_loading, *path.cycle):
             times_of_ends = np.array([segment.start, segment.end])
-            # `tilt_and_moment` has tilt and moment.
-            pairs_of_quantities = [
+            # (P, Q), both bulk stresses, and tilt and moment, at both ends of the line.
+            end_values_of_pairs = [
                 companion.loads(times_of_ends)
                 for companion in (segment, segment.bulk, segment.tilt_and_moment)
                 if companion is not None
             ]
             if all(
                 value_at_begin == value_at_end
-                for pair in pairs_of_quantities
-                for value_at_begin, value_at_end in pair
+                for end_values in end_values_of_pairs
+                for value_at_begin, value_at_end in end_values
             ):
                 has_lists = any(isinstance(getattr(self, key), tuple) for key in BULK_AND_TILT_KEYS)
                 remark = " with the same bulk stress and tilt" if has_lists else ""
@@ -692,6 +738,8 @@ class PolygonLoad(StraightLoad):
     def _check_times(self, times: tuple[float, ...]) -> None:
         """Refuse times of the vertices of a polygon that are too few, too many, or do not ascend
         (ValueError). Two vertices with equal loads and different times are a rest.
+
+        `times` are those of (0, 0), of each point, and of the return where there is a cycle.
         """
         vertex_count = len(self._vertices)
         if len(times) != vertex_count:
@@ -715,10 +763,16 @@ class PolygonLoad(StraightLoad):
 
 
 def _require_load_or_approach(load: EllipseLoad | HarmonicLoad, variation_key: str) -> None:
-    """Refuse a cyclic load that states neither the mean of P nor an approach in its place, or both
-    of them, or an approach without a tangential displacement (ValueError).
+    """Refuse a cyclic load whose normal load is not stated in exactly one way (ValueError): by the
+    mean of P, or by an approach beside a tangential displacement.
 
-    `variation_key` is the key of what is added to the mean of P: its amplitude or harmonics.
+    Parameters
+    ----------
+    load
+        `mean_normal_load` is P0, 0 if not stated; `approach` is None if not stated; `is_driven` is
+        true where a tangential displacement stands in the place of Q
+    variation_key
+        key of what is added to the mean of P: its amplitude or its harmonics
     """
     if load.approach is None:
         if not load.mean_normal_load:
@@ -789,6 +843,9 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
 
     @model_validator(mode="after")
     def _require_loads_or_displacement(self) -> Self:
+        """Return this load; refuse (ValueError) tangential loads beside a prescribed displacement,
+        and a normal load that is neither stated nor replaced by an approach.
+        """
         if self.is_driven and (self.mean_tangential_load or self.tangential_harmonics):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load and"
@@ -801,8 +858,9 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         """Load path of P and Q over time: initial loading, then one cycle of the harmonics, from
         time 0 to 2 pi.
 
-        Where actuators are prescribed, the approach [length] stands in the place of P, and the
-        displacement U [length] in that of Q.
+        Harmonics are pairs (amplitude, phase lag in degrees) of k = 1, 2, ... Where actuators are
+        prescribed, `approach` [length] stands in the place of P, and `tangential_displacement`
+        [length] in that of Q: each holds its mean and harmonics.
         """
         tangential_mean = self.mean_tangential_load
         tangential_harmonics = self.tangential_harmonics
@@ -984,6 +1042,15 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return {name: value for name, value in stated.items() if value is not None}
 
     def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
+        """Table of the columns of a record that are read from the file at `path`.
+
+        `columns` are the quantities needed, `stated` the headings that the scene states for them.
+
+        Raises
+        ------
+        InputError
+            For columns that are missing, with keys of the scene that can stand in their place.
+        """
         from scenes.text_tables import MissingColumnError  # only a load from a file needs it
 
         if self.approach and self.constant_normal_load is not None:
@@ -998,10 +1065,14 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def _advice_on_missing_columns(self, fault: MissingColumnError) -> str:
         """Advice for the message on columns that a measured file lacks: keys of the scene that can
         stand in their place; empty where the file has none of the columns.
+
+        `fault` holds the missing `columns`, such as "time", "P" and "Q", and the `headings` of the
+        file. `approach` is true where a normal actuator's approach is prescribed in the place of P.
         """
         missing_names = set(fault.columns)
         if missing_names == set(self.column_kinds):
             return ""
+        # Headings under which files state a tangential displacement U, in a common spelling.
         headings_of_displacement = {normalised_name(alias) for alias in aliases_of("U")}
         has_displacement = any(
             normalised_name(heading) in headings_of_displacement for heading in fault.headings
@@ -1019,6 +1090,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return "".join(f"; or {proposal}" for proposal in proposals)
 
     def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
+        """(quantity, sentence part on its value) for the time and P where the scene states them in
+        place of columns.
+        """
         descriptions: list[tuple[str, str]] = []
         if self.interval is not None:
             time_step = f"{self.interval:.9g}"
@@ -1052,8 +1126,12 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     @model_validator(mode="after")
     def _require_useful_reduction_keys(self) -> Self:
-        """Refuse the keys threshold, average, least_normal_load and reduce, by which a record of
-        loads is reduced, where they have no effect or contradict other keys (ValueError).
+        """Return this record of loads; refuse (ValueError) keys that reduce it, where they have no
+        effect or contradict other keys.
+
+        `average` is the number of neighbouring rows of one mean, `reduce` how rows are chosen,
+        `threshold` the swing or tolerance (P, Q) of that choice. `least_normal_load` is the P below
+        which rows are noise. `repeats`: the rows are one cycle.
         """
         if self.threshold is not None and self.reduce is None:
             raise ValueError(
@@ -1087,7 +1165,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self
 
     def check_rows(self) -> None:
-        """Refuse rows between `start` and `end` that are no record of time, P and Q.
+        """Refuse rows between the keys `start` and `end` that are no record of time, P and Q.
+
+        Rows are (time, P, Q). With `repeats` they are one cycle. `least_normal_load` is the P below
+        which rows are noise.
 
         Raises
         ------
@@ -1101,6 +1182,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
         if len(rows) < 2:
             raise RowError(0, "one row is no history: two at least are needed")
+
+        # Numbers, from 0, of the first row used and of the one after the last.
         first_row, row_beyond = self.row_bounds()
         if row_beyond - first_row < 2:
             raise RowError(
@@ -1108,6 +1191,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 f"start and end leave {max(row_beyond - first_row, 0)} rows: two at least are"
                 " needed",
             )
+        # `RowError.refuse` raises for the first row k at which the condition holds.
         times = rows[:, 0]
         faults_of_times = ("stands there twice", "comes after a later one")
         RowError.refuse(
@@ -1118,6 +1202,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             ),
             first_row + 1,
         )
+
         if self.least_normal_load is not None and not np.any(
             rows[first_row:row_beyond, 1] >= self.least_normal_load
         ):
@@ -1145,22 +1230,22 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         Each key is a time, or the number of a row from 1. The rows at both are used too; a key that
         is not stated leaves out no row.
         """
-        time = self.rows.values[:, 0]
+        times = self.rows.values[:, 0]
         first_row = 0
         row_beyond = len(self.rows)
         if isinstance(self.start, RecordRow):
             first_row = self.start.row - 1
         elif self.start is not None:
-            first_row = int(np.argmax(np.append(time >= self.start, True)))
+            first_row = int(np.argmax(np.append(times >= self.start, True)))
         if isinstance(self.end, RecordRow):
             row_beyond = min(self.end.row, row_beyond)
         elif self.end is not None:
-            row_beyond = len(time) - int(np.argmax(np.append(time[::-1] <= self.end, True)))
+            row_beyond = len(times) - int(np.argmax(np.append(times[::-1] <= self.end, True)))
         return first_row, row_beyond
 
     def used_rows(self) -> Table:
-        """Rows (n, 3) of time, P and Q of the record from `start` to `end`, with noise at small
-        loads removed.
+        """Rows (n, 3) of time, P and Q of the record from the keys `start` to `end`, with noise at
+        small loads removed.
 
         Where a least normal load is stated, rows below it get Q = 0 and P not below 0. All but the
         last of those before the first loaded row are dropped, and that one gets the least load.
@@ -1169,11 +1254,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
         [[1.0, 5.0, 0.0], [2.0, 50.0, 1.0], [3.0, 100.0, 30.0], [4.0, 0.2, 0.0]]
         """
+        # Numbers, from 0, of the first row used and of the one after the last.
         first_row, row_beyond = self.row_bounds()
         if self.least_normal_load is None:
             if (first_row, row_beyond) == (0, len(self.rows)):
                 return self.rows
             return Table.of_rows(self.rows.values[first_row:row_beyond])
+        # Columns: time, P, Q.
         rows_between = self.rows.values[first_row:row_beyond].copy()
         is_below_least = rows_between[:, 1] < self.least_normal_load
         rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
@@ -1197,13 +1284,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def series(self) -> NDArray[np.float64]:
         """Load series (n, 3) of time, P and Q: the rows that the load path goes through.
 
-        They are those of the record after cuts, means and reduction. A record that starts loaded
-        gets a row P = Q = 0 before.
+        They are the rows of the record that remain after cuts, means and reduction. A record that
+        starts loaded gets a row P = Q = 0 before.
 
         Raises
         ------
         InputError
-            Where a displacement is prescribed: the loads follow from the contact.
+            Where a displacement is prescribed (`is_driven`): the loads follow from the contact.
         """
         if self.is_driven:
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
@@ -1237,8 +1324,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     def in_words(self, unit: str) -> str:
         """Describe a record of loads for the user: how many of its rows the load path goes through,
         by which reduction, and the ranges of P and Q in their `unit`.
+
+        Of the record's `rows` some are used, after cuts at its ends. `average` is the number of
+        rows of one mean, 1 for none; `reduce` is "turning_points", "tolerance" or None, `threshold`
+        its limits in P and Q.
         """
         used_rows = self.used_rows().values
+        # Of time, P and Q.
         least_values = np.min(used_rows, axis=0)
         largest_values = np.max(used_rows, axis=0)
         repetition_text = ", again and again" if self.repeats else ""
@@ -1301,9 +1393,10 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
     @model_validator(mode="after")
     def _require_continuous_loads(self) -> Self:
-        """Refuse functions of time whose P or Q jumps, also from the end of a cycle that repeats to
-        its begin (ValueError with time and values).
+        """Return this load; refuse (ValueError with time and values) functions of time whose P or Q
+        jumps, also from the end of a cycle that repeats to its begin.
         """
+        # Successive pieces of the load history, each smooth; of a cycle also the first one again.
         segments = self._segments()
         next_segments = [
             *segments[1:],
@@ -1315,6 +1408,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             for name, value_before, value_after in zip(
                 ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
             ):
+                # A jump exceeds 1e-9 of P: smaller ones may be errors of the series.
                 if abs(float(value_before - value_after)) > 1e3 * _ROUND_OFF_LOAD_SHARE * max(
                     abs(float(loads_before[0])), abs(float(loads_after[0]))
                 ):
@@ -1336,6 +1430,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         ValueError
             For a function that is not finite, or too rough for its series.
         """
+        # The loads as functions from arrays of times to arrays of loads; so below are bulk and
+        # tilt.
         functions = {
             "normal_load": function_of_arrays(self.normal_load),
             "tangential_load": function_of_arrays(self.tangential_load),
@@ -1361,7 +1457,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         # Not at simple fractions of the duration, where a function of few periods has its corners:
         # a corner is to lie inside an interval, and is located there.
         interval_ends = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
-        # Twice, so that the corners of each function are ends of intervals for all.
+        # Halve the intervals until a Chebyshev series is accurate on each; `edges` are the ends of
+        # all. Twice, so that the corners of each function are ends of intervals for all.
         for name, function in [*functions.items()] * 2:
             try:
                 interval_ends = piecewise_series_of(
@@ -1373,6 +1470,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                     f"{name} is too rough between time {fault.low:.6g} and {fault.high:.6g}:"
                     f" {cause}"
                 ) from fault
+        # One segment on each interval.
         load_functions = [functions["normal_load"], functions["tangential_load"]]
         return [
             _chebyshev_segment(begin, end, load_functions, load_scale)
@@ -1382,11 +1480,17 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     def path_of_loads(self) -> LoadPath:
         """Load path of P and Q over time: initial loading, unless P and Q start at 0, then their
         functions of time, as a cycle where they repeat.
+
+        Functions that start at 0 and do not repeat get an initial loading only where points are
+        stated for it.
         """
         segments = tuple(self._segments())
         first_loads = np.abs(segments[0].loads(0.0))
         last_loads = np.abs(segments[-1].loads(self.duration))
+        # Loads at time 0 count as 0 below 1e-12 of those at the end.
         starts_loaded = np.max(first_loads) > _ROUND_OFF_LOAD_SHARE * np.max(last_loads)
+
+        # Each line of the initial loading takes half the duration of the functions.
         initial_loading: tuple[LoadSegment, ...] = ()
         if self.repeats or self.initial_loading != "straight" or starts_loaded:
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
@@ -1401,12 +1505,12 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         `pair` holds what the scene states for the two: functions of time, numbers, or None for 0.
         """
 
-        def function_of(key_value: Any) -> Callable[[Any], Any]:
+        def as_function(key_value: Any) -> Callable[[Any], Any]:
             if callable(key_value):
                 return function_of_arrays(key_value)
             return lambda time: np.full(np.shape(time), key_value or 0.0)
 
-        functions = [function_of(key_value) for key_value in pair]
+        functions = [as_function(key_value) for key_value in pair]
         # Straight lines of the initial loading end at time 0.
         return [
             _chebyshev_segment(segment.start, segment.end, functions)
@@ -1425,14 +1529,16 @@ def _chebyshev_segment(
     begin: float, end: float, functions: Sequence[Callable[[Any], Any]], load_scale: float = 0.0
 ) -> ChebyshevSegment:
     """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series
-    through values of two `functions` of time, from an array of times to one of loads.
+    through values of two `functions` of time, each from an array of times to one of loads.
 
-    Last terms of a series that are below the round-off of `load_scale`, the size of the loads, are
-    left out.
+    Last terms of a series below 1e-16 of `load_scale`, the size of the loads, are left out as
+    round-off.
     """
-    times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2  # at Chebyshev points
+    # Chebyshev points of [-1, 1], mapped to the times of the segment.
+    times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2
 
     def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:
+        """Coefficients of the series through a function's values, to its last significant degree."""
         coefficients = chebyshev_coefficients(function(times))
         is_above_roundoff = np.abs(coefficients) > 1e-16 * load_scale
         degree = int(np.max(np.flatnonzero(is_above_roundoff), initial=0))

@@ -148,9 +148,12 @@ class TwoCurvatures(Gap):
         return (self.curvatures[1],)
 
     def height(self, x: ArrayLike) -> Array:
-        inner_curvature, middle, outer_curvature = self.curvatures
+        """Gap h(x) [length] of the untouched faces, in the shape of x: zero with zero slope at
+        x = 0, with one curvature up to a distance from there, another beyond.
+        """
+        inner_curvature, inner_half_length, outer_curvature = self.curvatures
         distance = np.abs(np.asarray(x, dtype=float))
-        inner_distance = np.minimum(distance, middle)
+        inner_distance = np.minimum(distance, inner_half_length)
         outer_distance = distance - inner_distance
         return np.asarray(
             inner_distance * (inner_distance / 2 + outer_distance) * inner_curvature
@@ -245,14 +248,16 @@ class Fitted(Frozen):
     read_as: ReadAs | None = Field(None, description=DESCRIPTION_OF_READ_AS)
 
     def used_rows(self) -> NDArray[np.int64]:
-        """Numbers (n,) of the measured rows that were fitted, from 0 on, ascending: all but spikes
-        and the rows farthest from the middle that were left out.
+        """Numbers (n,) of the measured rows (x, h) that were fitted, from 0 on, ascending.
+
+        Spikes are left out: `spikes` holds their row numbers from 1 on. So are the `left_out` rows
+        farthest from the middle, which lies at x = `centre`.
         """
         spikes = np.array(self.spikes, dtype=np.int64) - 1
         without_spikes = np.setdiff1d(np.arange(len(self.rows)), spikes)
         distances = np.abs(self.rows.values[without_spikes, 0] - self.centre)
-        order = np.argsort(distances, kind="stable")[: len(distances) - self.left_out]
-        return np.sort(without_spikes[order])
+        nearest_rows = np.argsort(distances, kind="stable")[: len(distances) - self.left_out]
+        return np.sort(without_spikes[nearest_rows])
 
     def residuals(self, height: Callable[[Array], Array]) -> Array:
         """Rows minus offset, tilt and `height` of the profile, (n_rows,) [length]."""
@@ -410,10 +415,12 @@ def place_of_fall(coefficients: Array) -> float | None:
     It is the middle of the first interval between roots on which the polynomial is negative.
     `coefficients` (n,) are c_k from k = 0 on, not all 0.
 
+    In the example the first polynomial is (1 - s)(2 - s), negative between 1 and 2.
+
     >>> (
     ...     place_of_fall(np.array([2.0, -3.0, 1.0])),
     ...     place_of_fall(np.array([1.0, 0.0])),
-    ... )  # (1 - s)(2 - s)
+    ... )
     (1.5, None)
     """
     roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
@@ -449,8 +456,8 @@ class EvenPolynomial(MayBeFitted):
 
     @model_validator(mode="after")
     def _require_rising_polynomial(self) -> Self:
-        """Refuse a polynomial profile that is flat, or that falls somewhere on x > 0 (ValueError
-        with the place).
+        """Return this polynomial profile; refuse (ValueError with the place) one that is flat, or
+        that falls somewhere on x > 0.
         """
         # h = sum of rises[k] s^(k + 1) with s = (x/length)^2: these are the coefficients of dh/ds,
         # which has the sign of h'.
@@ -459,6 +466,7 @@ class EvenPolynomial(MayBeFitted):
             raise ValueError(
                 "all powers are 0: a flat profile has no edge; one of them must be positive"
             )
+        # Place s > 0 at which this polynomial in s is negative; None where it never is.
         s_of_fall = place_of_fall(slope_coefficients)
         if s_of_fall is not None:
             raise ValueError(
@@ -480,8 +488,12 @@ class EvenPolynomial(MayBeFitted):
 
 def _require_rising(slope: PiecewiseSeries) -> None:
     """Refuse a profile whose slope is negative somewhere, zero everywhere, or jumps (ValueError
-    with the place); `slope` is h' for x > 0 as Chebyshev series on intervals.
+    with the place).
+
+    `slope` is h' for x > 0 as Chebyshev series on intervals: `edges` (n + 1,) are their ends,
+    `coefficients` (k, n) hold a column for each interval.
     """
+    # Slopes at 25 places of each interval.
     begins = slope.edges[:-1, None]
     lengths = np.diff(slope.edges)[:, None]
     places = begins + lengths * np.linspace(0.02, 0.98, 25)
@@ -493,6 +505,8 @@ def _require_rising(slope: PiecewiseSeries) -> None:
         )
     if not np.any(slopes > 0):
         raise ValueError("the profile is flat from end to end: it must rise somewhere")
+
+    # A jump is the difference of the slopes at the end of an interval and the begin of the next.
     slopes_at_begin = np.asarray(chebyshev.chebval(-1.0, slope.coefficients))
     slopes_at_end = np.asarray(chebyshev.chebval(1.0, slope.coefficients))
     jumps = np.abs(slopes_at_begin[1:] - slopes_at_end[:-1])
@@ -552,20 +566,23 @@ class CallableProfile(Gap):
     @model_validator(mode="after")
     def _resolve_slope(self) -> Self:
         """Approximate the profile's slope h' by Chebyshev series on intervals of x > 0, from the
-        Python function of its height or of its slope, and integrate it to the height.
+        Python function of its height or of its slope, and integrate it to the height; return this
+        profile.
 
-        The intervals end at extent, extent/2, extent/4, ... and at corners of the slope.
+        The intervals end at extent, extent/2, extent/4, ... and at corners of the slope, jumps of
+        h''; `breaks` are corners that the scene states.
 
         Raises
         ------
         ValueError
-            For a function that can't be evaluated, is not symmetric, too rough for a
-            derivative, falls, or has a slope that jumps.
+            For a function that can't be evaluated, is not symmetric, too rough for a derivative,
+            falls, or has a slope that jumps.
         """
         from scenes.height_slopes import LoadErrors, slope_of_height  # no other profile needs it
 
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
+        # Height or slope as a function of arrays of places.
         values_at = function_of_arrays(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
         edges = np.union1d(
@@ -574,8 +591,10 @@ class CallableProfile(Gap):
         )
         try:
             slope_at: Callable[[Array], ArrayLike] = values_at
+            # Relative errors of P and dP/da by round-off in heights: none where the slope is given.
             self._load_errors = LoadErrors(0.0, 0.0)
             if self.height_function is not None:
+                # The derivative of the height, with ends of intervals at its corners.
                 height_slope = slope_of_height(values_at, edges)
                 edges = height_slope.edges
                 slope_at = height_slope.slope
@@ -592,7 +611,10 @@ class CallableProfile(Gap):
 
     def _require_symmetric(self, values_at: Callable[[Array], Array]) -> None:
         """Refuse a function of x that cannot be evaluated on both sides, a height that is not even,
-        or a slope that is not odd (ValueError); four places are tried.
+        or a slope that is not odd (ValueError).
+
+        `values_at` gives its values at an array of places; four places up to the profile's largest
+        x (`extent`) are tried. The function is the slope where `height_function` is None.
         """
         sign = -1.0 if self.height_function is None else 1.0
         test_places = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
@@ -631,22 +653,22 @@ class CallableProfile(Gap):
 
     def slope(self, x: ArrayLike) -> Array:
         """h'(x) for x >= 0, any shape."""
-        at = np.asarray(x, dtype=float)
+        distance = np.asarray(x, dtype=float)
         first_edge = float(self._slope.edges[0])
         return (
-            self._slope(np.clip(at, first_edge, self.extent))
-            * np.minimum(at / first_edge, 1.0) ** self.exponent
+            self._slope(np.clip(distance, first_edge, self.extent))
+            * np.minimum(distance / first_edge, 1.0) ** self.exponent
         )
 
     def curvature_times_x(self, x: ArrayLike) -> Array:
         """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
-        at = np.asarray(x, dtype=float)
+        distance = np.asarray(x, dtype=float)
         first_edge = float(self._slope.edges[0])
-        bend_inside = self._slope.derivative(np.clip(at, first_edge, self.extent)) * at
+        bend_inside = self._slope.derivative(np.clip(distance, first_edge, self.extent)) * distance
         return np.where(
-            at < first_edge,
-            self.exponent * self.slope(at),
-            np.where(at > self.extent, 0.0, bend_inside),
+            distance < first_edge,
+            self.exponent * self.slope(distance),
+            np.where(distance > self.extent, 0.0, bend_inside),
         )
 
     @property
@@ -665,6 +687,12 @@ class CallableProfile(Gap):
         return float(np.log2(slope_at_second / slope_at_first)) if slope_at_first > 0 else 1.0
 
     def height(self, x: ArrayLike) -> Array:
+        """Gap h(x) [length] of the untouched faces, in the shape of x: the integral of the slope
+        h'.
+
+        Near x = 0, up to the first edge of the slope's series, the slope is a power of x. Beyond
+        the extent the gap goes on straight.
+        """
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, self.extent)
         height_beyond = (distance - inner_distance) * float(self.slope(self.extent))
@@ -744,8 +772,9 @@ class Tabulated(FromFile):
         """Measured rows of each side of the profile as arrays x (k,) and h (k,) [length] that start
         at x = 0, h = 0.
 
-        A symmetric profile has one such pair, both sides averaged; any other has two, the left side
-        with x counted to the left, and the right side.
+        A symmetric profile has one such pair, both sides averaged where their heights differ by no
+        more than `asymmetry` over their range. An unsymmetric profile has two: the left side with x
+        counted to the left, and the right side.
 
         Raises
         ------
@@ -755,10 +784,12 @@ class Tabulated(FromFile):
         rows = self.points.values
         if self.symmetric:
             return (one_side_of_profile(rows, self.asymmetry),)
+        # Rows (x, h) from x = 0 to the left; a table of another width is refused below.
         rows_of_left = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
         try:
             left_side = one_side_of_profile(rows_of_left, self.asymmetry)
         except RowError as fault:
+            # `fault.row` counts from the middle to the left.
             raise RowError(
                 max(len(rows_of_left) - 1 - fault.row, 0),
                 f"left side, x counted to the left: {fault.rule}",
@@ -828,10 +859,14 @@ class Tabulated(FromFile):
         """
         rises = np.abs(np.diff(self._rows_of_sides()[-1][1]))
         least_rise = float(np.min(rises[rises > 0]))
-        is_whole = (
+        are_whole_steps = (
             np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _ROUNDING_OF_STEPS
         )
-        return least_rise if is_whole and np.median(rises) < _COARSE_STEPS * least_rise else None
+        return (
+            least_rise
+            if are_whole_steps and np.median(rises) < _COARSE_STEPS * least_rise
+            else None
+        )
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] between the faces before they touch, at x [length] of any shape,
@@ -850,6 +885,7 @@ class Tabulated(FromFile):
             height = spline.height[last_knot_before]
             return np.asarray(height + distance * (slope + curvature * distance / 2))
 
+        # Splines of the left and of the right side, the same one where both are averaged.
         left_height, right_height = map(height_by, self.sides())
         return np.where(x_array < 0, left_height, right_height)
 
@@ -873,6 +909,7 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     """
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
+    # `RowError.refuse` raises for the first row at which a condition holds.
     x, h = points.T
     RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     RowError.refuse(
@@ -885,11 +922,15 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     )
     if len(x[x >= 0]) < 3 or not np.any(x == 0):
         raise RowError(0, "a row with x = 0 and at least two with x > 0 are needed")
+
+    # The right half, from x = 0 outwards.
     middle_row = int(np.flatnonzero(x == 0)[0])
     right_x = x[middle_row:]
     right_h = h[middle_row:]
     left_h = h[middle_row::-1]  # from the middle outwards, as right_h
     largest_difference = asymmetry * float(np.ptp(h))
+
+    # Rows of both sides: the right half becomes the mean of both.
     if middle_row:
         left_x = -x[middle_row::-1]
         if len(right_x) != len(left_x) or np.any(np.abs(right_x - left_x) > 1e-9 * x[-1]):
@@ -908,6 +949,8 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
             middle_row,
         )
         right_h = (right_h + left_h) / 2
+
+    # The half that remains must be short enough, and rise.
     fault_of_size = (
         f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST_ROWS:,} are taken:"
         " leave out all but every n-th"
@@ -926,13 +969,15 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's quadratic spline through rows of one side of a profile, x (n,) and h (n,)
-    [length], that rises wherever the rows rise, and is convex where they are.
+    """Schumaker's quadratic spline through rows of one side of a profile, x (n,) from 0 up and h
+    (n,) [length], that rises wherever the rows rise, and is convex where they are.
 
-    Slopes at the rows are those of parabolas through three neighbours, 0 at x = 0, and never beyond
-    twice that of a secant (the line between two neighbouring rows). An interval gets one knot
-    inside where a single parabola would not meet the slopes at both its ends. Where three rows lie
-    on a line the spline follows it: any other slope at its ends would bend it back.
+    It consists of one parabola or two between neighbouring rows; the spline holds distance, height
+    and slope at all knots, and the curvature between them. Slopes at the rows are those of
+    parabolas through three neighbours, 0 at x = 0, and never beyond twice that of a secant (the
+    line between two neighbouring rows). An interval gets one knot inside where a single parabola
+    would not meet the slopes at both its ends. Where three rows lie on a line the spline follows
+    it: any other slope at its ends would bend it back.
 
     Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
     """
@@ -983,6 +1028,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     )
     x_of_knot = x[split_intervals] + knot_place * (x[split_intervals + 1] - x[split_intervals])
 
+    # Rows and inside knots together; heights are integrals of the piecewise linear slope.
     all_x = np.insert(x, split_intervals + 1, x_of_knot)
     # Slopes below 0 are so by round-off alone.
     all_slopes = np.maximum(np.insert(slopes, split_intervals + 1, slope_at_knot), 0.0)
@@ -1039,7 +1085,8 @@ def fit_profile(
     points
         (n, 2) x, ascending, and the gap h [length]
     kind
-        of the fitted curve: "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+        of the fitted curve: "hertz" (parabola), "flat_rounded" (flat with parabolic edges),
+        "even_polynomial" or "smoothing_spline"
     noise
         standard deviation of h [length]; by default that of the residuals
     centre
@@ -1052,8 +1099,8 @@ def fit_profile(
     Returns
     -------
     Hertz | FlatRounded | EvenPolynomial | Tabulated
-        The profile, with a record of the fit in `fitted`. A `smoothing_spline` is a `Tabulated` of
-        rows on the fitted curve.
+        The profile, with a record of the fit in `fitted`. A `smoothing_spline` becomes a
+        `Tabulated`, a table of rows on the fitted curve.
 
     Raises
     ------
@@ -1071,6 +1118,7 @@ def fit_profile(
     keys_of_fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
     keys = {"kind": "tabulated", "points": points, "fit": keys_of_fit}
     try:
+        # `_ANY_PROFILE` validates the keys of a profile and makes it.
         return _curve_of_rows(_ANY_PROFILE.validate_python(keys))  # type: ignore[return-value]
     except ValidationError as faults:
         raise InputError(f"fit_profile: {refusal_sentence(faults, keys, Tabulated)}") from faults

@@ -805,8 +805,8 @@ class HarmonicSegment(LoadSegment):
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
         if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
             return []
-        # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
 
+        # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
         highest_harmonic = int(np.flatnonzero(rate_coefficients)[-1])
         coefficients_below_zero = np.conj(rate_coefficients[highest_harmonic:0:-1])
         roots = polynomial.polyroots(
@@ -1302,7 +1302,6 @@ def largest_ratio(segments: Iterable[LoadSegment]) -> float:
     largest ratio itself. These combinations are largest at ends and turning points of a segment.
 
     # notation: r ratio reached so far; Combination(c_P, c_Q): c_P P + c_Q Q
-
     >>> largest_ratio([StraightSegment(0.0, 1.0, (1.0, 0.0), (2.0, -1.0))])
     0.5
     """
