@@ -17,7 +17,7 @@ from scenes.array_types import Array
 
 Function = Callable[[Array], ArrayLike]
 
-# Intervals into which one first interval may be halved: noise needs them without end.
+# Most series computed for the parts of one first interval: of noise, halving would never end.
 _MOST_PIECES = 400
 # Length of an interval, over that of its first one, at which halving ends: round-off of places.
 _SHORTEST_PIECE = 1e-14
@@ -91,35 +91,45 @@ class SeriesAsPowers:
     """
 
     def __init__(self, coefficients: Array) -> None:
-        """Convert n Chebyshev series, coefficients (k, n), to sums of powers.
+        """Convert n Chebyshev series on [-1, 1], coefficients (k, n), to sums of powers, stored for
+        evaluation in the attribute `_power_coefficients`.
 
         [-1, 1] is divided into _PARTS_OF_PIECE = 8 equal parts, each with a sum of powers of its
         own about its middle: on the whole interval powers would lose digits. Before that the
         highest Chebyshev terms are dropped, where they are round-off on every part of every series.
         """
-        # Axes: part, Chebyshev term (a power once converted), series.
+        # `_series_to_parts()` takes the coefficients on [-1, 1] to those on each part.
+        # Axes: part, Chebyshev term, series.
         series_on_parts = _series_to_parts()[..., : len(coefficients)] @ coefficients
         sizes = np.abs(series_on_parts)
+
+        # Terms that are above round-off on some part of some series.
         is_needed = np.any(sizes > 5e-16 * np.max(sizes, axis=(0, 1)), axis=(0, 2))
         n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
+
+        # Axes: part, power, series. `_terms_to_powers()` takes Chebyshev terms to powers.
         powers_on_parts = _terms_to_powers()[:n_powers, :n_powers] @ series_on_parts[:, :n_powers]
         # (n_powers, n * _PARTS_OF_PIECE): column i * _PARTS_OF_PIECE + j is part j of series i.
         self._power_coefficients = np.moveaxis(powers_on_parts, 0, 2).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
-        """Values of the series at places t in [-1, 1] by Horner's rule, of any shape; outside, the
-        powers of the first or last part are continued.
+        """Values of several functions, each a sum of powers on parts of [-1, 1], at places t in
+        [-1, 1], by Horner's rule, in the shape of t; outside, the powers of the first or last part
+        are continued.
 
-        `number` says for each place which of the n series is evaluated there, 0 to n - 1, in the
+        `number` says for each place which of the n functions is evaluated there, 0 to n - 1, in the
         shape of t.
         """
         # In place, since this is the innermost loop of many integrals: first in units of parts from
         # -1 on, then from the middle of the part, in [-1/2, 1/2].
         place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
+        # Number of the part, then the column of its powers: 8 parts (_PARTS_OF_PIECE) a function.
         column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
         place_in_part -= column
         place_in_part -= 0.5
         column += np.ravel(number) * _PARTS_OF_PIECE
+
+        # Horner's rule from the highest power down.
         values = self._power_coefficients[-1].take(column)
         next_coefficients = np.empty(len(place_in_part))
         for coefficients_of_power in self._power_coefficients[-2::-1]:
@@ -152,17 +162,21 @@ class PiecewiseSeries:
     coefficients: Array
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Values of the function at x, in its shape; beyond the first or last interval, those of
-        its series continued.
+        """Values of a piecewise Chebyshev series at x, in its shape; beyond the first or last
+        interval, those of its series continued.
+
+        `edges` (n + 1,) are the ascending ends of the n intervals, each with a series of its own.
         """
         x_array = np.asarray(x, dtype=float)
+        # Index of the interval of each x.
         piece = np.clip(
             np.searchsorted(self.edges, x_array, side="right") - 1, 0, len(self.edges) - 2
         )
         piece_begin = self.edges[piece]
         piece_end = self.edges[piece + 1]
-        t = (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
-        return self._powers(piece, t)
+        place_in_interval = (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
+        # `_powers` evaluates the series number `piece` at t in [-1, 1].
+        return self._powers(piece, place_in_interval)
 
     @cached_property
     def _powers(self) -> SeriesAsPowers:
@@ -191,6 +205,7 @@ def clenshaw_values(coefficients: Array, number: NDArray[np.intp], t: Array) -> 
     series_of_places = np.ravel(number)
     places = np.ravel(t)
     sums = np.empty(np.size(t))
+    # Blocks of 4,096 places fit into the cache.
     for begin in range(0, len(places), _PLACES_PER_BLOCK):
         block = slice(begin, begin + _PLACES_PER_BLOCK)
         series_number = series_of_places[block]
@@ -230,6 +245,7 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     1.2
     """
     sum_of_places = t + t_before
+
     ones = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
     # notation: d_k = D_k of T_k, t_k = T_k(t_before)
     d_before = 0.0 * ones  # D_0
@@ -237,6 +253,8 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     t_k_before = ones  # T_0
     t_k = t_before * ones  # T_1
     quotient = 0.0 * ones
+
+    # Each term adds c_k D_k; the recurrences of D_k and T_k give the next ones.
     for coefficient in coefficients[1:].tolist():
         quotient = quotient + coefficient * d_k
         d_next = 2 * (t * d_k + t_k) - d_before
@@ -274,13 +292,18 @@ def piecewise_series_of(
     """
     first_edges = np.asarray(edges, dtype=float)
     pieces = piecewise_series_by_halving(function, first_edges, scale)
+    # Runs of very short intervals, as halving leaves them next to a corner: (index of the first
+    # edge, index of the last edge) each.
     runs_at_corners = _runs_of_short_pieces(pieces, first_edges)
     if not runs_at_corners:
         return pieces
+
+    # Corners become ends of first intervals, and all is fitted again.
     corners = [_place_of_corner(function, pieces, run) for run in runs_at_corners]
     edges_with_corners = np.union1d(first_edges, corners)
     pieces = piecewise_series_by_halving(function, edges_with_corners, scale)
     runs_at_corners = _runs_of_short_pieces(pieces, edges_with_corners)
+
     if runs_at_corners:
         first_run_begin, first_run_end = runs_at_corners[0]
         raise UnresolvedError(
@@ -347,9 +370,11 @@ def piecewise_series_by_halving(
     )
     n_tried = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
 
+    # Intervals that are done: their begins, and the coefficients of their series.
     accurate_begins = [begins[:0]]
     accurate_series = [np.empty((0, CHEBYSHEV_DEGREE + 1))]
     while len(begins):
+        # One turn: a series on each interval, and whether it is accurate.
         coefficients = chebyshev_coefficients(values)
         n_tried = n_tried + np.bincount(first_interval, minlength=len(n_tried))
         error_limits = np.maximum(
@@ -362,8 +387,8 @@ def piecewise_series_by_halving(
             | (to_be_halved & (n_tried[first_interval] > _MOST_PIECES))
         )
         if len(unresolved_intervals):
-            first = unresolved_intervals[0]
-            raise UnresolvedError(float(begins[first]), float(ends[first]))
+            first_unresolved = unresolved_intervals[0]
+            raise UnresolvedError(float(begins[first_unresolved]), float(ends[first_unresolved]))
         accurate_begins.append(begins[~to_be_halved])
         accurate_series.append(coefficients[~to_be_halved])
 
@@ -376,6 +401,7 @@ def piecewise_series_by_halving(
         first_interval = np.tile(first_interval[to_be_halved], 2)
         if len(begins):
             values = values_on(begins, ends)
+
     ascending = np.argsort(np.concatenate(accurate_begins))
     return PiecewiseSeries(
         np.append(np.concatenate(accurate_begins)[ascending], edges[-1]),
@@ -384,15 +410,23 @@ def piecewise_series_by_halving(
 
 
 def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[tuple[int, int]]:
-    """Runs of neighbouring intervals that halving has left far shorter than the first ones, as it
-    does next to a corner: for each run the indices in `pieces.edges` of its begin and its end.
+    """Runs of neighbouring intervals that halving has left shorter than a thousandth of the first
+    ones, as it does next to a corner.
 
-    `first_edges` (n + 1,) are the ends of the first intervals, `pieces` the halved ones.
+    Returned for each run: the indices in `pieces.edges` of its begin and its end.
+
+    Parameters
+    ----------
+    pieces
+        the halved intervals; their `edges` are the ascending ends of all
+    first_edges
+        (n + 1,) ends of the first intervals, before halving
     """
     piece_lengths = np.diff(pieces.edges)
     first_interval = np.searchsorted(first_edges, pieces.edges[:-1], side="right") - 1
     first_lengths = np.diff(first_edges)[first_interval]
-    # 0 before the first and after the last piece: every run has a step up and a step down.
+    # 1 for a short interval, 0 before the first and after the last: each run has a step up and
+    # down.
     is_short = np.concatenate(
         [[False], piece_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]
     ).astype(int)
@@ -407,18 +441,22 @@ def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int
 
     Chebyshev series fitted on the left and on the right of the run are continued into it. The
     corner is where they cross, or, if they only touch, where their slopes are equal. Of several
-    such places it is the one nearest to the shortest interval.
+    such places it is the one nearest to the shortest interval; without any it is the middle of that
+    interval.
 
     Parameters
     ----------
+    function
+        takes an array of places, returns one of values
     pieces
-        the halved intervals, with their series
+        the halved intervals: `edges` are the ascending ends of all
     run
         indices in `pieces.edges` of the begin and the end of the run
     """
     first_index, last_index = run
     begin = float(pieces.edges[first_index])
     end = float(pieces.edges[last_index])
+    # The shortest interval of the run: halving has gone deepest there.
     lengths = np.diff(pieces.edges[first_index : last_index + 1])
     shortest_piece = first_index + int(np.argmin(lengths))
     middle_of_shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
@@ -436,11 +474,14 @@ def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int
             chebyshev_coefficients(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
         )
 
+    # The difference of both fits on the run, a cubic.
     left_fit = fit_from(begin - fit_width)
     right_fit = fit_from(end)
-    jump = chebyshev.Chebyshev.interpolate(lambda x: right_fit(x) - left_fit(x), 3, [begin, end])
-    fits_cross = jump(begin) * jump(end) < 0
-    candidate_places = (jump if fits_cross else jump.deriv()).roots().real
+    fit_difference = chebyshev.Chebyshev.interpolate(
+        lambda x: right_fit(x) - left_fit(x), 3, [begin, end]
+    )
+    fits_cross = fit_difference(begin) * fit_difference(end) < 0
+    candidate_places = (fit_difference if fits_cross else fit_difference.deriv()).roots().real
     return float(
         min(
             candidate_places,
@@ -454,7 +495,8 @@ def function_of_arrays(function: Any) -> Callable[[Array], Array]:
     """Make a user's `function` of one variable take arrays: the returned function maps places x of
     any shape to values of the same shape.
 
-    It calls `function` once with the whole array, or point by point where that cannot take arrays.
+    The returned function calls `function` once with the array, or place by place where `function`
+    cannot take arrays.
     """
 
     def values_at(x: Array) -> Array:

@@ -136,6 +136,9 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         (n,) places, ascending, and heights [length]; h grows away from the contact
     request
         kind of profile, and what the user states: noise, middle, extent, tilt
+    request
+        `kind` of profile ("hertz", "flat_rounded", "even_polynomial", "smoothing_spline"), and what
+        the user states: noise, middle, extent, tilt
 
     Raises
     ------
@@ -143,55 +146,66 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         For too few or too many points, x that descends, points that curve down, or points on one
         side of the middle alone.
     """
+    # Indices of points that may be spikes: first those far from their neighbours.
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
-    fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
+    # `keys` of a fit: the profile's keys; `height_at`: the fitted heights at any places.
+    profile_fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
+
+    # Points far from the fit join the candidates, in a few repeats.
     for _ in range(_MOST_REPEATS_OF_FIT):
         rows_in_fit = np.delete(row_numbers, candidate_rows)
-        residuals = h[rows_in_fit] - fit.height_at(x[rows_in_fit])
+        residuals = h[rows_in_fit] - profile_fit.height_at(x[rows_in_fit])
         further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
         n_candidates = len(candidate_rows) + len(further_candidates)
+        # More than 5 % of the points are no spikes.
         if not len(further_candidates) or n_candidates > LARGEST_FRACTION_OF_SPIKES * len(x):
             break
         candidate_rows = np.sort(np.append(candidate_rows, further_candidates))
-        fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
+        profile_fit = _fit_of_rows(
+            np.delete(x, candidate_rows), np.delete(h, candidate_rows), request
+        )
+
+    # Spikes are the candidates that are far from the last fit too.
     # A corner of the profile stands out from its neighbours, but not from the fit: it stays.
-    distances_from_fit = np.abs(h[candidate_rows] - fit.height_at(x[candidate_rows]))
+    distances_from_fit = np.abs(h[candidate_rows] - profile_fit.height_at(x[candidate_rows]))
     spikes = candidate_rows[
-        distances_from_fit > LEAST_RESIDUAL_OF_SPIKE * fit.keys["fitted"]["noise"]
+        distances_from_fit > LEAST_RESIDUAL_OF_SPIKE * profile_fit.keys["fitted"]["noise"]
     ]
     if len(spikes) < len(candidate_rows):
-        fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
+        profile_fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
     if len(spikes):
-        fit.keys["fitted"]["spikes"] = tuple((spikes + 1).tolist())
-    return fit.keys
+        profile_fit.keys["fitted"]["spikes"] = tuple((spikes + 1).tolist())
+    return profile_fit.keys
 
 
 def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
-    """Indices (m,) of residuals that are spikes, not noise: more than LEAST_RESIDUAL_OF_SPIKE
-    standard deviations in size, and more than twice the size of both neighbours.
+    """Indices (m,) of residuals that are spikes, not noise: more than 5 standard deviations in
+    size, and more than twice the size of both neighbours.
 
-    The standard deviation comes from the median, which spikes do not move. `residuals` are (n,).
+    The standard deviation comes from the median, which spikes do not move; residuals that are
+    round-off of an exact fit have no spikes. `residuals` (n,) are measured minus fitted heights.
     """
-    residual_sizes = np.abs(residuals)
-    sigma = float(np.median(residual_sizes)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
-    if not sigma > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(residual_sizes)):
+    absolute_residuals = np.abs(residuals)
+    sigma = float(np.median(absolute_residuals)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
+    if not sigma > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(absolute_residuals)):
         return np.array([], dtype=np.int64)
-    larger_neighbour_sizes = np.maximum(
-        np.append(residual_sizes[1:], 0.0), np.append(0.0, residual_sizes[:-1])
+    largest_neighbours = np.maximum(
+        np.append(absolute_residuals[1:], 0.0), np.append(0.0, absolute_residuals[:-1])
     )
     return np.flatnonzero(
-        (residual_sizes > LEAST_RESIDUAL_OF_SPIKE * sigma)
-        & (residual_sizes > 2 * larger_neighbour_sizes)
+        (absolute_residuals > LEAST_RESIDUAL_OF_SPIKE * sigma)
+        & (absolute_residuals > 2 * largest_neighbours)
     )
 
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """Indices (m,) of measured points x, h (n,) that stand out from their neighbours; none where x
-    is not in order.
+    is not in order, or where points are too few or too many for a fit.
     """
     if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
+    # Standard deviation of the noise of h, by differences of neighbouring points.
     sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
     # noise hides below the step of the last digit
@@ -234,6 +248,14 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
 
     A stated tilt is removed as it is. Points on one side of the middle show no tilt. Nor does a
     parabola whose middle is fitted: a tilt only moves it.
+
+    Parameters
+    ----------
+    x, h
+        (n,) places, ascending, and heights [length]
+    request
+        what is fitted, `kind`, and what is stated: `tilt` (slope of the trace), `centre` (x of the
+        middle), and `first_guess` (middle and half-length of the flat); None where it is not stated
     """
     tilt = request.tilt or 0.0
     levelled_heights = h - tilt * (x - x[0])
@@ -242,11 +264,17 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     if may_be_tilted and _is_tilted_as_a_whole(x, h, request.kind):
         tilt = float(np.polyfit(x - x[0], h, 1)[0])
         levelled_heights = h - tilt * (x - x[0])
+
+    # The middle: 0 for points that are the right half of a profile.
     if known_middle is None and _is_half_a_profile(x, levelled_heights):
         known_middle = 0.0
+
+    # Whether a tilt is fitted together with the profile.
     is_one_sided = known_middle is not None and x[0] >= known_middle
     is_parabola_of_any_middle = request.kind == "hertz" and known_middle is None
     tilt_is_fitted = request.tilt is None and not is_one_sided and not is_parabola_of_any_middle
+
+    # Where the search for the middle begins: the lowest place of the parabola through the points.
     first_middle = _lowest_place(x, levelled_heights) if known_middle is None else known_middle
     if request.first_guess is not None and known_middle is None:
         first_middle, _ = request.first_guess
@@ -267,8 +295,8 @@ def _check_rows_of_fit(
     middle
         x of the axis of symmetry about which the profile is fitted
     middle_is_known
-        whether it is stated, not fitted: points on one side of it are then enough, if they begin
-        near it
+        whether it is stated, not fitted: points on one side of it are then enough, if the nearest
+        is within a tenth of the largest distance from it
     last_row
         index of the last measured point, for the message
 
@@ -336,9 +364,15 @@ class _ScaledFit:
         return self.origin + self.length_unit * self.fit.middle
 
     def heights(self, places: Array) -> Array:
-        """Fitted h of the levelled trace at any places x [length]."""
+        """Fitted h of the levelled trace at any places x (n,) [length].
+
+        The dimensionless fit `fit` is h = offset + tilt (x - middle) + sum of basis functions of
+        |x - middle| with weights. `origin` is the place at which its x is 0; `length_unit` and
+        `height_unit` are its units; its h is counted from the first measured h.
+        """
         fit = self.fit
         scaled_places = (places - self.origin) / self.length_unit
+        # (n, m) values of the m basis functions, convex in the distance from the middle.
         basis_functions = fit.rows.basis_functions(
             np.abs(scaled_places - fit.middle), fit.flat_half_length
         )
@@ -370,6 +404,8 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             f"{len(x):,} rows are too many for a fit of at most {_MOST_ROWS:,}: leave out all but"
             " every n-th",
         )
+
+    # Heights minus the `tilt` of the trace as a whole, then the dimensionless fit to those points.
     trace = _levelled_trace(x, h, request)
     scaled_fit = _fit_within_extent(x, trace, request)
 
@@ -377,6 +413,7 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
         """Fitted h of the trace as it was measured, with its tilt."""
         return np.asarray(scaled_fit.heights(places) + trace.tilt * (places - x[0]))
 
+    # Profile keys in the units of the trace, with the record of the fit.
     keys = {
         **scaled_fit.fit.keys(scaled_fit.length_unit, scaled_fit.height_unit),
         "fitted": _record_of_fit(x, trace, scaled_fit, request),
@@ -388,8 +425,16 @@ def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledF
     """Fit a profile to the measured points no farther from its middle than the requested extent.
 
     The middle (axis of symmetry) follows from the fit, and decides which points count. So the fit
-    is repeated until the same points stay within the extent, 5 times at most. `x` (n,)
-    are the places of all points of the trace.
+    is repeated until the same points stay within the extent, 5 times at most.
+
+    Parameters
+    ----------
+    x
+        (n,) places of all points of the trace [length]
+    trace
+        the levelled points; `first_middle` is the x at which the search for the middle begins
+    request
+        what is fitted; `extent` is the largest distance from the middle, None for no limit
     """
     extent = request.extent or math.inf
     assumed_middle = trace.first_middle
@@ -407,9 +452,21 @@ def _fit_about(
 ) -> _ScaledFit:
     """Fit a profile to the points of a trace within the requested extent of an assumed middle.
 
-    Places and heights are made dimensionless first, by the largest distance from that middle and
-    by the range of h: so no result depends on the units of the trace. The middle itself may be
-    fitted too, and then differs from the assumed one.
+    Places and heights are made dimensionless first, by the largest distance from that middle and by
+    the range of h: so no fit depends on the units of the trace. The middle itself may be fitted
+    too, and then differs from the assumed one.
+
+    Parameters
+    ----------
+    x_of_all_rows
+        (n,) places of all points of the trace [length]
+    trace
+        `levelled_heights` (n,); `known_middle`, None where the middle is fitted; `tilt_is_fitted`
+    request
+        `kind` of profile; `extent`, `noise` (standard deviation of h), `smoothing_weight` and
+        `first_guess` (middle, half-length of the flat), None where they are not stated
+    assumed_middle
+        x of the axis of symmetry [length]
 
     Raises
     ------
@@ -422,6 +479,8 @@ def _fit_about(
     last_row = len(x_of_all_rows) - 1
     middle_is_known = trace.known_middle is not None
     _check_rows_of_fit(x, h, assumed_middle, middle_is_known, last_row)
+
+    # Dimensionless points and noise.
     height_unit = float(np.ptp(h))
     length_unit = float(np.max(np.abs(x - assumed_middle)))
     scaled_noise = None
@@ -435,6 +494,7 @@ def _fit_about(
         middle_is_fitted=not middle_is_known,
         tilt_is_fitted=trace.tilt_is_fitted,
     )
+
     first_half_length = None
     if request.first_guess is not None:
         _, half_length = request.first_guess
@@ -455,26 +515,42 @@ def _fit_about(
 def _record_of_fit(
     x_of_all_rows: Array, trace: _Trace, scaled_fit: _ScaledFit, request: FitRequest
 ) -> dict[str, Any]:
-    """Record of a fit for the scene file, as `scenes.profiles.Fitted` describes each key: middle,
-    tilt, offset, noise, extent, smoothing weight; in the units of the trace.
+    """Record of a fit for the scene file: middle, tilt, offset, noise, extent, smoothing weight and
+    more by their keys, in the units of the trace.
 
     A noise that is not stated is the standard deviation of the residuals, their sum of squares
     divided by the degrees of freedom: points minus fitted parameters.
+
+    Parameters
+    ----------
+    x_of_all_rows
+        (n,) places of all measured points [length]
+    trace
+        `tilt` that was removed before the fit; `known_middle`, None where it was fitted;
+        `is_one_sided`: all points lie on one side of the middle
+    scaled_fit
+        `x`, `h` of the fitted points and `middle` [length]; the dimensionless `fit`, with its units
+        `length_unit` and `height_unit` [length]
+    request
+        `kind` of profile, and `noise` [length], None where it is not stated
     """
     x = scaled_fit.x
     height_unit = scaled_fit.height_unit
     fit = scaled_fit.fit
     middle = scaled_fit.middle
     first_height = float(scaled_fit.h[0])
+    # Measured minus fitted heights, both counted from the first point.
     residuals = (scaled_fit.h - scaled_fit.h[0]) - height_unit * fit.fitted_heights
     sum_of_squares = float(residuals @ residuals)
     degrees_of_freedom = max(1, len(x) - round(fit.n_effective_parameters))
     # The residuals of an exact fit are round-off: a noise of 0 would divide by 0 later.
     estimated_noise = max(math.sqrt(sum_of_squares / degrees_of_freedom), 1e-15 * height_unit)
+
+    # How far the points reach from the middle on each side.
     reach_to_left = middle - x[0]
     reach_to_right = x[-1] - middle
-    longer_reach = max(reach_to_left, reach_to_right)
-    shorter_reach = min(reach_to_left, reach_to_right)
+    larger_reach = max(reach_to_left, reach_to_right)
+    smaller_reach = min(reach_to_left, reach_to_right)
     return {
         "kind": request.kind,
         "noise": estimated_noise if request.noise is None else request.noise,
@@ -488,7 +564,7 @@ def _record_of_fit(
         + trace.tilt * (middle - x_of_all_rows[0]),
         "residual": math.sqrt(sum_of_squares / len(x)),
         "freedom": degrees_of_freedom,
-        "extent": longer_reach if trace.is_one_sided else shorter_reach,
+        "extent": larger_reach if trace.is_one_sided else smaller_reach,
         "weight": fit.smoothing_weight,
         "left_out": len(x_of_all_rows) - len(x),
     }
@@ -499,8 +575,8 @@ def _is_tilted_as_a_whole(x: Array, h: Array, kind: str) -> bool:
     least-squares parabola is then lowest far from mid-length, where a level one is lowest.
 
     Far is 0.3 of the half-length of the trace. For a `kind` "hertz" it is the half-length: a tilt
-    of it is not fitted, so that an off-centre parabola must stay as it is. Points that are one
-    half of a profile are never tilted.
+    of it is not fitted, so that an off-centre parabola must stay as it is. Points that are the
+    right half of a profile are never tilted.
     """
     if x[-1] <= x[0] or _is_half_a_profile(x, h):
         return False
@@ -531,10 +607,11 @@ def fitted_again(
     Parameters
     ----------
     profile
-        a profile of a scene that was fitted; `profile.fitted` records how
+        a profile of a scene that was fitted: `height` is its gap h(x), and `fitted` the record of
+        the fit: measured rows, centre, tilt, noise, and which of these were fitted
     noise
-        (n,) random heights of standard deviation 1, one for each fitted point: the simulated
-        points are the first fit plus its own noise times these; None: the measured points
+        (n,) random heights of standard deviation 1, one for each fitted point: the simulated points
+        are the first fit plus its own noise times these; None: the measured points
     smoothing
         factor on the smoothing weight of the first fit
     """
@@ -555,6 +632,8 @@ def fitted_again(
         smoothing_weight=smoothing * record.weight,
         first_guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
+
+    # A RowError: the points admit no convex profile.
     with contextlib.suppress(RowError):
         return _fit_of_rows(x, h, request).keys
     return None
@@ -564,7 +643,8 @@ def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
     """Fit a smoothing spline to the measured points of a fitted profile, noise and tilt fitted
     again: the keys of the spline; None where no convex one fits.
 
-    `profile.fitted` is the record of the first fit.
+    `profile.fitted` is the record of the first fit: its measured rows, the middle `centre`, and
+    whether that was fitted.
     """
     record = profile.fitted
     x, h = record.rows.values[record.used_rows()].T
@@ -605,8 +685,8 @@ def _noise_variance(x: Array, h: Array) -> float:
     is_distinct = np.all(np.diff(places) > 0, axis=1)
     if not np.any(is_distinct):
         return 0.0
-    # Weights of a divided difference: 1 over the product of the distances to the other places, in
-    # units of the widest.
+    # Weights of a divided difference: 1 over the product of the distances to the three other
+    # places, in units of the distance from the first to the fourth.
     places = places[is_distinct] / (places[is_distinct, -1] - places[is_distinct, 0])[:, None]
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
@@ -675,6 +755,8 @@ class _ScaledRows:
         piecewise linear hat, 1 at knot j and 0 at all others. `flat_half_length` counts for
         "flat_rounded" alone.
         """
+        # Each row of `_CURVATURE_POLYNOMIALS` holds the coefficients of 1, s^2, s^4, s^6 in a
+        # curvature.
         match self.kind:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
@@ -706,9 +788,15 @@ class _ScaledRows:
             so of length 0 to 2
         smoothing_weight
             0 for no smoothing
+
+        Raises
+        ------
+        NotFoundError
+            Where non-negative least squares do not converge.
         """
         from scipy.optimize import nnls
 
+        # The basis functions B_j at the points, (n_rows, n_functions).
         middle = float(middle_and_half_length[0]) if self.middle_is_fitted else 0.0
         flat_half_length = float(middle_and_half_length[-1]) if self.kind == "flat_rounded" else 0.0
         basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
@@ -733,16 +821,21 @@ class _ScaledRows:
         # The triangle R of Q R has the same least squares, with as many rows as columns.
         if n_rows > n_functions + 1:
             equations = np.asarray(np.linalg.qr(equations, mode="r"))
+
+        # Smoothing adds an equation for each pair of neighbouring w_j.
         smoothing_rows = np.zeros((0, n_functions + 1))
         if smoothing_weight:
             differences = np.diff(np.eye(n_functions + 1)[:n_functions], axis=0)
             smoothing_rows = math.sqrt(smoothing_weight) * differences
         equations = np.vstack([equations, smoothing_rows])
+
         try:
             basis_weights = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_functions)[0]
         except RuntimeError as reason:
             raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
 
+        # Offset, tilt and heights that belong to these weights, and what they add to the sum of
+        # squares.
         tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
         shape_heights = basis_functions @ basis_weights
         offset = float(self.h.mean() - means @ basis_weights + tilt * (middle - self.x.mean()))
@@ -773,8 +866,15 @@ class _ScaledRows:
         """Least-squares fit of the profile with the best middle and half-length of the flat, where
         these are fitted, by Gauss-Newton steps (variable projection).
 
-        `first_guess` holds the middle if it is fitted, then the half-length for a profile with a
-        flat; it is empty where neither is. `smoothing_weight` is 0 for no smoothing.
+        For each trial of the two, all other unknowns follow by linear least squares.
+
+        Parameters
+        ----------
+        first_guess
+            the middle if it is fitted, then the half-length for a profile with a flat; empty where
+            neither is fitted
+        smoothing_weight
+            factor on the squared differences of neighbouring spline weights; 0 for no smoothing
         """
         from scipy.optimize import least_squares
 
@@ -782,6 +882,7 @@ class _ScaledRows:
             return self.fit_for(first_guess, smoothing_weight)
         lower_bounds = [-1.0] * self.middle_is_fitted
         upper_bounds = [1.0] * self.middle_is_fitted
+        # The half-length of the flat is between 1e-9 and 0.98 of the largest distance.
         bounds = (
             [*lower_bounds, 1e-9][: len(first_guess)],
             [*upper_bounds, _LONGEST_HALF_LENGTH][: len(first_guess)],
@@ -830,6 +931,7 @@ class _ScaledRows:
 
         Middles too are tried where a tilt is fitted, which moves the lowest place. `first_middle`
         is the middle 0 in an array of one, or empty where the middle is not fitted.
+        `flat_half_length` is over the largest distance of a point from the middle; None: unknown.
         """
         if flat_half_length is not None:
             return np.append(
@@ -865,7 +967,7 @@ class _ScaledRows:
         trial_weights
             factors on the squared differences of neighbouring basis weights
         noise
-            standard deviation of a height, over the range of heights
+            standard deviation of a height, over the range of heights; None: unknown
         """
         n_rows = len(self.x)
         fits = []
@@ -880,8 +982,8 @@ class _ScaledRows:
             smoother_matrix = np.linalg.solve(
                 normal_matrix + smoothing_weight * differences.T @ differences, normal_matrix
             )
-            n_parameters_beside = 1 + self.middle_is_fitted + self.tilt_is_fitted
-            n_parameters = n_parameters_beside + float(np.trace(smoother_matrix))
+            n_further_parameters = 1 + self.middle_is_fitted + self.tilt_is_fitted
+            n_parameters = n_further_parameters + float(np.trace(smoother_matrix))
 
             sum_of_squares = float(np.sum((self.h - fit.fitted_heights) ** 2))
             if noise:
@@ -934,6 +1036,7 @@ class _Fit:
         """The fitted profile as keys of a scene file: kind, then radius, flat, polynomial or table
         of points, in the units of the trace.
 
+        The kind fitted is `rows.kind`; `basis_weights` w_j multiply its basis functions.
         `length_unit` and `height_unit` are the units of x and h of this fit [length]. The offset
         and the tilt are no part of the profile.
         """
@@ -949,9 +1052,12 @@ class _Fit:
                     "flat_half_length": length_unit * self.flat_half_length,
                 }
             case "even_polynomial":
+                # Coefficients of the curvature in powers of (s/L)^2; integrated twice below.
                 curvature_coefficients = self.basis_weights @ _CURVATURE_POLYNOMIALS
                 rises = height_unit * curvature_coefficients / _DIVISORS_OF_TWO_INTEGRATIONS
                 return {"kind": "polynomial", "length": length_unit, "rises": tuple(rises.tolist())}
+
+        # A smoothing spline becomes a table of points on it.
         x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
         heights = self.rows.basis_functions(x, 0.0) @ self.basis_weights
         return {

@@ -1538,7 +1538,9 @@ def _chebyshev_segment(
     times = begin + (end - begin) * (1 + CHEBYSHEV_NODES) / 2
 
     def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:
-        """Coefficients of the series through a function's values, to its last significant degree."""
+        """Coefficients of the series through a function's values, up to the last that is not
+        round-off.
+        """
         coefficients = chebyshev_coefficients(function(times))
         is_above_roundoff = np.abs(coefficients) > 1e-16 * load_scale
         degree = int(np.max(np.flatnonzero(is_above_roundoff), initial=0))
