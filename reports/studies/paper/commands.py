@@ -7,18 +7,25 @@ from reports.console import Part, Sheet, Stages
 
 
 def paper(options: Options) -> Answer:
-    """The command `paper`: the paper's figures, what it states in words, and its misprints, each
-    recomputed. Exit code 1 if a misprint is not proven.
+    """The command `paper`: recompute the paper's figures, what it states in words, and its
+    misprints, and write a page. Exit code 1 if a misprint is not proven.
+
+    `options` are those of the command line: `out` is the folder for the results, `quiet` stands for
+    no progress on stderr. Returns the exit code, tables and lines for the terminal, and the content
+    of the JSON output.
     """
     from reports.folder import default_folder, usable_folder
 
+    # compute, and write the page
     stages = Stages(options.quiet)
     folder = usable_folder(options.out or default_folder("paper"))
     with stages.stage("loading"):
         from reports.studies.paper import page
         from reports.studies.paper.tables import proven_in_words
     report = page.write(folder, stages, options.command("paper", "", folder))
-    code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE
+
+    # for JSON: the rows of both tables (`statements`, `misprints`), and how many have each verdict
+    code = EXIT_WITHIN if report.proven else EXIT_OUTSIDE  # exit codes 0 and 1
     verdicts = page.tally(report.statements)
     content = {
         "passed": code == EXIT_WITHIN,
@@ -28,6 +35,8 @@ def paper(options: Options) -> Answer:
         "page": str(report.page),
         "seconds": stages.seconds,
     }
+
+    # for the terminal: both tables, a summary, and the path of the page
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     n_proven = sum(row.proven is True for row in report.misprints)
     heads_of_statements = ("statement", "where", "the paper", "computed", "verdict")

@@ -34,31 +34,36 @@ _SLIP_LOOKS = {1: ("pale-forward", "forward slip"), -1: ("pale-reverse", "revers
 # Colours of the four points of figure 5 in the style sheet.
 _POINT_COLOURS = "d435"
 _ANGLE = "angle θ of the cycle after M  [degrees]"
+# Ticks of an axis of angles, each with its text.
 _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
+# Axes that several figures share: half-widths, and the angle of a revolution.
 _HALF_WIDTH = Axis(0.0, 1.3, "half-width / a(P₀)")
 _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def all_figures(paper: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order, computed again from its cases. `paper` holds the
-    paper's two profiles, with their solutions.
+    """Every figure of the paper, in its order, computed again.
+
+    `paper` holds, for the parabola and for the flat and rounded profile: the case, which is the
+    paper's ellipse of loads on that profile; place and value of the peak of W(x), the dissipation
+    per area; and a sweep of the dissipation and this peak over mean load and friction.
     """
-    hertz = paper.hertz_case
-    rounded = paper.rounded_case
+    hertz_case = paper.hertz_case
+    rounded_case = paper.rounded_case
     hertz_peak, rounded_peak = paper.peaks
     hertz_sweep, rounded_sweep = paper.sweeps
     return (
-        _figure_1(rounded),
-        _figure_2(hertz),
-        _figure_3(hertz),
-        _figure_4a(hertz),
-        _figure_4b(hertz),
-        _figure_5(hertz),
-        _figure_of_density("figure_06", hertz, hertz_peak),
+        _figure_1(rounded_case),
+        _figure_2(hertz_case),
+        _figure_3(hertz_case),
+        _figure_4a(hertz_case),
+        _figure_4b(hertz_case),
+        _figure_5(hertz_case),
+        _figure_of_density("figure_06", hertz_case, hertz_peak),
         _figure_of_sweep("figure_07a", "work", hertz_sweep),
         _figure_of_sweep("figure_07b", "peak", hertz_sweep),
-        _figure_8(rounded),
-        _figure_of_density("figure_09", rounded, rounded_peak),
+        _figure_8(rounded_case),
+        _figure_of_density("figure_09", rounded_case, rounded_peak),
         _figure_of_sweep("figure_10a", "work", rounded_sweep, hertz_sweep),
         _figure_of_sweep("figure_10b", "peak", rounded_sweep, hertz_sweep),
     )
@@ -81,16 +86,18 @@ def _text_at(
     dot: bool = False,
     text_class: str = "word",
 ) -> Iterator[Mark]:
-    """What is drawn for a text beside a point of a figure, and for a dot at the point.
+    """The marks of a text beside a point of a figure, and of a dot at the point.
 
     Parameters
     ----------
     x, y
-        coordinates of the point
+        coordinates of the point, in the numbers of the axes
+    text
+        nothing is written if it is empty
     shift
-        how far right of the point and above it the text stands, in about 1.3 pixels
+        how far right of the point and above it the text stands, in units of 1.3 pixels
     colour
-        its number in the style sheet; black if empty
+        number or letter of the colour in the style sheet; black if empty
     dot
         whether a dot is drawn at the point
     text_class
@@ -118,11 +125,17 @@ def _plate(
     keys: Iterable[Key] = (),
     **numbers: float,
 ) -> Plate:
-    """A figure of the paper, with its title, caption and description from paper.toml; `numbers` are
-    those in the caption. `table` has the columns of its CSV file. The panels stand in so many
-    `columns`. The legend has each labelled curve and band once, and the further `keys`.
+    """A figure of the paper, with its title, caption and description (for readers who can't see it)
+    from paper.toml. Its legend has each labelled curve and band once, and the further `keys`, which
+    are entries of the legend.
+
+    `name` is that of the figure and of its files. `numbers` are filled into the caption. `table`
+    has the columns of its CSV file. The panels stand side by side in so many `columns`.
     """
+    # texts of the figure in paper.toml, by their names
     figure_words = next(row for row in PAPER_WORDS["figure"] if row["key"] == name)
+
+    # text of an entry -> entry, with the look of its mark: a line, or a patch for a band
     legend: dict[str, Key] = {}
     for panel in panels:
         for mark in panel.marks:
@@ -153,8 +166,8 @@ def _panel(
     title: str = "",
 ) -> Panel:
     """A panel of a figure with two axes, what is drawn in it (`marks`), a description for readers
-    of screens (`alt`), and its width and height in pixels (`size`). That of figure 2 has the same
-    scale on both axes.
+    who can't see it (`alt`), and its width and height in pixels (`size`). The panel of figure 2 has
+    the same scale on both axes.
     """
     width, height = size
     has_equal_scales = name == "figure_02"
@@ -166,12 +179,17 @@ def _panel(
 # ------------------------------------------------------------------------------ loads and tractions
 def _figure_1(case: Case) -> Plate:
     """Figure 1: the motor with an eccentric weight, which turns about an axle. The gap under its
-    foot is the profile of the case, drawn much higher. Lengths are those of the drawing, with x/a0
-    across. `case` is the paper's ellipse of loads on one profile.
+    foot is the profile of the case, drawn much higher.
+
+    `case` is the paper's ellipse of loads on one profile. Lengths are those of the drawing, in
+    which a horizontal unit is a0, the contact half-width at the mean load (`unit_length`).
     """
+    # the foot: its gap at x/a0 in the scene's unit, and drawn 0.45 high at its ends
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.unit_length))
     foot_height = height * 0.45 / height[0]
+
+    # the rotor on its axle, with the eccentric weight; the struts end at the rotor
     circle_angles = np.linspace(0.0, 2 * math.pi, 121)
     arrow_angles = np.linspace(math.radians(70), math.radians(160), 31)
     axle = (0.0, 2.35)
@@ -184,6 +202,9 @@ def _figure_1(case: Case) -> Plate:
     strut_heights = [1.1, axle[1] - rotor_radius * math.sin(math.acos(0.4 / rotor_radius))]
     arrow_x = axle[0] + 0.6 * np.cos(arrow_angles)
     arrow_y = axle[1] + 0.6 * np.sin(arrow_angles)
+
+    # half-plane, foot with its dimensions, struts, rotor with weight and force, sense of rotation,
+    # self-weight
     marks: list[Mark] = [
         Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
         _line([-2.6, 2.6], [0.0, 0.0]),
@@ -245,15 +266,19 @@ def _figure_1(case: Case) -> Plate:
 def _figure_2(case: Case) -> Plate:
     """Figure 2: the initial loading and the ellipse in the plane of P and Q, with the letters A to
     M by which the paper calls the events of contact, and the lines of gradient f and -f that define
-    them. `case` is the paper's ellipse of loads on one profile.
+    them. All loads are over P0/3, a third of the mean normal load (`unit_load`).
 
-    The line of gradient f through E (end of forward slip) ends at Z, on the initial loading. That
-    of gradient -f through G (end of reverse slip) ends at T, at the load of the permanent stick
-    edge; the line of gradient f from G ends at J.
+    The line of gradient f through E (end of forward slip) ends at Z, on the initial loading. The
+    line of gradient -f through G (end of reverse slip) ends at T, at the load of the permanent
+    stick edge; the line of gradient f from G ends at J. J is the event of forward slip at which the
+    stick edge is where the contact edge was at G.
+
+    `case` is the paper's ellipse of loads on one profile. Of its events, `front_load` is the normal
+    load whose contact is as wide as the stick zone.
     """
     friction = case.friction
-    loads_on_limit = np.array([0.0, 4.6])
-    # P, Q and the load at the stick edge, over P0/3
+    loads_on_limit = np.array([0.0, 4.6])  # P at both ends of the drawn Coulomb limit
+    # letter -> P, Q and the load at the stick edge
     loads_at = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load])
         / case.unit_load
@@ -264,6 +289,8 @@ def _figure_2(case: Case) -> Plate:
     p_j, q_j, _ = loads_at["J"].tolist()
     q_z = q_e - friction * (p_e - p_z)
     q_t = q_g + friction * (p_g - p_t)
+
+    # limits, paths of the loads, lines and letters
     initial_times = np.linspace(case.scene.load.path().start, case.time_of("A"), 101)
     marks: list[Mark] = [
         _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
@@ -281,6 +308,8 @@ def _figure_2(case: Case) -> Plate:
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
     y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
+
+    # the CSV file: a row for each event
     letters_in_order = sorted(case.events, key=case.time_of)
     loads_in_order = np.array([loads_at[letter] for letter in letters_in_order])
     table: Table = {
@@ -293,13 +322,19 @@ def _figure_2(case: Case) -> Plate:
 
 
 def _letters_around_ellipse(case: Case, loads_at: Mapping[str, Array]) -> Iterator[Mark]:
-    """The letters of the events in the plane of P and Q, outside the ellipse, each with a dot;
-    letters at equal loads stand together. `loads_at` is letter -> P, Q (and more), over P0/3.
+    """The marks of the letters of the events in the plane of P and Q: each letter outside the
+    ellipse, with a dot on it; letters at equal loads stand together.
+
+    `loads_at` is letter -> P, Q (and more), over P0/3, a third of the mean normal load. `case` is
+    the paper's ellipse of loads on one profile; `unit_load` is P0/3.
     """
+    # P and Q -> letters of the events at these loads
     letters_at_point: dict[tuple[float, float], list[str]] = {}
     for letter in LETTERS:
         p, q = loads_at[letter][:2].round(6).tolist()
         letters_at_point.setdefault((p, q), []).append(letter)
+
+    # the centre of the ellipse is at P0, which is 3 times P0/3, and the mean Q
     mean_q = case.load_ellipse.mean_tangential_load / case.unit_load
     for (p, q), letters in letters_at_point.items():
         vector_from_centre = np.array([p - 3.0, q - mean_q])
@@ -309,18 +344,24 @@ def _letters_around_ellipse(case: Case, loads_at: Mapping[str, Array]) -> Iterat
 
 
 def _figure_3(case: Case) -> Plate:
-    """Figure 3: pressure and shear traction at the events A to M; what slips is filled between zero
-    and the Coulomb limit f p. `case` is the paper's ellipse of loads on one profile.
+    """Figure 3: pressure and shear traction at the events A to M of the load cycle, a panel each;
+    what slips is filled between zero and the Coulomb limit f p.
+
+    `case` is the paper's ellipse of loads on one profile. Places are over a0, the contact
+    half-width at the mean load P0 (`unit_length`), loads over P0/3 (`unit_load`).
     """
+    # tractions over P0/(3 a0) at x/a0, (13, 251): LETTERS are A to M
     x = np.linspace(-1.25, 1.25, 251)
     times = [case.time_of(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
-    traction_scale = case.unit_length / case.unit_load
+    traction_scale = case.unit_length / case.unit_load  # 1/stress
     limits_at_events = case.friction * solution.pressure * traction_scale
     shears_at_events = solution.shear * traction_scale
     loads_at_events = (
         np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit_load
     )
+
+    # a panel for each event
     x_axis = Axis(-1.25, 1.25, "x / a(P₀)")
     y_axis = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
     panels = []
@@ -338,6 +379,8 @@ def _figure_3(case: Case) -> Plate:
         panels.append(
             _panel(f"figure_03-{letter}", x_axis, y_axis, marks, alt, (270.0, 240.0), title)
         )
+
+    # the CSV file
     table = {"x / a(P0)": x}
     table |= {
         f"f p at {letter}": friction_limit
@@ -352,9 +395,11 @@ def _figure_3(case: Case) -> Plate:
 def _slip_bands_to_limit(
     x: Array, friction_limit: Array, state: NDArray[np.int8]
 ) -> Iterator[Band]:
-    """Bands between zero and the Coulomb limit (n,) where points `x` slip: up to +f p in forward
-    slip, down to -f p in reverse slip. `state` (n,) is a `SurfaceState` each.
+    """Coloured bands between zero and the Coulomb limit f p (`friction_limit`, (n,)) where points
+    at `x` (n,) slip: up to +f p in forward slip, down to -f p in reverse slip. `state` (n,) is a
+    `SurfaceState` each.
     """
+    # _SLIP_LOOKS: look in the style sheet and label of a band, by the direction of slip
     for slip_state, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
         slips = state == slip_state
         if slips.any():
@@ -377,14 +422,18 @@ class Zones:
     direction: NDArray[np.int64]  # 1 forward, -1 reverse, 0 where all sticks
 
     def marks(self, x: Array) -> Iterator[Mark]:
-        """Zones of stick and slip, filled, and their edges as lines, over an abscissa `x` (n,)."""
+        """What is drawn of the zones of stick and slip over an abscissa `x` (n,): filled bands, and
+        their edges as lines.
+        """
         yield Band(x, np.zeros(len(x)), self.stick_edge, "pale-stick", "stick")
         yield from self.slip_bands(x)
         yield _line(x, self.contact_edge, "contact, a / a(P₀)", "bold")
         yield _line(x, self.stick_edge, "stick, c / a(P₀)", "c2 dash")
 
     def slip_bands(self, x: Array, label_end: str = "") -> Iterator[Band]:
-        """A band for each direction of slip, between the stick edge and the contact edge."""
+        """A band for each direction of slip, between the stick edge and the contact edge, over an
+        abscissa `x` (n,). `label_end` is added to its label in the legend.
+        """
         for sign, (css, label) in _SLIP_LOOKS.items():
             slips = self.direction == sign
             lower_line = np.where(slips, self.stick_edge, np.nan)
@@ -406,36 +455,46 @@ class Zones:
 
 
 def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91) -> Zones:
-    """Half-widths of contact and stick through time, over a(P0), with the direction of slip.
+    """Half-widths of contact and stick through time, over a0 = a(P0), the contact half-width at the
+    mean load, with the direction of slip.
 
     Parameters
     ----------
     case
-        the paper's ellipse of loads on one profile
+        the paper's ellipse of loads on one profile; `unit_length` is a0
     slip_events
         instants at which slip begins, turns or ends, each with the direction of slip from there to
-        the next one: 1, -1, or 0 for stick
+        the next one: 1 forward, -1 reverse, or 0 for stick
     count
         number of instants from each event to the next, both events among them
+
+    Returns
+    -------
+    Zones
+        times, contact half-widths, stick half-widths and directions, one after the other, (n,) each
     """
     time = np.concatenate(
         [np.linspace(start, end, count) for (start, _), (end, _) in pairwise(slip_events)]
     )
+    # half-plane theory solves each instant once
     unique_times, unique_indices = np.unique(time, return_inverse=True)
     solution = case.solve(time=unique_times)
     contact_edge = solution.contact_half_width[unique_indices] / case.unit_length
     stick_edge = solution.stick_half_width[unique_indices] / case.unit_length
-    # Each event stands there twice: as the end of what was, with the engine's stick edge, and as
-    # the start of what comes, when all sticks.
+    # Each event stands there twice: as the end of the phase before, with the engine's stick edge,
+    # and as the start of the next phase, when all sticks.
     stick_edge[::count] = contact_edge[::count]
     directions = [direction for _, direction in slip_events[:-1]]
     return Zones(time, contact_edge, stick_edge, np.repeat(directions, count))
 
 
 def _slip_events(case: Case) -> list[tuple[float, int]]:
-    """Instants at which slip begins or ends in a steady revolution from M on, each with the
-    direction of slip after it: 1, -1, or 0 for stick. M is the end of forward slip and the begin of
-    reverse slip, which ends at G; forward slip begins at I.
+    """Instants at which slip begins or ends in a steady revolution from the event M on, each with
+    the direction of slip after it: 1 forward, -1 reverse, or 0 for stick. M is the end of forward
+    slip and the begin of reverse slip, which ends at G; forward slip begins at I.
+
+    `case` is the paper's ellipse of loads on one profile; `time_of` gives the time of an event, of
+    G and I a revolution before.
     """
     revolution = 2 * math.pi
     return [
@@ -448,29 +507,35 @@ def _slip_events(case: Case) -> list[tuple[float, int]]:
 
 def _figure_4a(case: Case) -> Plate:
     """Figure 4a: half-widths of contact and stick over the path of the normal load P, the sum of
-    all its changes, which grows where P falls too. `case` is the paper's ellipse of loads on one
-    profile.
+    all its changes, which grows where P falls too. The events are marked by their letters A to M.
+
+    `case` is the paper's ellipse of loads on one profile. Loads are over P0/3, a third of the mean
+    normal load (`unit_load`); half-widths over the contact half-width at the mean load.
     """
+    # event -> direction of slip after it: 1 forward, -1 reverse, 0 stick
     direction_after = {"B": 1, "E": -1, "G": 0, "I": 1, "M": 0}
     start_of_loading = case.scene.load.path().start
     slip_events = [
         (start_of_loading, 0),
         *((case.time_of(letter), direction) for letter, direction in direction_after.items()),
     ]
-    # P turns at C, F and K, which are no slip events: so many instants are near enough to them.
+    # Half-widths and directions of slip, with 181 instants between events. P turns at C, F and K,
+    # at which slip neither begins nor ends: so many instants come near enough to them.
     zones = _zones(case, slip_events, 181)
     normal_load = case.scaled_loads(zones.time)[0]
     path_of_p = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(normal_load)))])
-    path_at = {
+    path_length_at = {
         letter: float(np.interp(case.time_of(letter), zones.time, path_of_p))
         for letter in sorted(case.events)
     }
+
+    # zones and letters; at some events the axis shows P itself
     marks = list(zones.marks(path_of_p))
-    for letter, path_length in path_at.items():
+    for letter, path_length in path_length_at.items():
         marks += _text_at(path_length, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [
-        (path_at[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
+        (path_length_at[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
         for letter in "ACDFHKLM"
     ]
     x_max = float(path_of_p[-1]) + 0.05
@@ -481,16 +546,21 @@ def _figure_4a(case: Case) -> Plate:
 
 
 def _figure_4b(case: Case) -> Plate:
-    """Figure 4b: half-widths through the steady cycle for four coefficients of friction, about Q0 =
-    0. The zones are filled for the least of them. `case` is the paper's ellipse of loads on one
-    profile.
+    """Figure 4b: half-widths of contact and stick through the steady cycle for four coefficients of
+    friction, with no mean shear force. The zones are filled for the least of them.
+
+    `case` is the paper's ellipse of loads on one profile. Half-widths are over a0, the contact
+    half-width at the mean load. The angle is counted from the event M, the end of forward slip, for
+    f = 1.
     """
+    # FRICTIONS: 1 first, then ever smaller
     cases = [case.with_zero_mean_shear(friction) for friction in FRICTIONS]
     case_of_largest = cases[0]
     case_of_least = cases[-1]
     time_of_m = case_of_largest.time_of("M")
     filled_bands = _bands_from(time_of_m, case_of_least)
-    # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
+
+    # From just after M: for f = 1 the instant of M itself still belongs to forward slip.
     angles = np.linspace(1e-6, 360.0, 721)
     times = time_of_m + np.radians(angles)
     stick_half_widths = [
@@ -505,6 +575,7 @@ def _figure_4b(case: Case) -> Plate:
     ]
     contact_half_width = case.scaled_half_width(case_of_largest.solve(time=times).normal_load)
     curves.append(_line(angles, contact_half_width, "contact, a / a(P₀)", "bold"))
+
     axis_words = "angle θ of the cycle after M for f = 1  [degrees]"
     x_axis = Axis(0.0, 360.0, axis_words, ticks=_DEGREES)
     alt = "Half-widths over the angle"
@@ -516,14 +587,18 @@ def _figure_4b(case: Case) -> Plate:
 
 
 def _bands_from(start_time: float, case: Case) -> list[Band]:
-    """Stick and slip of a case through a revolution, filled, over the angle from `start_time` on in
-    degrees.
+    """Zones of stick and slip of a case through a revolution, as filled bands over the angle in
+    degrees, counted from `start_time`.
 
-    The zones are known from an event M of the case to the next, so that two revolutions are needed
-    to cover one from `start_time` on. `case` is the paper's ellipse of loads on one profile.
+    The zones are known from an event M of the case (end of forward slip) to the next, so that two
+    revolutions are needed to cover one from `start_time` on. `case` is the paper's ellipse of loads
+    on one profile.
     """
+    # instants at which slip begins or ends, each with the direction of slip after it; M, at the end
+    # of the first revolution, begins the second
     first_revolution = _slip_events(case)
     second_revolution = [(time + 2 * math.pi, direction) for time, direction in first_revolution]
+    # half-widths of stick and contact over those at the mean load, through both revolutions
     zones = _zones(case, [*first_revolution[:-1], *second_revolution])
     angles = np.degrees(zones.time - start_time)
     is_shown = (angles >= 0) & (angles <= 360)
@@ -541,11 +616,15 @@ def _bands_from(start_time: float, case: Case) -> list[Band]:
 
 
 def _figure_5(case: Case) -> Plate:
-    """Figure 5, in two panels over the angle of the steady cycle after the event M. Above: the
-    half-widths of contact and stick, and the places of four points. Below: the displacement of the
-    four points, broad where they slip and dotted where they are out of contact. `case` is the
-    paper's ellipse of loads on one profile.
+    """Figure 5, in two panels over the angle of the steady cycle after the event M, the end of
+    forward slip. Above: the half-widths of contact and stick, and the places of four points
+    (`POINTS`). Below: the displacement of the four points, broad where they slip and dotted where
+    they are out of contact.
+
+    `case` is the paper's ellipse of loads on one profile. Lengths are over a0, the contact
+    half-width at the mean load P0; displacements over A P0/3 (`unit_slip`), with A = 2/E*.
     """
+    # displacement of the upper face over the lower since M, (721, 4)
     angles = np.linspace(0.0, 360.0, 721)
     times = case.time_of("M") + np.radians(angles)
     solution = case.solve(time=times, x=POINTS, fields=("slip", "state"))
@@ -554,6 +633,8 @@ def _figure_5(case: Case) -> Plate:
         _panel_of_zones_and_points(case),
         _panel_of_displacements(angles, displacement, solution.state),
     ]
+
+    # classes of the style sheet, and what they stand for
     looks = {
         "faint solid": "sticking",
         "forward broad-line": "slipping forward",
@@ -571,12 +652,17 @@ def _figure_5(case: Case) -> Plate:
 
 def _panel_of_zones_and_points(case: Case) -> Panel:
     """Upper panel of figure 5: half-widths of contact and stick through the steady cycle with the
-    letters of its events, and the places of the four points as horizontal lines.
+    letters of its events, and the places of the four points as horizontal lines. Lengths are over
+    a0, the contact half-width at the mean load.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
+    # zones of stick and slip over the angle after M, the end of forward slip
     time_of_m = case.time_of("M")
     zones = _zones(case, _slip_events(case))
     marks = list(zones.marks(np.degrees(zones.time - time_of_m)))
-    # F to L belong to the revolution after M
+
+    # the letters on the contact edge; F to L belong to the revolution after M
     text_shifts = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}
     for letter in "MFGHIKJL":
         time = case.time_of(letter)
@@ -588,6 +674,8 @@ def _panel_of_zones_and_points(case: Case) -> Panel:
             text_shifts.get(letter, (0.0, 9.0)),
             dot=True,
         )
+
+    # the points at x
     for x, colour in zip(POINTS, _POINT_COLOURS, strict=True):
         marks.append(_line([0.0, 360.0], [x, x], "", f"{_curve_class(colour)} dot"))
         marks += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
@@ -598,9 +686,11 @@ def _panel_of_zones_and_points(case: Case) -> Panel:
 
 
 def _panel_of_displacements(angles: Array, displacement: Array, states: NDArray[np.int8]) -> Panel:
-    """Lower panel of figure 5: displacements of the four points (n, 4) over A P0/3, at angles (n,)
-    in degrees. `states` (n, 4) is a `SurfaceState` each.
+    """Lower panel of figure 5: the displacements of four points (n, 4) over A P0/3, at angles (n,)
+    of the cycle in degrees. `states` (n, 4) is a `SurfaceState` each. A = 2/E*, P0 is the mean
+    normal load.
     """
+    # a line for each point at x (`POINTS`), with x written at its least displacement
     marks: list[Mark] = []
     for x, colour, point_displacement, point_states in zip(
         POINTS, _POINT_COLOURS, displacement.T, states.T, strict=True
@@ -632,7 +722,9 @@ def _curve_class(colour: str) -> str:
 
 
 def _with_neighbours(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """A mask (n,) with one instant more at either end of each run, so that curves meet."""
+    """A mask (n,) with one instant more at either end of each run of true ones, so that curves
+    meet; (n,). The last instant and the first are neighbours.
+    """
     return np.asarray(mask | np.roll(mask, 1) | np.roll(mask, -1))
 
 
@@ -649,8 +741,9 @@ def _displacement_line(
     ):
         slips = states == slip_state
         if slips.any():
-            slipping_y = np.where(_with_neighbours(slips), displacement, np.nan)
-            yield _line(angles, slipping_y, "", f"{direction} broad-line")
+            # so that curves meet, with an instant more at either end
+            displacement_in_slip = np.where(_with_neighbours(slips), displacement, np.nan)
+            yield _line(angles, displacement_in_slip, "", f"{direction} broad-line")
     is_open = states == SurfaceState.OPEN
     yield _line(angles, np.where(is_open, np.nan, displacement), "", css)
     yield _line(angles, np.where(_with_neighbours(is_open), displacement, np.nan), "", f"{css} dot")
@@ -658,9 +751,10 @@ def _displacement_line(
 
 def _figure_8(case: Case) -> Plate:
     """Figure 8: half-widths of contact and stick of the flat and rounded contact through the steady
-    cycle, over the angle after the event M (end of forward slip). `case` is the paper's ellipse of
-    loads on one profile.
+    cycle, over the angle after the event M (end of forward slip). Half-widths are over a0, the
+    contact half-width at the mean load. `case` is the paper's ellipse of loads on this profile.
     """
+    # half-widths of contact and stick, and direction of slip, at many instants of a revolution
     zones = _zones(case, _slip_events(case))
     # without load the contact is as wide as the flat
     flat_half_width = float(case.scaled_half_width(0.0))
@@ -684,21 +778,30 @@ def _figure_8(case: Case) -> Plate:
 
 # --------------------------------------------------------------------------------------------- work
 def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
-    """Figures 6 and 9: dissipation per area W(x) over A f^2 P0^2/a0 with the parts of the phases of
-    slip, which lie between events. `case` is the paper's ellipse of loads on one profile, `peak`
-    the place and value of the largest W(x).
+    """Figures 6 and 9: dissipation per area W(x) of a steady cycle over A f^2 P0^2/a0, with the
+    part of each phase of slip, from event to event: "EG" reverse, "IJ" and "JM" forward.
+
+    # notation: a0 contact half-width at the mean normal load P0, A = 2/E*, f friction
+
+    `case` is the paper's ellipse of loads on one profile: its half-widths are over a0
+    (`unit_length`), and `unit_work` is A f^2 P0^2. `peak` has the place [length] and value
+    [energy per area] of the largest W(x), and the fraction of the way from the stick edge to the
+    contact edge at which it lies.
     """
+    # x/a0 of the slip zone, and a point beyond either edge of it
     stick_edge = case.permanent_stick_half_width
     contact_edge = case.largest_half_width
-    peak_fraction = float(peak.fraction)
     # points closer together at both edges
     fractions = (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
     x_in_zone = stick_edge + (contact_edge - stick_edge) * fractions
     x_min = 0.95 * stick_edge
     x_max = contact_edge + 0.05 * stick_edge
     x = np.concatenate([[x_min], x_in_zone, [x_max]])
+
+    # W(x) by phases, and its peak
     density_of = case.density_of_phases(x)
     density = sum_over_phases(density_of)
+    peak_fraction = float(peak.fraction)
     peak_place = float(peak.place) / case.unit_length
     peak_value = float(peak.value) * case.unit_length / case.unit_work
     marks: list[Mark] = [
@@ -737,13 +840,19 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
 def _figure_of_sweep(
     name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None
 ) -> Plate:
-    """Figures 7 and 10: a cycle's dissipation W ("work") or the peak of W(x) over x ("peak") over
-    P0/P1, a curve for each coefficient of friction f of `sweep`. The curves of `pale_sweep`, the
-    Hertz contact, lie beneath as pale lines, if it is given.
+    """Figures 7 and 10: a cycle's dissipation W, or the largest dissipation per area W(x), as
+    curves over P0/P1, one for each coefficient of friction f. P0 is the mean normal load, P1 the
+    amplitude of P and of Q.
+
+    `quantity` is "work" or "peak", an array of `sweep`: friction along rows, `load_ratio` P0/P1
+    along columns. The curves of `pale_sweep`, the Hertz contact, lie beneath as pale lines, if it
+    is given.
     """
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[quantity]
     curves = getattr(sweep, quantity)
     largest_value = float(curves.max())
+
+    # the pale curves first, so that they lie beneath
     marks: list[Mark] = []
     if pale_sweep is not None:
         pale_curves = getattr(pale_sweep, quantity)
@@ -754,6 +863,8 @@ def _figure_of_sweep(
             # one label stands for all pale lines
             pale_label = "" if number else "Hertz, same f"
             marks.append(_line(load_ratios, pale_curve, pale_label, "faint solid fine"))
+
+    # a curve for each coefficient of friction, with a dot at its begin, near gross sliding
     for number, (friction, load_ratios, curve) in enumerate(
         zip(sweep.frictions, sweep.load_ratio, curves, strict=True)
     ):
@@ -762,6 +873,7 @@ def _figure_of_sweep(
     x_axis = Axis(1.0, float(sweep.load_ratio.max()), "P₀ / P₁")
     y_axis = Axis(0.0, 1.08 * largest_value, label)
     panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))
+
     table = {
         f"P0/P1, f = {friction:g}": load_ratios
         for friction, load_ratios in zip(sweep.frictions, sweep.load_ratio, strict=True)

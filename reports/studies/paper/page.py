@@ -35,7 +35,7 @@ SOURCE = (
 
 @dataclass(frozen=True)
 class PaperReport:
-    """What the command leaves: both tables and the path of the page."""
+    """What the command `halfplane paper` leaves: both tables and the path of the page."""
 
     statements: tuple[Statement, ...]
     misprints: tuple[Misprint, ...]
@@ -48,20 +48,20 @@ class PaperReport:
 
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
-    """Every statement of the paper, in the order of paper.toml, with its verdict and numbers.
-    `examples` are the paper's two profiles, with their solutions.
+    """Every statement of the paper, in the order of the file paper.toml, with its verdict and
+    numbers. `examples` are the paper's two profiles, with their solutions.
     """
-    verdict_of = judge_statements(examples)
+    verdict_of = judge_statements(examples)  # by key of the statement
     return tuple(
         table_row(Statement, words, verdict_of[words["key"]]) for words in PAPER_WORDS["statement"]
     )
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
-    """Every misprint of the paper, in the order of paper.toml, with its proof and numbers.
+    """Every misprint of the paper, in the order of the file paper.toml, with its proof and numbers.
     `examples` are the paper's two profiles, with their solutions.
     """
-    proof_of = prove_misprints(examples)
+    proof_of = prove_misprints(examples)  # by key of the misprint
     return tuple(
         table_row(Misprint, words, proof_of[words["key"]]) for words in PAPER_WORDS["misprint"]
     )
@@ -74,23 +74,26 @@ def tally(rows: Sequence[Statement]) -> dict[str, int]:
 
 
 def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
-    """Compute everything of the paper and fill the folder `out`: a page, tables of statements and
-    misprints as CSV, each figure as SVG and CSV. Returns the rows of both tables and the path of
-    the page.
+    """Compute all that the project recomputes of the paper, and fill the folder `out`: a page,
+    tables of the paper's statements and misprints as CSV, each figure as SVG and CSV. Returns the
+    rows of both tables and the path of the page.
 
-    `stages` measures how long each part takes; `command` is stated on the page.
+    `stages` shows and measures the stages of the job; `command`, the command that was run, is
+    stated on the page.
 
     Raises
     ------
     InputError
         If the folder can't be written to.
     """
-    examples = paper()
+    examples = paper()  # the paper's two profiles, with their solutions
     with stages.stage("statements and misprints"):
         statement_rows = statements(examples)
         misprint_rows = misprints(examples)
     with stages.stage("figures"):
         figures = all_figures(examples)
+
+    # a temporary folder, whose files move to `out` at the end
     with results_folder(out) as folder:
         statement_table = table_text(as_columns(statement_rows, "statement"))
         (folder / "statements.csv").write_text(statement_table, encoding="utf-8")
@@ -105,6 +108,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
                 csv_path = figure_folder / f"{figure.name}.csv"
                 csv_path.write_text(figure.csv(), encoding="utf-8")
         with stages.stage("page"):
+            # the script of the page, and its hash, which the page's security policy names
             page_script, script_hash = script()
             page_text = template("paper.html").render(
                 authors=AUTHORS,

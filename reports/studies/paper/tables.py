@@ -61,16 +61,17 @@ VerdictAndNumbers = tuple[Any, dict[str, Any]]
 
 
 def fill_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with each {name:format} replaced by the value of that name.
+    """A text of the file paper.toml with each {name:format} replaced by the value of that name.
 
     Formats are Python's, or "small" for one digit. A name may hold any sign but : and braces.
+    `values` may be numbers or text.
 
     >>> fill_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
 
     def formatted_value(match: re.Match[str]) -> str:
-        """The value for a name and a format in braces, as text."""
+        """The value for a name and a format in braces, as text; `match` has both as groups."""
         name = match[1]
         number_format = match[2]
         if number_format == "small":
@@ -81,12 +82,15 @@ def fill_in(text: str, values: Mapping[str, Any]) -> str:
 
 
 def table_row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNumbers) -> Row:
-    """A row of the statements or the misprints (`kind`): `words` are those of paper.toml by key,
-    whose "text" is filled in with the numbers of the judgement.
+    """A row of the paper's table of statements or of that of misprints, as a record of this `kind`.
+
+    `words` are the row's texts in paper.toml by the names of the record's fields, and "text", into
+    which values of the judgement are filled. `judgement` is the verdict, or whether the misprint is
+    proven, and values by name, which are numbers or text.
     """
     verdict, values = judgement
     numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
-    # the last three fields are text, verdict and numbers
+    # the last three fields of both records are text, verdict and numbers
     cells: list[Any] = [words[field.name] for field in fields(kind)[:-3]]
     cells += [fill_in(words["text"], values), verdict, numbers]
     return kind(*cells)
@@ -104,8 +108,9 @@ def verdict_of_condition(holds: bool, nearly: bool = False) -> Verdict:
 
 
 def verdict_of_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
-    """Verdict on a number that the paper prints: "confirmed" if `computed` rounds to `printed` at
-    `digits` decimals, "refined" if the relative difference is at most `slack`, else "contradicted".
+    """Verdict on a number that the paper prints (`printed`) by the value that is `computed`:
+    "confirmed" if this rounds to `printed` at `digits` decimals, "refined" if the relative
+    difference is at most `slack`, else "contradicted".
 
     >>> (
     ...     verdict_of_number(0.72705, 0.73, 2).value,
@@ -115,6 +120,7 @@ def verdict_of_number(computed: float, printed: float, digits: int, slack: float
     ('confirmed', 'refined', 'contradicted')
     """
     rounds_to_printed = round(computed, digits) == printed
+    # confirmed if the first holds, refined if `nearly` does
     return verdict_of_condition(
         rounds_to_printed, nearly=abs(computed - printed) <= slack * abs(printed)
     )
@@ -130,7 +136,8 @@ def _small(value: float) -> str:
 
 
 def is_misprint_proven(mended_error: float, printed_error: float) -> bool:
-    """Whether the relative errors of the mended and the printed formula prove a misprint.
+    """Whether the relative errors of the mended and the printed formula prove a misprint: the
+    mended one is at most 1e-9, the printed one above 1e-3.
 
     >>> (
     ...     is_misprint_proven(1e-12, 0.5),
@@ -149,7 +156,9 @@ def proven_in_words(table_row: Misprint) -> str:
 
 
 def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict[str, list[str]]:
-    """Columns of one of the tables for CSV; `key` heads the first."""
+    """Columns of the table of statements or of misprints for CSV: heading -> cells. `key` is the
+    heading of the first column.
+    """
     heads = {"key": key, "words": "the paper", "values": "numbers"}
     columns = {}
     for field in fields(rows[0]):
@@ -159,7 +168,7 @@ def as_columns(rows: Sequence[Statement] | Sequence[Misprint], key: str) -> dict
 
 
 def _cell(value: Any) -> str:
-    """Numbers, words or a proof as text."""
+    """Text of a cell: of numbers by name, of words, or of whether a misprint is proven."""
     if isinstance(value, Mapping):
         return "; ".join(f"{name} = {number!r}" for name, number in value.items())
     return value if isinstance(value, str) else _PROVEN[value]
