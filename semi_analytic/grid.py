@@ -131,35 +131,41 @@ class GridFields(NamedTuple):
     work_of_loads: Array
 
     def edges(self, instant: int, *, stick: bool = False) -> tuple[float, float]:
-        """Outer edges of the cells in contact, or of those that stick, at an instant; NaN where
-        there are none.
+        """Left and right outer edge x of the cells in contact at instant number `instant`, or of
+        those that stick if `stick` is true [length]; NaN where there are none.
         """
         state = self.state[instant]
         return self._outer_edges(state == STICK if stick else state != OPEN)
 
     def permanent_stick_edges(self, first: int, share: float = 1e-9) -> tuple[float, float]:
-        """Outer edges of the cells that stay in contact from instant `first` on and whose slip
-        varies by at most `share` of the largest range of slip, cells outside the contact included.
+        """Left and right outer edge x of the permanent stick zone [length]: of the cells that stay
+        in contact from instant number `first` on and whose slip then varies hardly at all. NaN
+        without such cells.
+
+        The slip of such a cell ranges over at most `share` of the largest range of slip of any
+        cell, cells outside the contact included.
         """
         slip_range = np.ptp(self.slip[first:], axis=0)
         stays_in_contact = np.all(self.state[first:] != OPEN, axis=0)
         return self._outer_edges(stays_in_contact & (slip_range <= share * np.max(slip_range)))
 
     def cycle_work(self, increments: int) -> Array:
-        """Friction work of each of the last whole cycles of so many increments, (c,); the first
-        increment of all belongs to none.
+        """Friction work of each of the last whole cycles, (c,), if a cycle has `increments`
+        increments [energy per thickness]; the first increment of all belongs to none.
         """
         works = self.work[1:]
         return works[len(works) % increments :].reshape(-1, increments).sum(axis=1)
 
     def _outer_edges(self, cells: NDArray[np.bool_]) -> tuple[float, float]:
-        """Left edge of the first and right edge of the last cell of a mask (k,); NaN if it is
-        empty.
+        """Left edge of the first and right edge of the last of some cells [length]; NaN if there
+        are none. `cells` (k,) is true for these cells, which lie in ascending x.
         """
-        middles = self.x[cells]
-        if not len(middles):
+        middles_of_cells = self.x[cells]
+        if not len(middles_of_cells):
             return math.nan, math.nan
-        return float(middles[0] - self.cell_width / 2), float(middles[-1] + self.cell_width / 2)
+        return float(middles_of_cells[0] - self.cell_width / 2), float(
+            middles_of_cells[-1] + self.cell_width / 2
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,8 +190,12 @@ class CellStiffness:
         """G, (k, k) [stress/length]: C^-1 without the traction that the same displacement of all
         cells takes.
 
-        t = total traction_per_shift/total_per_shift + G b has C t = b + const and the sum `total`.
+        C is the compliance matrix of k cells side by side in contact. The tractions t =
+        total traction_per_shift/total_per_shift + G b make the displacements C t = b + constant;
+        their sum is `total`.
         """
+        # root (k, k): M with M^T M = C^-1; traction_per_shift (k,): tractions that displace all
+        # cells by 1; total_per_shift: their sum.
         inverse_compliance = self.root.T @ self.root
         return np.asarray(
             inverse_compliance
@@ -207,7 +217,9 @@ class ContactCells(NamedTuple):
         return self.begin + self.n_cells
 
     def common_with(self, other_cells: ContactCells) -> ContactCells:
-        """Cells that are in both; their number is 0 or negative where there are none."""
+        """Cells that are in contact both here and in `other_cells`, on each of g grids: number of
+        the first cell and how many; 0 or a negative number of them where there are none.
+        """
         begin = np.maximum(self.begin, other_cells.begin)
         return ContactCells(begin, np.minimum(self.end, other_cells.end) - begin)
 
@@ -278,7 +290,7 @@ class Grid:
             Dundurs' beta of unlike materials, by which pressure shears the faces apart
         """
         ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
-        # the grids
+        # The grids: x (g, k) are the middles of their cells.
         self.is_single_grid = np.ndim(extent) == 1
         self.cells = cells
         self.modulus = modulus
@@ -287,11 +299,13 @@ class Grid:
         self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
         self.cell_width = self._length / cells
         self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
-        # U per Q between a datum at the length of the grid and one at 1
+        # Change of the displacement U per Q if the datum, where U is 0, moves from the grid's
+        # length to 1.
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
-        # their compliance matrices, and what was solved with them
+        # Their compliance matrix C (k, k); coupling D (k, k) of unlike bodies; M with M^T M = C^-1;
+        # and what was solved with them.
         self._compliance = self.displacement_per_traction_at(self.x[0], 0)
         signs = np.sign(self._cell_numbers[:, None] - self._cell_numbers)
         self._coupling = dundurs_beta / modulus * self.cell_width * signs
@@ -301,9 +315,10 @@ class Grid:
         )
         self._stiffness_by_size: dict[int, CellStiffness] = {}
         self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
-        # increments whose new cells did not slip before they were touched: `_solve_tangential`
+        # Number of increments whose newly touched cells were given no slip before the touch.
         self.increments_without_early_slip = 0
-        # the state they are in; `_displacement` is U against a datum at the grid's length
+        # The state they are in: cells in contact, q, s, U against a datum at the grid's length,
+        # bulk strain, and directions of slip in the last increment.
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(no_cells, no_cells)
         self._shear: Array = np.zeros(self.x.shape)
@@ -315,29 +330,35 @@ class Grid:
 
     def displacement_per_traction_at(self, x: Array, grid_number: int) -> Array:
         """Surface displacement at points x (m,) by a unit traction on each of the k cells of grid
-        `grid_number`, (m, k) [length/stress]; the datum is at the distance of the grid's length L.
+        `grid_number`, (m, k) [length/stress]. It is 0 at the distance of the grid's length L.
 
         It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
         function.
         """
         distance = (x[:, None] - self.x[grid_number])[..., None]
-        distances_of_ends = (distance + self.cell_width * np.array([-0.5, 0.5])) / self._length
+        relative_distances_of_ends = (
+            distance + self.cell_width * np.array([-0.5, 0.5])
+        ) / self._length
+        # Integral of ln|d| up to both ends of a cell, d distance over L; 0 at d = 0.
         with np.errstate(divide="ignore", invalid="ignore"):
-            integrals_to_ends = np.where(
-                distances_of_ends == 0,
+            log_integrals_to_ends = np.where(
+                relative_distances_of_ends == 0,
                 0.0,
-                distances_of_ends * (np.log(np.abs(distances_of_ends)) - 1),
+                relative_distances_of_ends * (np.log(np.abs(relative_distances_of_ends)) - 1),
             )
-        integral = np.diff(integrals_to_ends, axis=-1)[..., 0]
-        return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
+        log_integral = np.diff(log_integrals_to_ends, axis=-1)[..., 0]
+        return np.asarray(-2 * self._length / (math.pi * self.modulus) * log_integral)
 
     def _stiffness_of_cells(self, n_cells: int) -> CellStiffness:
-        """Stiffness of so many cells side by side; the 120 last ones are kept. Equal cells have one
-        compliance matrix C wherever they lie, and the root of C^-1 is a corner of that of all
-        cells.
+        """Inverse compliance (stiffness) of `n_cells` equal cells side by side in contact, as a
+        `CellStiffness`; those of the last 120 numbers of cells are cached.
+
+        Equal cells have one compliance matrix C wherever they lie. M with M^T M = C^-1 is a corner
+        of that of all cells of a grid.
         """
         if n_cells not in self._stiffness_by_size:
             root = self._root_of_stiffness[:n_cells, :n_cells]
+            # Tractions that displace all cells by 1: row sums of C^-1.
             traction_per_shift = root.T @ np.sum(root, axis=1)
             self._stiffness_by_size[n_cells] = CellStiffness(
                 root, traction_per_shift, float(np.sum(traction_per_shift))
@@ -356,8 +377,8 @@ class Grid:
         """Pressure, cells in contact and normal approach of each grid under the load P and the tilt
         alpha: p > 0 where the gap is 0, and p = 0 where it is open.
 
-        An active set: cells with tension are opened and cells that overlap are closed, until none
-        changes. The contact is one run of cells.
+        Solved by an active set: cells with tension are opened and cells that overlap are closed,
+        until none changes. The contact is a row of cells without gaps between them.
 
         Parameters
         ----------
@@ -370,9 +391,10 @@ class Grid:
         Raises
         ------
         ArithmeticError
-            Where the set does not settle, or the contact meets the end of the grid.
+            Where the active set does not converge, or the contact meets the end of the grid.
         """
         height = gap_without_tilt + tilt * self.x
+        # Cells in contact before: number of the first, and how many, (g,) each.
         contact = self._contact
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
@@ -380,7 +402,9 @@ class Grid:
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
-            # C p = delta - height over the cells in contact, and the sum of p is P over the step.
+            # C p = delta - height over the cells in contact; the sum of p is P over the cell width.
+            # Grids with equally many cells in contact have one stiffness: traction_per_shift (m,)
+            # are the tractions that displace m cells by 1, total_per_shift their sum.
             for n_cells in np.unique(contact.n_cells).tolist():
                 cell_stiffness = self._stiffness_of_cells(n_cells)
                 grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
@@ -404,6 +428,7 @@ class Grid:
             is_touching = np.where(is_inside, pressure > 0, gap < 0)
             if np.array_equal(is_touching, is_inside):
                 break
+            # All cells from the first to the last that touches.
             first_cell = np.argmax(is_touching, axis=1)
             cell_behind_last = self.cells - np.argmax(is_touching[:, ::-1], axis=1)
             contact = ContactCells(first_cell, cell_behind_last - first_cell)
@@ -419,20 +444,24 @@ class Grid:
         """Shear q, slip s, direction of slip and displacement U of all grids after an increment to
         the tangential force Q = `force`. Newly touched cells are given slip from before the touch.
 
-        Ahead of an edge that advances slip grows as the root of the distance. A cell that is
-        touched after a share t of the increment has then made 2/3 t of the slip that it would have
-        made without contact: 1/3 in the mean over all t. Where the earlier cells alone cannot carry
-        Q, new ones start without slip.
+        Ahead of an edge of contact that advances, slip grows as the root of the distance. A cell
+        that is touched after a fraction t of the increment has then made 2/3 t of the slip that it
+        would have made without contact: 1/3 in the mean over all t. Where the earlier cells alone
+        cannot carry Q, new ones start without slip.
 
         Parameters
         ----------
         displacement
-            (g, k) tangential displacement of the faces without shear [length]
+            (g, k) tangential displacement of the faces that q does not cause [length]
         friction_limit
-            (g, k) f p [stress]
+            (g, k) f p at the end of the increment [stress]
         cells_before
             cells in contact before the increment
+        force
+            Q at the end of the increment [force per thickness]
         """
+        # Cells in contact after the increment, and those in contact both before and after: the
+        # number of the first cell, and how many, of each grid.
         contact = self._contact
         cells_in_both = contact.common_with(cells_before)
         has_grown = (cells_in_both.begin > contact.begin) | (cells_in_both.end < contact.end)
@@ -440,6 +469,7 @@ class Grid:
         slip_at_begin = self.slip.copy()
         # Slip without contact of the new cells: the same increment with the earlier cells alone.
         groups_to_solve = [grown_grids] if len(grown_grids) else []
+        # Groups of grids; one in which a grid fails is split into its single grids.
         while groups_to_solve:
             group = groups_to_solve.pop()
             try:
@@ -471,18 +501,19 @@ class Grid:
         grids: NDArray[np.intp],
     ) -> TangentialSolution:
         """Shear q, slip s, direction of slip and displacement U of some grids under a tangential
-        force, where the cells in contact are known; which of them slide is found by an active set.
+        force, where the cells in contact are known. Which of them slide is found by an active set.
 
-        q = q_0 - G v, with q_0 of full stick and the slip v of the increment; G is the stiffness of
-        the cells in contact. Where grids have fewer cells in contact than others, open ones beside
-        them slip without friction.
+        q = q_0 - G v, with q_0 of full stick and the slip v of the increment. G is the stiffness of
+        the cells in contact. Matrices have the size of the largest contact: where a grid has fewer
+        cells in contact, open cells beside them are included and slip without friction.
 
         Parameters
         ----------
         force
             Q [force per thickness]
         displacement
-            of the faces without q, (g, k) for g grids of k cells [length]
+            tangential displacement of the faces that q does not cause, (g, k) for g grids of k
+            cells [length]
         friction_limit
             f p of the cells, (g, k) [stress]
         contact
@@ -490,9 +521,10 @@ class Grid:
         slip_at_begin
             slip before the increment, (g, k) [length]
         grids
-            numbers of the n grids that are solved, (n,): shapes of the result are (n, k) and
-            (n,)
+            numbers of the n grids that are solved, (n,): shapes of the returned fields are (n, k),
+            of the displacement (n,)
         """
+        # The cells that are solved for lie in the same number of columns in each grid.
         is_inside = self._contact_mask(contact)[grids]
         n_cells = int(contact.n_cells[grids].max())
         cell_stiffness = self._stiffness_of_cells(n_cells)
@@ -500,10 +532,13 @@ class Grid:
         columns = first_column[:, None] + np.arange(n_cells)
         grid_rows = np.arange(len(grids))[:, None]
         grids_and_columns = (grids[:, None], columns)
+        # Slip of the increment if there were no shear.
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
         is_touching_in_columns = is_inside[grid_rows, columns]
         limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
         tolerance = _ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max()
+        # Of the stiffness: traction_per_shift are the tractions that displace all cells by 1,
+        # total_per_shift is their sum, matrix is G.
         # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
         # before the increment
         shear_in_full_stick = (
@@ -528,10 +563,12 @@ class Grid:
             directions_in_columns,
             tolerance,
         )
+        # From these columns to all cells of the grids.
         all_shear = np.zeros(is_inside.shape)
         all_directions = np.zeros(is_inside.shape, dtype=int)
         all_shear[grid_rows, columns] = shear_in_columns
         all_directions[grid_rows, columns] = directions_in_columns
+        # U from equilibrium: the sum of q is Q over the cell width.
         rigid_displacement = (
             force / self.cell_width
             + (slip_in_columns - free_slip) @ cell_stiffness.traction_per_shift
@@ -546,18 +583,27 @@ class Grid:
         the tilt alpha; the fields at its end, by their names in `GridFields`.
 
         Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
-        (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
-        Where P is not positive nothing touches, and Q is not looked at.
+        (g,). Work is taken by the trapezoidal rule. The grids are in the new state afterwards.
+        Where P is not positive nothing touches, and Q has no effect.
 
         U has two datums. The state, `_displacement`, holds U as it is solved for, against a datum
         at the distance of the grid's length. The field "displacement" is U against a datum at
         distance 1: U of the state minus `datum_compliance` Q. Likewise the approach.
+
+        Parameters
+        ----------
+        load, force
+            P and Q at the end of the increment [force per thickness]
+        strain, tilt
+            eps and alpha there
         """
-        displacement_by_strain: Array = -strain * self.x
+        displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
         if load <= 0:
             normal_solution, tangential_solution = self._solution_without_contact(
                 displacement_by_strain
             )
+        # Without coupling the normal solution depends on P and alpha only: it is kept for the next
+        # cycle.
         elif not self.dundurs_beta:
             if (load, tilt) not in self._normal_by_load:
                 self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
@@ -575,6 +621,7 @@ class Grid:
                 load, force, tilt, displacement_by_strain
             )
         shear, slip, slip_directions, displacement_in_grid = tangential_solution
+        # Mean shear times the slip of the increment.
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
         state_in_contact = _STATES_BY_DIRECTION[slip_directions]
         state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(np.int8)
@@ -604,8 +651,11 @@ class Grid:
     def _solution_without_contact(
         self, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
-        """Solution without contact, for all grids: no traction; U stays, and the faces move by the
-        bulk strain alone, `displacement_by_strain` (g, k) [length].
+        """Normal and tangential solution of all grids while the bodies are apart: no traction, and
+        no cells in contact; U stays, and the faces move by the bulk strain alone.
+
+        `displacement_by_strain` (g, k) is that movement on g grids of k cells [length]. The normal
+        approach is 0. The grids are left without cells in contact.
         """
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(self._contact.begin, no_cells)
@@ -619,18 +669,18 @@ class Grid:
     def _solve_in_turn(
         self, load: float, force: float, tilt: float, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
-        """Solutions of the normal and the tangential problem of all grids after an increment
-        between unlike bodies, by turns until the shear changes no more.
+        """Normal and tangential solution of all grids after an increment between unlike bodies,
+        solved in turn until the shear changes no more.
 
         The normal problem takes the gap that the shear adds, the tangential problem the
         displacement that the pressure adds (Dundurs' beta). The first turn takes the shear from
-        before the increment. The cells in contact are stored in each turn, since the tangential
-        problem reads them.
+        before the increment. The cells in contact are stored in the grid in each turn, since the
+        tangential problem reads them there.
 
         Parameters
         ----------
         load, force, tilt
-            P, Q and alpha at the end of the increment
+            P and Q [force per thickness] and alpha at the end of the increment
         displacement_by_strain
             tangential displacement of the faces by bulk strain, (g, k) for g grids of k cells
             [length]
@@ -638,11 +688,13 @@ class Grid:
         Raises
         ------
         ArithmeticError
-            Where the turns do not converge.
+            Where the shear still changes after 200 turns.
         """
         cells_before = self._contact
         shear_of_last_turn = self._shear
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
+            # _coupling (k, k): displacement of the faces, normal by shear and tangential by
+            # pressure.
             gap_by_shear = shear_of_last_turn @ self._coupling.T
             normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
             self._contact = normal_solution.contact
@@ -664,10 +716,11 @@ class Grid:
         raise ArithmeticError("pressure and shear by turns do not converge")
 
     def slip_field(self) -> Callable[[Array], Array]:
-        """Slip s at any points, in contact and outside, as a function of x (m,) [length]: the mean
-        over the grids in their present state. For like materials, which pressure does not shear.
+        """Function that returns the slip s [length] at any points x (m,), in contact and outside:
+        the mean over the grids in their present state. For like materials, which pressure does not
+        shear.
 
-            s = U - eps x - sum over cells of compliance times q
+            s = U - eps x - sum over cells of compliance times q,    eps bulk strain
         """
         shear = self._shear
         mean_displacement = float(np.mean(self._displacement))
@@ -685,19 +738,24 @@ class Grid:
         return slip
 
     def resume(self, slip: Callable[[Array], Array], loads: Array) -> None:
-        """Bring the grids under P, Q, eps and alpha (4,) with a slip known from other grids, as a
-        function of x, as far as friction holds it.
+        """Bring the grids to the loads P, Q, bulk strain eps and tilt alpha (4,), starting from a
+        slip that is known from other grids.
+
+        `slip` returns that slip at points x. Where |q| would exceed f p, cells slip further in this
+        step.
         """
         load, force, strain, tilt = loads.tolist()
+        # The cells of each grid take the slip at their middles.
         self.slip = np.stack([slip(x) for x in self.x])
         self._contact = self._solve_normal(load, tilt, self._height).contact
         self._step_to_loads(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> GridFields:
-        """Fields at the end of each of n increments, one to each row of `loads` (n, 4): P, Q, bulk
-        strain eps and tilt alpha.
+        """Pressure, shear, slip, work and displacements of the grids at the end of each of n
+        increments, one to each row of `loads` (n, 4): P, Q, bulk strain eps and tilt alpha.
 
-        Tractions are (n, k) of a single grid and (n, g, k) of g grids of k cells.
+        Tractions are (n, k) of a single grid and (n, g, k) of g grids of k cells. The grids start
+        from their present state and are left in the last one.
 
         Raises
         ------
@@ -711,11 +769,13 @@ class Grid:
                 fields_of_increments.append(self._step_to_loads(load, force, strain, tilt))
             except ArithmeticError as fault:
                 raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
+        # From one dictionary per increment to one array per field.
         fields = {}
         for name in fields_of_increments[0]:
             fields[name] = np.array([fields_at_end[name] for fields_at_end in fields_of_increments])
         if not self.is_single_grid:
             return GridFields(self.x, self.cell_width, **fields)
+        # Of a single grid without the axis of the grids; loads have none.
         for name in fields.keys() - {"loads"}:
             fields[name] = fields[name][:, 0]
         return GridFields(self.x[0], self.cell_width, **fields)
@@ -738,7 +798,8 @@ def _sliding_cells(
     Parameters
     ----------
     cell_stiffness
-        stiffness of the cells in contact
+        stiffness G of the k cells in contact, its `matrix` (k, k), for equal displacement of all
+        cells without traction
     shear_in_full_stick
         (g, k) q if no cell slid [stress]
     friction_limit
@@ -753,19 +814,21 @@ def _sliding_cells(
     Raises
     ------
     ArithmeticError
-        Where all cells slide, or the set does not settle.
+        Where all cells slide, or the active set does not converge.
     """
     for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
         is_sliding = (direction != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
             raise ArithmeticError("all cells slip")
-        shear_of_sliding = direction * friction_limit
-        slip = _slip_of_sliding(cell_stiffness, is_sliding, shear_in_full_stick - shear_of_sliding)
+        shear_in_slip = direction * friction_limit
+        # Slip of the increment that brings the shear of the sliding cells to the limit.
+        slip = _slip_of_sliding(cell_stiffness, is_sliding, shear_in_full_stick - shear_in_slip)
         shear = shear_in_full_stick
         if np.any(is_sliding):
-            shear_of_sticking = shear_in_full_stick - slip @ cell_stiffness.matrix
-            shear = np.where(is_sliding, shear_of_sliding, shear_of_sticking)
+            shear_in_stick = shear_in_full_stick - slip @ cell_stiffness.matrix
+            shear = np.where(is_sliding, shear_in_slip, shear_in_stick)
         is_beyond_limit = ~is_sliding & (np.abs(shear) > friction_limit + tolerance)
+        # A cell whose slip is against its direction sticks again.
         direction_along_slip = np.where(direction * slip > 0, direction, 0)
         new_direction = np.where(is_beyond_limit, np.sign(shear), direction_along_slip).astype(int)
         if np.array_equal(new_direction, direction):
@@ -777,20 +840,22 @@ def _sliding_cells(
 def _slip_of_sliding(
     cell_stiffness: CellStiffness, is_sliding: NDArray[np.bool_], shear_excess: Array
 ) -> Array:
-    """Slip v of the sliding cells in an increment, (g, k), 0 of the others [length]: the solution
-    of G v = q_0 - q over those cells, `shear_excess` = q_0 - q the right side.
+    """Slip v of the sliding cells in an increment, (g, k), 0 in all cells that stick [length]: the
+    solution of G v = q_0 - q over the sliding cells.
 
-    G is the stiffness of the cells in contact, q_0 the shear if none slid, q = +-f p. Grids have
-    different numbers of sliding cells: their systems are filled up to one size with unit rows.
+    `shear_excess` (g, k) is q_0 - q: q_0 is the shear if no cell slid, q = +-f p. G is the
+    stiffness of the cells in contact, `cell_stiffness.matrix` (k, k). Grids have different numbers
+    of sliding cells: their systems are filled up to one size with unit rows.
     """
     slip = np.zeros(shear_excess.shape)
     most_sliding = int(np.max(np.sum(is_sliding, axis=1)))
     if not most_sliding:
         return slip
-    # As many rows as the grid with most sliding cells has, those cells before the others.
+    # As many rows n as the grid with most sliding cells has; sliding cells come first.
     n_cells = is_sliding.shape[1]
     columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
     is_real_row = np.take_along_axis(is_sliding, columns_sliding_first, axis=1)
+    # Rows and columns of G of these cells, (g, n, n).
     stiffness = cell_stiffness.matrix.ravel().take(
         columns_sliding_first[:, :, None] * n_cells + columns_sliding_first[:, None, :]
     )
@@ -807,8 +872,11 @@ def _slip_of_sliding(
 
 
 def _work_of_loads_between(fields_before: dict[str, Any], fields_at_end: dict[str, Any]) -> Array:
-    """Work of the loads in an increment, Q dU - m_q d eps, (g,) [energy per unit thickness], by the
-    trapezoidal rule, from the fields before and at its end.
+    """Work of the loads in an increment, Q dU - m_q d eps, of g grids, (g,) [energy per unit
+    thickness], by the trapezoidal rule.
+
+    Both arguments hold fields by name, before the increment and at its end: "loads" (P, Q, bulk
+    strain eps, tilt); "shear_moment", m_q = int x q dx, and "displacement", U, (g,) each.
     """
     _, force_before, strain_before, _ = fields_before["loads"]
     _, force, strain, _ = fields_at_end["loads"]
@@ -897,12 +965,14 @@ class _PathInIncrements:
     _loads_by_times: dict[bytes, Array] = field(default_factory=dict)
 
     def increments_of_cycle(self, cycle_number: int, time: Array) -> _Increments:
-        """Loads at the ends of the increments of one cycle, and which increments end at instants
-        that were asked for.
+        """Loads at the ends of the increments of one cycle of the load path, and which increments
+        end at instants that were asked for.
 
         Cycle -1 is the initial loading. Of the instants `time` (k,) those that fall into this cycle
         are taken. Loads of a segment of the path are computed once, and stored by its times.
         """
+        # A LoadPath: segments of the initial loading and of a cycle, between turning points of the
+        # loads; all cycles are like the first.
         path = self.loads.path
         is_initial_loading = cycle_number < 0
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
@@ -911,26 +981,32 @@ class _PathInIncrements:
         for boundary in (segments[0].start, segments[-1].end):
             is_at_boundary = np.isclose(time_in_cycle, boundary, rtol=_ROUND_OFF_OF_TIME, atol=0)
             time_in_cycle = np.where(is_at_boundary, boundary, time_in_cycle)
+        # Times of the ends of the increments, (n,) for each segment.
         times_of_segments = [
             self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
             for segment_number, segment in enumerate(segments)
         ]
-        loads = []
+        # P, Q, bulk strain and tilt at these times, (n, 4) for each segment.
+        loads_of_segments = []
         for times_of_segment in times_of_segments:
             key_of_times = times_of_segment.tobytes()
             if key_of_times not in self._loads_by_times:
                 self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times_of_segment).T
-            loads.append(self._loads_by_times[key_of_times])
+            loads_of_segments.append(self._loads_by_times[key_of_times])
         all_times = np.concatenate(times_of_segments)
         # The start of a cycle is the end of the one before.
         is_after_start = (time_in_cycle > segments[0].start) | is_initial_loading
         instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
+        # The increment that ends next to each instant; first touch stands for any instant before
+        # it.
         increment_numbers = [
             np.argmin(np.abs(all_times - max(instant, path.start)))
             for instant in time_in_cycle[instant_numbers]
         ]
         return _Increments(
-            np.concatenate(loads), np.array(increment_numbers, dtype=int), instant_numbers
+            np.concatenate(loads_of_segments),
+            np.array(increment_numbers, dtype=int),
+            instant_numbers,
         )
 
     def _increment_times(
@@ -947,14 +1023,18 @@ class _PathInIncrements:
         segment, segment_number
             the segment, and its number in the initial loading or in the cycle
         is_initial
-            whether it belongs to the initial loading
+            whether the segment belongs to the initial loading
         time_in_cycle
             instants asked for, as times of the first cycle
         """
+        # A LoadPath; its first segment begins at first touch, at time `start`.
         path = self.loads.path
         is_first_touch = segment is path.initial_loading[0]
         duration = segment.end - segment.start
         segments_of_cycle = path.cycle or path.initial_loading
+        # Number of increments: by the share of the cycle's duration, but at least 4. A segment of
+        # the initial loading before cycles, or the first segment of a path without cycles, has at
+        # least a quarter of those of a cycle.
         fewest_increments = _FEWEST_INCREMENTS
         if is_initial and (path.cycle or not segment_number):
             fewest_increments = self.increments_per_cycle // 4
@@ -965,20 +1045,23 @@ class _PathInIncrements:
         # From first touch P grows as the square of the contact's size.
         shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
         even_times = segment.start + duration * shares_of_segment
+        # Turning points of the loads within the segment, and its end.
         turning_times = self.loads.turning_times(segment)
         asked_times = time_in_cycle[
             (time_in_cycle > segment.start) & (time_in_cycle <= segment.end)
         ]
         if is_first_touch and np.any(time_in_cycle <= path.start):
             asked_times = np.append(asked_times, path.start)
-        distance_to_asked = np.min(
+        # Even times within half an increment of an instant asked for are left out; instants asked
+        # for at a turning point too.
+        time_to_asked_instant = np.min(
             np.abs(even_times[:, None] - asked_times), axis=1, initial=math.inf
         )
-        even_times = even_times[distance_to_asked >= 0.5 * duration / n_increments]
-        distance_to_turn = np.min(
+        even_times = even_times[time_to_asked_instant >= 0.5 * duration / n_increments]
+        time_to_turning_point = np.min(
             np.abs(asked_times[:, None] - turning_times), axis=1, initial=math.inf
         )
-        asked_times = asked_times[distance_to_turn > 2e-9 * duration]
+        asked_times = asked_times[time_to_turning_point > 2e-9 * duration]
         return np.unique(np.concatenate([even_times, turning_times, asked_times]))
 
 
@@ -1036,7 +1119,13 @@ class _Answers:
         """Storage for what `grids` grids find at so many instants and points, before anything is
         followed: zeros, and NaN for edges.
 
-        What each grid finds by itself is stored at every `stride`-th instant only.
+
+        Parameters
+        ----------
+        grids, instants, points
+            g, n and m
+        stride
+            fields of each grid by itself are stored at every `stride`-th instant
         """
         shape_of_each = (grids, -(-instants // stride), points)
         return cls(
@@ -1059,19 +1148,25 @@ class _Answers:
         compliance: Array,
         stride: int,
     ) -> None:
-        """Store what the grids found in one cycle, at those instants asked for that lie in it.
+        """Store loads, displacements, slip, q/(f p) and stick edges that the grids found in one
+        cycle, at those instants asked for that lie in it.
 
         Parameters
         ----------
         fields
             tractions and slip of the cells at each increment of the cycle
         increments
-            the increments, and which of them end at instants that were asked for
+            `loads` (n, 4) at the ends of the increments; (i,) `increment_numbers` that end at
+            instants asked for, and `instant_numbers`, those of these instants among all that were
+            asked for
         x, compliance
             (m,) points; (g, m, k) displacements there by unit tractions on the cells
         stride
             what each grid finds by itself is stored at every so many instants
+        grid
+            the g grids
         """
+        # Numbers of solved increments; then means over the grids at these instants.
         self.increments += len(increments.loads)
         self.loads[:, increments.instant_numbers] = fields.loads[increments.increment_numbers].T
         self.displacement[increments.instant_numbers] = np.mean(
@@ -1107,8 +1202,8 @@ class _State(NamedTuple):
 
 
 def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance: Array) -> _State:
-    """State of g grids at one instant: q/(f p) and slip at points x (m,), the outer edges of stick,
-    and the largest number of stick zones of a grid.
+    """State of g grids at one instant: q/(f p) and slip at points x (m,), (g, m) each, the outer
+    edges of stick (g, 2), and the largest number of stick zones of a grid.
 
     q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. A
     cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
@@ -1122,11 +1217,14 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
         number of the increment
     compliance
         (g, m, k) displacements at the points by unit tractions on the cells
+    grid
+        the g grids; x (g, k) are the middles of their cells
     """
     n_grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
     # U against the datum of the compliance, at the grid's length.
     displacement = fields.displacement[instant] + grid.datum_compliance * force
+    # By the shear of all cells, (g, m).
     displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
     slip = displacement[:, None] - strain * x - displacement_by_shear
     friction_ratio = np.zeros((n_grids, len(x)))
@@ -1138,14 +1236,17 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
             continue
         cell_middles = grid.x[grid_number]
         friction_limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
-        ratio_of_cells = fields.shear[instant, grid_number, touching_cells] / friction_limit
-        friction_ratio[grid_number] = np.interp(x, cell_middles[touching_cells], ratio_of_cells)
-        is_sticking = np.concatenate([[False], state_of_cells == STICK, [False]]).astype(int)
-        ends_of_zones = np.flatnonzero(np.diff(is_sticking))
-        stick_zones = max(stick_zones, len(ends_of_zones) // 2)
-        if len(ends_of_zones):
-            first_sticking_cell = ends_of_zones[0]
-            last_sticking_cell = ends_of_zones[-1] - 1
+        ratios_of_cells = fields.shear[instant, grid_number, touching_cells] / friction_limit
+        friction_ratio[grid_number] = np.interp(x, cell_middles[touching_cells], ratios_of_cells)
+        # Numbers of the first cell of each stick zone and of the cell behind its last, in turn.
+        sticks_in_padded_row = np.concatenate([[False], state_of_cells == STICK, [False]]).astype(
+            int
+        )
+        ends_of_stick_zones = np.flatnonzero(np.diff(sticks_in_padded_row))
+        stick_zones = max(stick_zones, len(ends_of_stick_zones) // 2)
+        if len(ends_of_stick_zones):
+            first_sticking_cell = ends_of_stick_zones[0]
+            last_sticking_cell = ends_of_stick_zones[-1] - 1
             # A cell that sticks at the edge of contact sticks up to it.
             left_edge = (
                 -np.inf
@@ -1170,8 +1271,9 @@ def _follow_cycles(
     least_cycles: int,
     stride: int = 1,
 ) -> _Answers:
-    """Follow cycles of the load path on g grids, until the friction work of one repeats that of the
-    one before; what the grids find at points and instants.
+    """Follow the cycles of a load path on g grids, until the friction work of a cycle repeats that
+    of the one before: mean shear, slip and stick edges at points and instants, and the friction
+    work.
 
     Parameters
     ----------
@@ -1183,6 +1285,11 @@ def _follow_cycles(
         cycles to follow in any case
     stride
         what each grid finds by itself is stored at every so many instants
+    grid
+        the g grids, which start from their present state
+    path
+        loads at the ends of the increments of each cycle; `loads.path.cycle`: segments of a cycle,
+        empty for a path without cycles
 
     Raises
     ------
@@ -1191,7 +1298,9 @@ def _follow_cycles(
     """
     n_grids = len(grid.x)
     answers = _Answers.empty_storage(n_grids, len(time), len(x), stride)
+    # (g,) friction work of each cycle on each grid; of the whole path where it has no cycles.
     works_of_cycles: list[Array] = []
+    # (g, m, k) displacements at the points by unit tractions on the cells.
     compliance = np.zeros(0)
     if len(time):
         compliance = np.array(
@@ -1212,10 +1321,12 @@ def _follow_cycles(
         answers.store_cycle(grid, fields, increments, x, compliance, stride)
         if cycle_number >= 0 or not path.loads.path.cycle:
             works_of_cycles.append(np.sum(fields.work, axis=0))
+        # Steady: the mean work changes by less than 1e-6 of itself.
         if len(works_of_cycles) >= max(least_cycles, 2):
             work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
             if work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]):
                 break
+    # Friction work of all cycles, (g, c), and quantities of the last one.
     answers.works = np.array(works_of_cycles).T
     answers.work = works_of_cycles[-1]
     answers.work_of_loads = np.sum(fields.work_of_loads, axis=0)
@@ -1228,8 +1339,9 @@ def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Arra
     """Outer edges (2,) of the cells that stick all through a cycle, the permanent stick zone, mean
     over the grids [length]; NaN if some grid has no such cell.
 
-    A cell sticks if the sum of its |slip| increments is a tiny share of the longest. `slip_before`
-    (g, k) is the slip at the begin of the cycle.
+    A cell sticks if the sum of its |slip increments| over the cycle is at most 0.1 % of the largest
+    such sum. `fields` has slip and state of the cells, (n, g, k), at the n increments of the cycle.
+    `slip_before` (g, k) is the slip at the begin of the cycle.
     """
     slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
     # What opens does not stick: it counts as slip without end.
@@ -1238,12 +1350,12 @@ def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Arra
     longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
     is_stuck = slip_path_of_cell <= _STUCK_SLIP_PATH_SHARE * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
-    for grid_number, middles in enumerate(grid.x):
-        stuck_middles = middles[is_stuck[grid_number]]
-        if len(stuck_middles):
+    for grid_number, middles_of_cells in enumerate(grid.x):
+        middles_of_stuck_cells = middles_of_cells[is_stuck[grid_number]]
+        if len(middles_of_stuck_cells):
             edges_of_grids[grid_number] = (
-                np.min(stuck_middles) - grid.cell_width / 2,
-                np.max(stuck_middles) + grid.cell_width / 2,
+                np.min(middles_of_stuck_cells) - grid.cell_width / 2,
+                np.max(middles_of_stuck_cells) + grid.cell_width / 2,
             )
     return np.asarray(np.mean(edges_of_grids, axis=0))
 
@@ -1251,8 +1363,16 @@ def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Arra
 def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     """Edges of contact at instants of the initial loading and of a cycle, (n, 2) [length], left and
     right; instants without contact are left out.
+
+    Parameters
+    ----------
+    loads
+        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
+    contact
+        the profile, whose half-width and centre of contact follow from P and tilt
     """
     path = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
+    # -1 is the initial loading, 0 the first cycle.
     cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
     loads_of_increments = np.concatenate(
         [
@@ -1328,15 +1448,17 @@ class PathOnGrids:
 
 
 def cycles_needed(path: LoadPath, time: Array | None) -> int:
-    """How many cycles reach the last of some instants, one at least."""
+    """Number of cycles that must be followed to reach the last of the instants `time`, at least 1;
+    1 for a path without cycles, and if no instants are given.
+    """
     if path.period is None or time is None or not len(time):
         return 1
     return max(1, math.ceil((float(np.max(time)) - path.cycle_start) / path.period - 1e-9))
 
 
 def first_repeated_cycle(works: Sequence[float] | Array, share: float) -> int | None:
-    """Index of the first cycle whose work is that of the one before, to a share of it; None where
-    there is no such cycle.
+    """Index of the first cycle whose friction work differs from that of the one before by at most
+    `share` of itself; None where there is no such cycle. `works` (c,) are the works of the cycles.
     """
     for cycle in range(1, len(works)):
         if abs(works[cycle] - works[cycle - 1]) <= share * works[cycle]:
@@ -1348,10 +1470,10 @@ def remainder_of(works: Sequence[float]) -> float:
     """Estimated difference between the friction work W of the last cycle and that of the steady
     cycle, from the works `works` (c,) of the cycles so far; infinite after a single cycle.
 
-    The rest of a geometric series, where the last ratio of changes is below a half, and 0.8 to 1.05
-    times the one before. Else the changes may fall as slowly as k^-4, however fast the first ones
-    were: then it is k/3 times the last change, or the rest of a series where that is more. After
-    two cycles it is the change between them.
+    It is the rest of a geometric series if the last ratio of successive changes is below a half and
+    0.8 to 1.05 times the ratio before. Else the changes may fall with the cycle number k as slowly
+    as k^-4, however fast the first ones were. Then it is k/3 times the last change, or the rest of
+    a geometric series if that is more. After two cycles it is the change between them.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1359,12 +1481,14 @@ def remainder_of(works: Sequence[float]) -> float:
     >>> 1e-5 < remainder_of(works) < 3e-5
     True
     """
+    # |change of W| from each cycle to the next.
     changes = np.abs(np.diff(works))
     if not len(changes):
         return math.inf
     last_change = float(changes[-1])
     if len(changes) < 2 or last_change == 0:
         return last_change
+    # Of each change to the one before it.
     ratios = changes[1:] / np.maximum(changes[:-1], np.finfo(float).tiny)
     ratio = float(ratios[-1])
     ratio_before = float(ratios[-2]) if len(ratios) > 1 else 1.0
@@ -1410,24 +1534,25 @@ def follow_on_grid(
     """Shear, slip and friction work of a load path with bulk stress and tilt, by cells from first
     touch, cycle by cycle until the friction work is steady to 1e-6; with their errors.
 
-    All but pressure and contact edges, which are exact, is the mean over 16 grids that are moved by
-    shares of a cell. One coarse grid goes first and finds the number of cycles. Where only the last
-    cycle is asked for, all coarse grids go first. The fine grids then follow the last two cycles
-    alone, from the mean slip of the coarse ones. The shear that is locked in is then not that of
-    the whole path. This changes W and the stick zones by less than the fine grids differ from the
-    coarse ones, which the stated error covers.
+    Pressure and contact edges are exact. All else is the mean over 16 grids that are moved by
+    fractions of a cell. One coarse grid goes first and finds the number of cycles. Where only the
+    last cycle is asked for, all coarse grids go first. The fine grids then follow the last two
+    cycles alone, from the mean slip of the coarse ones. The shear that is locked in is then not
+    that of the whole path. This changes W and the stick zones by less than the fine grids differ
+    from the coarse ones, which the stated error covers.
 
-    Errors are twice the sum of twice the standard error of that mean and what is left of the change
-    from half as many cells and increments. That falls by the power 1.5 in W, by the first in q and
-    W(x), by 0.95 in s, for which 0.9 is taken (root mean squares: at an edge of stick q errs by the
-    root of a cell).
+    Each error is twice a sum: twice the standard error of that mean, plus what is left of the
+    change from coarse grids, of half as many cells and increments. With the cell width that change
+    falls by the power 1.5 in W, by 1 in q and W(x), by 0.95 in s, for which 0.9 is taken. These are
+    root mean squares: next to an edge of stick q errs by the root of the cell width.
 
     Parameters
     ----------
     loads
-        P, Q, eps and alpha of the path
+        P, Q, bulk strain eps and tilt alpha along the path; `loads.path` has its segments
     contact
-        the profile under load and tilt; its path is within its `intervals.largest_load`
+        normal contact of the profile under load and tilt, tabulated up to a largest P that the path
+        does not exceed; `intervals.compliance` is A = 2/E*
     height
         h(x), the gap between the unloaded faces [length]
     friction
@@ -1437,7 +1562,7 @@ def follow_on_grid(
     time
         (n,) instants in any order; every second increment if None
     request
-        what is wanted, and how fine the grids are
+        which values are wanted at how many cycles, and how fine the grids are
 
     Raises
     ------
@@ -1446,6 +1571,7 @@ def follow_on_grid(
     InputError
         Where an increment does not converge, as at the limit of gross sliding.
     """
+    # Refuse gross sliding and separation; then find the widest contact, which the grids must cover.
     path = loads.path
     require_admissible([*path.initial_loading, *path.cycle], friction)
     contact_edges = contact_edges_along(loads, contact)
@@ -1456,9 +1582,12 @@ def follow_on_grid(
         modulus=2 / contact.intervals.compliance,
     )
     points_of_fields = x if request.pointwise else np.zeros(0)
+    # Coarse and fine grids along the path; the answers of the fine ones are the means over 16
+    # grids.
     runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
     fine_answers = runs.fine_answers
 
+    # Exact normal contact at the instants of the answer.
     load, _, _, tilt = fine_answers.loads
     contact_middle, half_width = contact.centre_and_half_width_under(load, tilt)
     contact_edges = np.stack([contact_middle - half_width, contact_middle + half_width], axis=-1)
@@ -1469,6 +1598,7 @@ def follow_on_grid(
     if request.pointwise:
         fields = _FieldsAtPoints.of_means(fine_answers, friction_limit, is_in_contact)
 
+    # Friction work of each cycle, W(x) of the last, and errors from coarse against fine grids.
     works_of_cycles = runs.works_of_cycles()
     density_of_grids = _work_density_at(runs.fine_grids, fine_answers, x)
     errors = _errors_of_work(runs, density_of_grids, x)
@@ -1520,7 +1650,8 @@ class _GridSetup:
 
     def moved_grids(self, cells: int, shifts: Array) -> Grid:
         """Grids with `cells` equal cells between the outermost edges of contact, and five more
-        beyond them; each is moved by a share of a cell, `shifts` (g,).
+        beyond them, two on the left and three on the right. Grid j is moved to the left by the
+        fraction `shifts[j]` of a cell, between 0 and 1; (g,) for g grids.
         """
         left, right = self.outermost_edges
         cell_width = (right - left) / cells
@@ -1568,14 +1699,22 @@ class _Runs:
     is_resumed: bool
 
     def works_of_cycles(self) -> Array:
-        """Friction work of each cycle from the first one on, (c,), all by the same grids: by the
-        coarse ones where the fine grids followed the last cycles only.
+        """Friction work of each cycle from the first one on, the mean over the grids, (c,) [energy
+        per thickness], with all cycles by the same grids.
+
+        These are the fine grids, or the coarse ones where the fine grids followed the last cycles
+        only, `is_resumed`.
         """
         answers_of_all_cycles = self.first_answers if self.is_resumed else self.fine_answers
         return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
 
     def works_with_last_by_fine_grids(self) -> Array:
-        """Friction work of each cycle, (c,): that of the last by the fine grids in any case."""
+        """Friction work of each cycle from the first one on, the mean over the grids, (c,) [energy
+        per thickness], with the last cycle by the fine grids in any case.
+
+        Earlier cycles are by coarse grids where the fine grids followed the last cycles only,
+        `is_resumed`.
+        """
         works_of_fine_grids = np.mean(self.fine_answers.works, axis=0)
         if not self.is_resumed:
             return np.asarray(works_of_fine_grids)
@@ -1589,8 +1728,8 @@ def _run_coarse_and_fine(
     cells and increments; the difference gives the error.
 
     A coarse grid goes first and finds how many cycles there are until the work is steady. Where the
-    last cycle alone is wanted, all 16 coarse grids go first. The fine grids then start from their
-    mean slip, where the last but one cycle begins.
+    last cycle alone is wanted, all 16 coarse grids go first. If there are more than two cycles, the
+    fine grids then start from their mean slip, where the last but one cycle begins.
 
     Parameters
     ----------
@@ -1610,6 +1749,8 @@ def _run_coarse_and_fine(
     InputError
         Where an increment does not converge.
     """
+    # path.cycle: segments of a cycle, empty without one; path.period: its duration or None;
+    # _PathInIncrements: the path in so many increments a cycle.
     path = loads.path
     increments = request.increments
     coarse_path = _PathInIncrements(loads, increments // 2)
@@ -1621,6 +1762,7 @@ def _run_coarse_and_fine(
     fewest_cycles = cycles_needed(path, time)
     most_cycles = max(request.most_cycles, fewest_cycles) if path.cycle else 0
     shifts_of_first_grids = _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
+    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
     no_instants = np.zeros(0)
     first_grids = setup.moved_grids(coarse_cells, shifts_of_first_grids)
     first_answers = _follow_cycles(
@@ -1676,7 +1818,9 @@ class _FieldsAtPoints(NamedTuple):
 
     @classmethod
     def nowhere_known(cls, shape: tuple[int, ...]) -> _FieldsAtPoints:
-        """Shear and slip NaN, every point open: nothing was asked for at points."""
+        """Fields of which nothing is known, of shape (n, k): shear and slip are NaN, every point is
+        open.
+        """
         not_a_number = np.full(shape, np.nan)
         return cls(not_a_number, not_a_number, np.full(shape, OPEN, dtype=np.int8))
 
@@ -1684,8 +1828,11 @@ class _FieldsAtPoints(NamedTuple):
     def of_means(
         cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
-        """Fields by the means over the grids; `friction_limit` (n, k) is f p. Shear is 0 outside
-        the contact.
+        """Shear, slip and state of contact at n instants and k points from the means over the
+        grids. Shear is 0 outside the contact.
+
+        `answers` has the means: q/(f p) as `friction_ratio` and s as `slip`, (n, k) each.
+        `friction_limit` (n, k) is f p. A point slips where |q| reaches f p.
         """
         friction_ratio = np.where(is_in_contact, answers.friction_ratio, 0.0)
         state = _states_of(friction_ratio, is_in_contact)
@@ -1693,8 +1840,11 @@ class _FieldsAtPoints(NamedTuple):
 
 
 def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str, float]:
-    """Relative errors of W of the last cycle and of W(x) at points x (k,), which is
-    `density_of_grids` (g, k) by the fine grids.
+    """Relative errors of the friction work W of the last cycle and of its density W(x) at points x
+    (k,), from the change between coarse and fine grids.
+
+    `runs` has the answers of both; `work` (g,) is W by each of g grids. `density_of_grids` (g, k)
+    is W(x) by the fine ones.
     """
     coarse_density = _work_density_at(runs.coarse_grids, runs.coarse_answers, x)
     return {
@@ -1708,8 +1858,11 @@ def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str,
 
 
 def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
-    """Relative errors of the shear q and the slip s at points, by name; `friction_limit` (n, k) is
-    f p at all instants [stress].
+    """Relative errors of the shear q and the slip s at points, by name, from the change between
+    coarse and fine grids.
+
+    `runs` has the answers of both. Those of each grid by itself, (g, n', k), are at every
+    `stride`-th instant. `friction_limit` (n, k) is f p at all instants [stress].
     """
     limit_at_instants = friction_limit[:: runs.stride]
     fine_answers = runs.fine_answers
@@ -1727,10 +1880,10 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
 
 
 def _change_of_permanent_stick(runs: _Runs) -> float:
-    """Twice the larger change of an edge of the permanent stick zone from coarse grids to fine ones
-    [length]; NaN where one of them has no such zone.
+    """Uncertainty of an edge of the permanent stick zone [length]: twice the larger change of its
+    two edges from coarse grids to fine ones; NaN where coarse or fine grids have no such zone.
 
-    An edge is known to a share of a cell, so that half as many cells double its error.
+    An edge errs by a fraction of a cell, so that half as many cells double its error.
     """
     fine_edges = runs.fine_answers.permanent_stick_edges
     coarse_edges = runs.coarse_answers.permanent_stick_edges
@@ -1742,7 +1895,8 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     largest contact, increments, and zones that stick ("pieces").
 
     Where there are any, also cycles that coarse grids alone followed, and increments whose newly
-    touched cells were given no slip before the touch.
+    touched cells were given no slip before the touch. `runs` has the answers of coarse and fine
+    grids; `cells` is the number of cells across the largest contact.
     """
     counts = {
         "grids": 2 * len(_GRID_SHIFTS),
@@ -1750,8 +1904,10 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
         "increments": runs.first_answers.increments + runs.fine_answers.increments,
         "pieces": runs.fine_answers.stick_zones,
     }
+    # Else the first answers are those of the coarse grids themselves.
     if not runs.is_last_cycle_alone:
         counts["increments"] += runs.coarse_answers.increments
+    # The fine grids followed only the last cycles; cycle_numbers[0]: index of the first of them.
     if runs.is_resumed:
         counts["cycles on coarse grids alone"] = runs.cycle_numbers[0]
     if runs.fine_grids.increments_without_early_slip:
@@ -1791,12 +1947,15 @@ def cycle_works(
         f, E* [stress]
     request
         how fine the grids are, and the largest number of cycles
+    loads
+        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
 
     Raises
     ------
     InputError
         Where an increment does not converge.
     """
+    # _GRID_SHIFTS: 16 shifts by fractions of a cell.
     grids = _GridSetup(height, outermost_edges, friction, modulus).moved_grids(
         request.cells, _GRID_SHIFTS
     )
@@ -1821,44 +1980,50 @@ def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alon
         return np.linspace(
             start_of_last_cycle, start_of_last_cycle + path.period, increments // 2 + 1
         )[1:]
-    times = [
+    # A few instants in each segment of the initial loading, then the cycles.
+    times_of_parts = [
         np.linspace(segment.start, segment.end, increments // 16 + 1)
         for segment in path.initial_loading
     ]
     if path.period is not None:
         end_of_last_cycle = path.cycle_start + cycles * path.period
-        times.append(
+        times_of_parts.append(
             np.linspace(path.cycle_start, end_of_last_cycle, cycles * (increments // 2) + 1)
         )
-    return np.unique(np.concatenate(times))
+    return np.unique(np.concatenate(times_of_parts))
 
 
 def _work_density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
-    """Friction work per area of the last cycle, W(x), of each grid at points (m,), (g, m): linear
-    between the middles of cells, 0 beyond them.
+    """Friction work per area of the last cycle, W(x), by each of g grids at points x (m,), (g, m)
+    [energy per area]: linear between the middles of cells, 0 beyond them.
+
+    `grid.x` (g, k) are those middles, `answers.density` (g, k) is the work per area there.
     """
     density_of_grids = [
-        np.interp(x, middles, density_of_cells, left=0.0, right=0.0)
-        for middles, density_of_cells in zip(grid.x, answers.density, strict=True)
+        np.interp(x, middles_of_cells, density_of_cells, left=0.0, right=0.0)
+        for middles_of_cells, density_of_cells in zip(grid.x, answers.density, strict=True)
     ]
     return np.array(density_of_grids)
 
 
 def _relative_error(fine_values: Array, coarse_values: Array, convergence_order: float) -> float:
-    """Relative error of the mean over the fine grids, as a root mean square over its largest value.
+    """Relative error of the mean over the fine grids: a root mean square over all points and
+    instants, divided by the largest fine value.
 
-    It is twice the sum of the change of the mean from coarse grids, over 2^order - 1 (Richardson),
-    and twice the standard error of the mean. The latter comes from the means over every fourth
-    grid. Arrays have the grids along their first axis. 0 where the fine values are.
+    It is twice the sum of two parts. The first is the change of the mean from coarse grids to fine
+    ones, divided by 2^order - 1 (Richardson); `convergence_order` is that of the error in the cell
+    width. The second is twice the standard error of the mean, from four groups of grids. Arrays
+    have the grids along their first axis. 0 where all fine values are 0.
     """
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
     change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
+    # Every fourth grid forms a group.
     means_of_groups = np.array(
         [
-            np.mean(fine_values[k::_COUNT_OF_GRID_GROUPS], axis=0)
-            for k in range(_COUNT_OF_GRID_GROUPS)
+            np.mean(fine_values[first_grid::_COUNT_OF_GRID_GROUPS], axis=0)
+            for first_grid in range(_COUNT_OF_GRID_GROUPS)
         ]
     )
     variance = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)

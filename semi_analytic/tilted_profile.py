@@ -189,19 +189,21 @@ class ConvexProfile(abc.ABC):
     def _block_by_block(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
-        """Values of `function` of arrays that broadcast, computed block by block along the first
-        axis, in the shape of the broadcast.
+        """Values of an elementwise `function` of three arrays that broadcast, computed block by
+        block along the first axis; the returned array has the broadcast shape.
 
-        Each value is a sum over all knots or quadrature nodes: their terms for all values at once
-        would not fit into memory.
+        Each value is a sum over all knots or quadrature nodes of the profile. Their terms for all
+        values at once would not fit into memory.
         """
         shape = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
+        # All arrays with as many axes as the broadcast.
         arrays = []
         for argument in arguments:
             new_axes = (1,) * (len(shape) - np.ndim(argument))
             arrays.append(np.reshape(argument, new_axes + np.shape(argument)))
         if not shape:
             return np.array(function(*arrays))
+        # Rows that need 100,000 terms at once; _values_per_point: terms for one value.
         values_per_row = max(self._values_per_point * math.prod(shape[1:]), 1)
         rows_at_once = max(_VALUES_AT_ONCE // values_per_row, 1)
         values = np.empty(shape)
@@ -230,6 +232,7 @@ class ConvexProfile(abc.ABC):
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
+        # Without load: the place of first touch, infinite if the tilt is steeper than the profile.
         centre = np.array(self.place_of_first_touch(tilt))
         half_width = np.zeros(load_product.shape)
         if not np.all(np.isfinite(centre)):
@@ -241,11 +244,12 @@ class ConvexProfile(abc.ABC):
         centre[is_pressed], half_width[is_pressed] = self._contact_by_newton(
             load_product[is_pressed], tilt[is_pressed], centre[is_pressed]
         )
+        # `extent`: left and right end of the profile; 1e-12 of slack for round-off.
         left_edge = float(np.min(centre - half_width, initial=0.0))
         right_edge = float(np.max(centre + half_width, initial=0.0))
         left_end, right_end = self.extent
-        slack = 1 + _RELATIVE_ERROR_OF_SERIES
-        if left_edge < left_end * slack or right_edge > right_end * slack:
+        one_plus_slack = 1 + _RELATIVE_ERROR_OF_SERIES
+        if left_edge < left_end * one_plus_slack or right_edge > right_end * one_plus_slack:
             raise ProfileDataError(
                 f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
                 f" profile goes from {left_end:.6g} to {right_end:.6g}"
@@ -271,6 +275,9 @@ class ConvexProfile(abc.ABC):
             (n,) [rad]
         first_touch
             (n,) where the profile touches without load [length]
+
+        # notation: h gap between the unloaded faces, theta angle of a point x = m + c cos(theta) of
+        #           the contact, h d theta is integrated from 0 to pi
         """
         # Start wider than the contact: then the residual of either end is nearly a convex function
         # of that end, and hardly depends on the other.
@@ -281,11 +288,14 @@ class ConvexProfile(abc.ABC):
             rightmost = np.maximum(rightmost, self.knots[-1] + self.typical_half_length)
         m = (leftmost + rightmost) / 2
         c = (rightmost - leftmost) / 2
+        # `balance` gives the mean slope, A times the carried load, and integrals of h'' over a
+        # contact.
         shift = 0 * first_touch  # step of m from the last accepted one to the trial
         widening = 0 * first_touch  # step of c
         # |slope of the potential along the step| where the step begins
         slope_along_step = np.full(first_touch.shape, np.inf)
         for _ in range(_MOST_NEWTON_STEPS):
+            # Residuals of both equations for the trial contact.
             trial_m = m + shift
             trial_c = c + widening
             balance = self.balance(trial_m, trial_c)
@@ -297,6 +307,7 @@ class ConvexProfile(abc.ABC):
             is_accepted = rise_along_step <= slope_along_step / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
+            # Next step of the centre and of the half-length.
             newton_shift, newton_widening = _newton_step(
                 balance, slope_residual, load_residual, trial_c, c
             )
@@ -338,7 +349,8 @@ def _newton_step(
     Parameters
     ----------
     balance
-        integrals of h'' over each contact, of which the Jacobian is made
+        `curvature_integral` int h'' d theta and `curvature_cosine_integral` int h'' cos(theta) d
+        theta over each contact, x = m + c cos(theta) [1/length]
     slope_residual
         (n,) pi (mean of h' + alpha) [1]
     load_residual
@@ -361,11 +373,16 @@ def _newton_step(
     determinant = curvature_integral * curvature_integral - off_diagonal * curvature_cosine_integral
     is_convex = determinant > 0
     determinant = np.where(is_convex, determinant, 1.0)
-    shift = -(slope_residual * curvature_integral + off_diagonal * load_residual) / determinant
-    widening = (
+    # The Jacobian has the curvature integral twice on its diagonal.
+    centre_step = (
+        -(slope_residual * curvature_integral + off_diagonal * load_residual) / determinant
+    )
+    half_length_step = (
         curvature_integral * load_residual + slope_residual * curvature_cosine_integral
     ) / determinant
-    return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback_widening)
+    return np.where(is_convex, centre_step, 0.0), np.where(
+        is_convex, half_length_step, fallback_widening
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -413,10 +430,12 @@ class PiecewiseParabola(ConvexProfile):
         return bool(np.all(self.jumps == 0))
 
     def angles(self, m: Array, c: Array) -> Angles:
-        """Angles theta of the knots b = m + c cos(theta) over contacts of centre m and half-length
-        c, (..., n) for m and c of shape (...).
+        """Angles theta, sines and cosines of the n knots b = m + c cos(theta) of the profile over
+        contacts of centre m and half-length c, (..., n) for m and c of shape (...).
 
         theta is 0 for knots beyond the right end, pi for those beyond the left one.
+
+        A knot is a place where the curvature of the profile jumps.
         """
         distance = self.knots - m[..., None]
         half_width = np.asarray(c)[..., None]
@@ -439,24 +458,25 @@ class PiecewiseParabola(ConvexProfile):
         h' is linear between knots, so that the place is interpolated between the knots on both
         sides. A straight part (h'' = 0) of the slope -alpha touches all along: its middle.
         """
-        slope = -np.asarray(tilt, dtype=float)
+        # slopes: h' at the knots, ascending; curvature: h'' between the knots and beyond.
+        target_slope = -np.asarray(tilt, dtype=float)
         last_knot = len(self.knots) - 1
-        first_knot_at_slope = np.searchsorted(self.slopes, slope, "left")
-        first_knot_beyond = np.searchsorted(self.slopes, slope, "right")
+        first_knot_at_slope = np.searchsorted(self.slopes, target_slope, "left")
+        first_knot_beyond = np.searchsorted(self.slopes, target_slope, "right")
         knot_before = np.clip(first_knot_at_slope - 1, 0, last_knot)
         curvature = self.curvature[first_knot_at_slope]
-        slope_rise = slope - self.slopes[knot_before]
+        slope_rise = target_slope - self.slopes[knot_before]
         with np.errstate(divide="ignore", invalid="ignore"):
-            distance = np.where(
+            distance_from_knot = np.where(
                 curvature > 0, slope_rise / curvature, np.copysign(np.inf, slope_rise)
             )
-            between_knots = self.knots[knot_before] + distance
+            place_between_knots = self.knots[knot_before] + distance_from_knot
         left_end_of_touch = self.knots[np.minimum(first_knot_at_slope, last_knot)]
         right_end_of_touch = self.knots[np.maximum(first_knot_beyond - 1, 0)]
         return np.where(
             first_knot_beyond > first_knot_at_slope,
             (left_end_of_touch + right_end_of_touch) / 2,
-            between_knots,
+            place_between_knots,
         )
 
     def balance(self, m: Array, c: Array) -> Balance:
@@ -468,7 +488,15 @@ class PiecewiseParabola(ConvexProfile):
 
         A knot is at m + s c cos(theta), 0 <= theta <= pi/2; its side s is 1 to the right of m, -1
         to the left. So h'' is counted from m outwards, and an end next to a knot keeps its digits.
+
+        Returns
+        -------
+        Balance
+            mean slope, which balances the tilt; A P with A = 2/E*; and int h'' d theta and int h''
+            cos(theta) d theta, the derivatives of both balances
         """
+        # `curvature`: h'' between the knots and beyond; `slopes`: h' at the knots; `jumps`: J at
+        # each.
         number_of_parabola = np.searchsorted(self.knots, m)
         knot_before = np.maximum(number_of_parabola - 1, 0)
         curvature = self.curvature[number_of_parabola]
@@ -478,6 +506,7 @@ class PiecewiseParabola(ConvexProfile):
         relative_depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
         theta = 2 * np.arcsin(np.sqrt(relative_depth / 2))
         sine = np.sqrt(relative_depth * (2 - relative_depth))
+        # sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta).
         side = np.where(distance >= 0, 1.0, -1.0)
         mean_functions, load_functions = _mean_and_load_functions(theta, sine, 1 - relative_depth)
         slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
@@ -491,6 +520,12 @@ class PiecewiseParabola(ConvexProfile):
     def contact_centre_and_half_width(
         self, load_product: ArrayLike, tilt: ArrayLike
     ) -> tuple[Array, Array]:
+        """Centre and half-length of the contact under a load P and a tilt alpha, arrays that
+        broadcast [length]; in closed form if the profile is a single parabola, else by Newton's
+        method.
+
+        `load_product` is A P, A = 2/E* [length]. A contact without load has the half-length 0.
+        """
         if not self.is_parabola:
             return super().contact_centre_and_half_width(load_product, tilt)
         curvature = self.curvature[0]
@@ -518,21 +553,25 @@ class PiecewiseParabola(ConvexProfile):
         cos(theta_b), and x = m + c cos(theta_x). theta_b is 0 for knots to the right of the
         contact, pi to the left.
         """
-        t = x - m
+        # curvature[0]: h''_0; jumps: J of each knot.
+        distance_from_centre = x - m
         if self.is_parabola:
             squared_root = np.maximum((c - x + m) * (c + x - m), 0.0)
             return np.asarray(np.pi * self.curvature[0] * np.sqrt(squared_root))
         knot_angles = self.angles(m, c)
-        root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
+        root = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
+            ..., None
+        ]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
         # s_+ and s_- as sum and difference of two products of half angles, both times one factor
         sine_of_point = root / half_width * (1 + knot_angles.cosine)
-        sine_of_knot = knot_angles.sine * (1 + t[..., None] / half_width)
+        sine_of_knot = knot_angles.sine * (1 + distance_from_centre[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
             logarithm = np.log(
                 np.abs((sine_of_point + sine_of_knot) / (sine_of_point - sine_of_knot))
             )
+        # Knots whose term vanishes, or is not finite.
         is_zero = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
         logarithm = np.where(is_zero, 0.0, logarithm)
         terms_of_knots = root * knot_angles.theta - distance_to_knot * logarithm
@@ -554,6 +593,7 @@ class PiecewiseParabola(ConvexProfile):
         #           tan(theta/2) tanh(u/2) where s < 0
         """
         t = x - m
+        # Of each knot; curvature[0]: h''_0; jumps: J of each knot.
         theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
         r = np.sqrt((distance - c) * (distance + c))
@@ -568,11 +608,13 @@ class PiecewiseParabola(ConvexProfile):
         phi = 2 * np.arctan2(opposite_leg, adjacent_leg)
         phi = np.where(cosine >= 1, 0.0, phi)
         phi = np.where(cosine <= -1, np.pi, phi)
-        from_knot = x[..., None] - self.knots
+        distance_from_knot = x[..., None] - self.knots
         c_sine = c[..., None] * sine
         c_cosine = c[..., None] * cosine
-        terms_of_knots = np.square(np.maximum(from_knot, 0.0)) / 2
-        terms_of_knots = terms_of_knots - from_knot * from_knot * phi / (2 * np.pi)
+        terms_of_knots = np.square(np.maximum(distance_from_knot, 0.0)) / 2
+        terms_of_knots = terms_of_knots - distance_from_knot * distance_from_knot * phi / (
+            2 * np.pi
+        )
         factor_of_sine = r[..., None] - side * c_cosine * u[..., None]
         terms_of_knots += (theta * parabola_term[..., None] - side * c_sine * factor_of_sine) / (
             2 * np.pi
@@ -587,21 +629,27 @@ class PiecewiseParabola(ConvexProfile):
 
         It is the mean of h + alpha x over the angle theta, x = m + c cos(theta): that of the
         parabola left of all knots, plus what the jumps of h'' add.
+
+        Each jump J of h'' at a knot b adds J/(2 pi) [theta (b - m)^2 + c^2 (theta/2 - 3/2 sin
+        cos)], with the sine and cosine of the angle theta of that knot.
         """
+        # Of each knot: 0 beyond the right end of the contact, pi beyond the left.
         theta, sine, cosine = self.angles(m, c)
-        from_first_knot = m - self.knots[0]
-        to_knot = self.knots - m[..., None]
+        distance_from_first_knot = m - self.knots[0]
+        distance_to_knot = self.knots - m[..., None]
         angle_functions = theta / 2 - 1.5 * sine * cosine
         sum_over_knots = (
-            theta * to_knot * to_knot + np.square(c)[..., None] * angle_functions
+            theta * distance_to_knot * distance_to_knot + np.square(c)[..., None] * angle_functions
         ) @ self.jumps
-        mean_square = from_first_knot * from_first_knot + c * c / 2  # of x - b_0
-        part_of_parabola = (
+        mean_square = distance_from_first_knot * distance_from_first_knot + c * c / 2  # of x - b_0
+        approach_of_parabola = (
             self.height_at_first_knot
-            + self.slope_at_first_knot * from_first_knot
+            + self.slope_at_first_knot * distance_from_first_knot
             + self.curvature[0] / 2 * mean_square
         )
-        return np.asarray(part_of_parabola + np.asarray(tilt) * m + sum_over_knots / (2 * np.pi))
+        return np.asarray(
+            approach_of_parabola + np.asarray(tilt) * m + sum_over_knots / (2 * np.pi)
+        )
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """Moment of the pressure about x = 0 times A, A int x p dx, of contacts of centre m and
@@ -610,15 +658,17 @@ class PiecewiseParabola(ConvexProfile):
         It is A P m plus the moment about the centre m: (pi/2) c^2 times the slope plus tilt at m of
         the parabola left of all knots, plus what the jumps of h'' at the knots add.
         """
+        # Of each knot: 0 beyond the right end of the contact, pi beyond the left. jumps: J of each.
         theta, sine, cosine = self.angles(m, c)
         half_width = c[..., None]
-        to_knot = self.knots - m[..., None]
+        distance_to_knot = self.knots - m[..., None]
         angle_functions = sine - sine**3 / 3 - sine * cosine * cosine / 2
-        sum_over_knots = (half_width * angle_functions - theta * to_knot / 2) @ self.jumps
+        sum_over_knots = (half_width * angle_functions - theta * distance_to_knot / 2) @ self.jumps
         slope_at_middle = (
             np.asarray(tilt) + self.slope_at_first_knot + self.curvature[0] * (m - self.knots[0])
         )
         return np.asarray(
+            # balance(m, c).load_product: A P
             m * self.balance(m, c).load_product
             + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle)
         )
@@ -628,7 +678,13 @@ def _mean_and_load_functions(theta: Array, sine: Array, cosine: Array) -> tuple[
     """sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta): what a jump of curvature at
     angle theta adds to the mean slope and to the load of a contact.
 
-    Small angles take series, since the differences would lose digits.
+    Angles below 0.3 take power series of eight terms, since the differences would lose digits.
+
+    Parameters
+    ----------
+    theta, sine, cosine
+        angle of the jump at b = m + c cos(theta) in a contact of centre m and half-length c, with
+        its sine and cosine; arrays of one shape
     """
     mean_function = sine - theta * cosine
     load_function = theta - sine * cosine
@@ -698,8 +754,8 @@ class CurvedProfile(ConvexProfile):
         [length]; infinite where h' does not reach -alpha.
 
         h' falls nowhere. The first and the last place of the slope -alpha are found by bisection,
-        in an interval about x = 0 that is doubled until it holds them, up to 1e9 times `size`;
-        returned is their middle.
+        in an interval about x = 0. It is doubled until it holds them, up to 1e9 times
+        `typical_half_length`, a typical half-length of contact. Their middle is returned.
         """
         target_slope = -np.asarray(tilt, dtype=float)
         half_interval = self.typical_half_length
@@ -709,6 +765,8 @@ class CurvedProfile(ConvexProfile):
             and half_interval < 1e9 * self.typical_half_length
         ):
             half_interval = 2 * half_interval
+        # gradient: h' as a function of x. First place with h' >= -alpha, last one with h' <=
+        # -alpha.
         left_bound, _ = self._bounds_by_bisection(target_slope, half_interval, np.greater_equal)
         _, right_bound = self._bounds_by_bisection(target_slope, half_interval, np.greater)
         is_reached = np.abs(target_slope) <= self.gradient(np.array(half_interval))
@@ -720,8 +778,8 @@ class CurvedProfile(ConvexProfile):
         """Bounds from left and right of the place where the slope h' of the profile passes a
         target [length], by 64 bisections of -half_interval < x < half_interval.
 
-        `is_above(slope, target)` is true beyond that place, to the right. All arrays have the shape
-        of `target_slope`.
+        `is_above(slope, target)` is true to the right of that place. `gradient` is h' as a function
+        of x. All arrays have the shape of `target_slope`.
         """
         left_bound = np.full(target_slope.shape, -half_interval)
         right_bound = np.full(target_slope.shape, half_interval)
@@ -742,11 +800,13 @@ class CurvedProfile(ConvexProfile):
         m, c = np.broadcast_arrays(m, c)
         m = m[..., None]
         c = c[..., None]
-        to_knot = self.knots[::-1] - m
-        knot_root = np.sqrt(np.maximum((c - to_knot) * (c + to_knot), 0.0))
-        knot_theta = np.arctan2(knot_root, to_knot)
+        # Ends of the parts as angles and as places: right end of the contact, knots from right to
+        # left, left end. A knot outside lies at the end that is next to it.
+        distance_to_knot = self.knots[::-1] - m
+        knot_root = np.sqrt(np.maximum((c - distance_to_knot) * (c + distance_to_knot), 0.0))
+        knot_theta = np.arctan2(knot_root, distance_to_knot)
         angles_of_part_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
-        knots_within = np.clip(to_knot + m, m - c, m + c)
+        knots_within = np.clip(distance_to_knot + m, m - c, m + c)
         places_of_part_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
         angle_spans = np.diff(angles_of_part_ends)[..., None]
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
@@ -755,6 +815,7 @@ class CurvedProfile(ConvexProfile):
         is_nearer_begin = self.rule.distance_from_begin < 0.5
 
         def at_nearer_end(at_part_ends: Array) -> Array:
+            """Of values at the part ends, for each node that of the end to which it is nearer."""
             return np.where(
                 is_nearer_begin, at_part_ends[..., :-1, None], at_part_ends[..., 1:, None]
             )
@@ -766,6 +827,7 @@ class CurvedProfile(ConvexProfile):
         )
         half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
+        # Of the angle at that end.
         sine = at_nearer_end(np.sin(angles_of_part_ends))
         cosine = at_nearer_end(np.cos(angles_of_part_ends))
         # c [cos(end) - cos(end + angle_from_end)] as a product
@@ -786,13 +848,24 @@ class CurvedProfile(ConvexProfile):
         return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
-        xi, t, weight = self._nodes_of_contact(m, c)
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c, arrays
+        that broadcast, by quadrature over the angle theta of x = m + c cos(theta).
+
+        `gradient` and `second_derivative` are h' and h'' of the profile as functions of x.
+
+        Returns
+        -------
+        Balance
+            mean of h', which balances the tilt; A P with A = 2/E* [length]; int h'' d theta and int
+            h'' cos(theta) d theta [1/length]
+        """
+        xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
         weighted_slope = weight * self.gradient(xi)
         weighted_curvature = np.pi * weight * self.second_derivative(xi)
-        cosine = t / np.where(c > 0, c, 1.0)[..., None]
+        cosine = distance_from_centre / np.where(c > 0, c, 1.0)[..., None]
         return Balance(
             mean_slope=np.sum(weighted_slope, axis=-1),
-            load_product=np.sum(np.pi * weighted_slope * t, axis=-1),
+            load_product=np.sum(np.pi * weighted_slope * distance_from_centre, axis=-1),
             curvature_integral=np.sum(weighted_curvature, axis=-1),
             curvature_cosine_integral=np.sum(weighted_curvature * cosine, axis=-1),
         )
@@ -810,17 +883,19 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). Where xi is close to x the
         quotient is h'' between them.
         """
+        # Nodes of the contact; their weights have the sum 1. gradient: h', second_derivative: h''.
         xi, _, weights = self._nodes_of_contact(m, c)
         place_column = np.asarray(x)[..., None]
         root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
         distance_to_node = xi - place_column
         distances_to_knots = np.abs(place_column - self.knots)
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
+        # Pairs of point and node nearer than 1e-5 of c and of the distance to the next knot.
         near_pairs = np.nonzero(
             np.abs(distance_to_node)
             < _NEAR_NODE_FRACTION * np.minimum(distance_to_next_knot, c[..., None])
         )
-        places_between = (
+        places_between_pairs = (
             (place_column + distance_to_node / 2)[near_pairs]
             if len(near_pairs[0])
             else distance_to_node[near_pairs]
@@ -828,7 +903,7 @@ class CurvedProfile(ConvexProfile):
         distance_to_node[near_pairs] = np.inf
         slope_rise = self.gradient(xi) - self.gradient(place_column)
         quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
-        quotient[near_pairs] = self.second_derivative(places_between)
+        quotient[near_pairs] = self.second_derivative(places_between_pairs)
         return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
@@ -840,6 +915,7 @@ class CurvedProfile(ConvexProfile):
         The mean is over the angle theta of xi = m + c cos(theta). x = m + s c cosh(u): u > 0, and s
         is 1 to the right of the contact, -1 to the left.
         """
+        # Nodes of the contact; their weights have the sum 1. height: h, gradient: h'.
         xi, distance_from_middle, weights = self._nodes_of_contact(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
@@ -861,13 +937,31 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """Normal approach of the point x = 0 of contacts of centre m and half-length c under a tilt
+        alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the point
+        that does not move.
+
+        It is the mean of h + alpha x over the angle theta of x = m + c cos(theta).
+        """
         xi, _, weight = self._nodes_of_contact(m, c)
         return np.asarray(np.sum(weight * self.height(xi), axis=-1) + np.asarray(tilt) * m)
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
+        """Moment of the pressure about x = 0 times A, A int x p dx, of contacts of centre m and
+        half-length c [length^2]; A = 2/E*.
+
+            A int x p = pi mean of (m t + t^2 - c^2/2) h'(x),    t = x - m
+
+        The mean is over the angle theta of x = m + c cos(theta); `gradient` is h'. The tilt adds
+        nothing to it and is not used.
+        """
         del tilt
-        xi, t, weight = self._nodes_of_contact(m, c)
-        lever = m[..., None] * t + t * t - c[..., None] ** 2 / 2
+        xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
+        lever = (
+            m[..., None] * distance_from_centre
+            + distance_from_centre * distance_from_centre
+            - c[..., None] ** 2 / 2
+        )
         return np.asarray(np.pi * np.sum(weight * self.gradient(xi) * lever, axis=-1))
 
 
@@ -898,7 +992,9 @@ class NestedIntervals:
     largest_load: float
 
     def exact_centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta) [length] from the equations of equilibrium, not from the series."""
+        """Centre m and half-length c of the contact under normal loads eta and the tilt alpha_0 +
+        kappa eta that belongs to each [length], by equilibrium, not by the series over eta.
+        """
         eta = np.asarray(load, dtype=float)
         return self.shape.contact_centre_and_half_width(
             self.compliance * eta, self.tilt_without_load + self.tilt_per_load * eta
@@ -937,8 +1033,10 @@ class NestedIntervals:
         and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The intervals of v are laid
         end to end on one axis, so that one series holds all of them.
         """
+        # Loads at which an end of contact is at a knot; one next to the largest load is left out.
         corner_loads = self.corner_loads[self.corner_loads < self.largest_load * (1 - 1e-9)]
         cut_loads = np.concatenate([[0.0], corner_loads, [self.largest_load]])
+        # The length of an interval of v is the root of its rise of load.
         cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
         series_of_centre = []
         series_of_half_width = []
@@ -966,10 +1064,14 @@ class NestedIntervals:
         ------
         NotFoundError
             Where no series represents them to round-off.
+
+        # notation: alpha_0 + kappa eta tilt under the load eta, `tilt_without_load` and
+        #           `tilt_per_load`
         """
         range_of_v = np.array([0.0, math.sqrt(upper_load - lower_load)])
-        # Length of which `piecewise_series_by_halving` takes 4e-15 as negligible. Beside a flat the
-        # last digits of a contact are noise, as are those of a profile with noise.
+        # The halving stops where coefficients are below 4e-15 of this length, a tenth of the
+        # round-off of a contact. Beside a flat the last digits of a contact are noise, as are those
+        # of a profile with noise.
         value_scale = 0.1 * self.shape.relative_roundoff / 4e-15 * self.largest_half_width
         try:
             return (
@@ -991,13 +1093,18 @@ class NestedIntervals:
             ) from fault
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta) [length] at loads eta, by the series; in closed form of a parabola.
-        Series take loads above the largest as the largest.
+        """Centre m and half-length c of the contact [length] under normal loads eta and the tilt
+        that belongs to each, by Chebyshev series over the load; in closed form of a parabola.
+
+        Loads above the largest of the series count as the largest. Between two loads at which an
+        end of contact meets a knot the series is one of v = sqrt(eta - eta_b), eta_b the lower of
+        them. The ranges of v are laid end to end on one axis.
         """
         if self.shape.radius is not None:
             return self.exact_centre_and_half_width(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
+        # begin_loads: eta_b of each range; cuts_on_axis: ends of the ranges on the axis.
         range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
         root = np.sqrt(eta - series.begin_loads[range_number])
         end_on_axis = series.cuts_on_axis[range_number + 1]
@@ -1019,6 +1126,8 @@ class NestedIntervals:
         load, load_rise
             (n,) [force per thickness]
         """
+        # radius: of a parabola; None for other profiles. tilt_per_load: kappa; compliance: A =
+        # 2/E*.
         radius = self.shape.radius
         if radius is not None:  # of a parabola in closed form
             _, half_width_after = self.exact_centre_and_half_width(load)
@@ -1029,9 +1138,12 @@ class NestedIntervals:
             return load_rise * (widening_rate - side * radius * self.tilt_per_load)
         series = self._series
         outward_movement = np.zeros(load.shape)
-        nodes, weights_of_nodes = gauss_rule(8)
+        # Eight Gauss points in each range.
+        gauss_nodes, gauss_weights = gauss_rule(8)
         # From the load downwards, in each pass over the range between two cuts that holds what is
-        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut.
+        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut. The ranges of v lie
+        # end to end on one axis, on which the series of m and c are defined; begin_loads: eta_b;
+        # cuts_on_axis: their ends.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         rise_left = load_rise
         upper_root = np.sqrt(load - series.begin_loads[range_number])
@@ -1042,14 +1154,14 @@ class NestedIntervals:
             begin_on_axis = series.cuts_on_axis[range_number][:, None]
             end_on_axis = np.nextafter(series.cuts_on_axis[range_number + 1], 0.0)[:, None]
             place_on_axis = np.clip(
-                begin_on_axis + (upper_root[:, None] - root_step[:, None] * nodes),
+                begin_on_axis + (upper_root[:, None] - root_step[:, None] * gauss_nodes),
                 begin_on_axis,
                 end_on_axis,
             )
             half_width_rate = series.half_width.derivative(place_on_axis)
             centre_rate = series.centre.derivative(place_on_axis)
             outward_rate = half_width_rate + side[:, None] * centre_rate
-            outward_movement += root_step * np.sum(weights_of_nodes * outward_rate, axis=1)
+            outward_movement += root_step * np.sum(gauss_weights * outward_rate, axis=1)
             range_number = np.where(rise_left > rise_in_range, range_number - 1, -1)
             rise_left = rise_left - rise_in_range
             upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
@@ -1063,6 +1175,7 @@ class NestedIntervals:
         under P. With x fixed, the sum of both changes its sign once as the half-length c grows:
         Newton's method for c, kept in a bracket.
         """
+        # tilt_without_load: alpha_0, tilt_per_load: kappa, compliance: A = 2/E*.
         widest_middle, widest_half_width = self.exact_centre_and_half_width(self.largest_load)
         is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
@@ -1070,11 +1183,13 @@ class NestedIntervals:
         side = np.where(
             reached_x < float(self.shape.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
         )
-        # The contact stretches from x to the other side: it is x - side c -+ c.
+        # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
         for _ in range(_MOST_NEWTON_STEPS):
+            # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
+            # the angle.
             balance = self.shape.balance(reached_x - side * c, c)
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
@@ -1118,14 +1233,19 @@ class _IntervalSeries(NamedTuple):
 
 
 def _on_one_axis(series: list[PiecewiseSeries], cuts_on_axis: Array) -> PiecewiseSeries:
-    """The piecewise series of k ranges as one, range number i from `cuts_on_axis[i]` on; its k + 1
-    ends are given.
+    """Join the piecewise Chebyshev series of k ranges to one series on a common axis: range number
+    i begins at `cuts_on_axis[i]`; the k + 1 ends of the ranges are given.
+
+    A piecewise series has `edges`, the ends of its pieces, and `coefficients`, one column for each
+    piece. The edges of each range count from its begin.
     """
-    edges = [np.zeros(1)]
-    for pieces, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
-        edges.append(pieces.edges[1:] + begin_on_axis)
-    coefficients = np.concatenate([pieces.coefficients for pieces in series], axis=1)
-    return PiecewiseSeries(np.concatenate(edges), coefficients)
+    piece_ends = [np.zeros(1)]
+    for series_of_range, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
+        piece_ends.append(series_of_range.edges[1:] + begin_on_axis)
+    coefficients = np.concatenate(
+        [series_of_range.coefficients for series_of_range in series], axis=1
+    )
+    return PiecewiseSeries(np.concatenate(piece_ends), coefficients)
 
 
 @dataclass(frozen=True, eq=False)
@@ -1197,8 +1317,8 @@ class TiltedProfile:
         return self.intervals.corner_loads
 
     def is_nested(self, load: float) -> bool:
-        """Whether every contact interval up to a load contains those of smaller loads: dp/d eta > 0
-        in it, |kappa| <= A/(pi c).
+        """Whether every contact interval up to the normal load P = `load` contains those of smaller
+        loads.
         """
         return bool(abs(self.pressure_skewness) * self.half_width(load) <= 1 + 1e-11)
 
@@ -1241,7 +1361,15 @@ class TiltedProfile:
         return np.asarray(pressure / (np.pi * self._compliance))
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
-        """Normal approach of x = 0, positive when pressed, of contacts (n,) [length]."""
+        """Normal approach of the point x = 0 of n contacts, positive when pressed, (n,) [length].
+
+        Parameters
+        ----------
+        m, c
+            (n,) centre and half-length [length]
+        load, tilt
+            (n,) P [force per thickness] and alpha [rad]
+        """
         return self.shape.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(c)
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
@@ -1265,7 +1393,7 @@ class TiltedProfile:
         """
         load = np.maximum(load, 0.0)
         moment = np.where(load > 0, moment, 0.0)
-        if self.shape.radius is not None:
+        if self.shape.radius is not None:  # a parabola: the contact is centred at -radius tilt
             return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
 
         # Each pair of load and moment is solved once.
@@ -1277,21 +1405,23 @@ class TiltedProfile:
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
         for _ in range(_MOST_NEWTON_STEPS):
+            # Centre and half-length of the contacts under the trial tilt, and their moment minus
+            # the given one.
             m, c = self.centre_and_half_width_under(load, tilt)
-            excess_moment = self.moment(m, c, load, tilt) - moment
+            moment_excess = self.moment(m, c, load, tilt) - moment
             half_width = np.where(c > 0, c, 1.0)
-            least_tilt = np.where(excess_moment > 0, tilt, least_tilt)
-            largest_tilt = np.where(excess_moment > 0, largest_tilt, tilt)
+            least_tilt = np.where(moment_excess > 0, tilt, least_tilt)
+            largest_tilt = np.where(moment_excess > 0, largest_tilt, tilt)
             # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
             # more than about a third of it.
             longest_step = self._compliance * load / (4 * half_width)
-            step = 2 * self._compliance * excess_moment / (np.pi * half_width**2)
+            step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
             is_in_bracket = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
             new_tilt = np.where(is_in_bracket, new_tilt, (least_tilt + largest_tilt) / 2)
-            change = np.abs(new_tilt - tilt)
+            tilt_change = np.abs(new_tilt - tilt)
             tilt = new_tilt
-            if np.all(change <= 1e-9 * longest_step):
+            if np.all(tilt_change <= 1e-9 * longest_step):
                 return np.where(load > 0, tilt, 0.0)[pair_number.ravel()]
         raise NotFoundError(
             "load: no tilt was found at which the contact carries the moment that is stated"
@@ -1309,11 +1439,15 @@ class TiltedProfile:
     pressure_rise = pressure
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int eta dp(x, eta) over loads eta from 0 to `load` [stress times force per thickness].
+        """Integral of eta dp(x, eta) over loads eta from 0 to `load`, at points x, arrays that
+        broadcast [stress times force per thickness]; p(x, eta) is the pressure at x under the load
+        eta.
 
-        By parts: load p(x, load) - int p d eta, since p is 0 before the contact reaches x.
+        By parts it is load p(x, load) - int p d eta, since p is 0 before the contact reaches x. The
+        integral is by quadrature.
         """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        # self.load(x): load at which the contact reaches x, infinite if it never does.
         eta, weights = self._nodes_over_load(np.minimum(self.load(x), load), load)
         integral_of_pressure = np.sum(weights * self.pressure(x[..., None], eta), axis=-1)
         return load * self.pressure(x, load) - integral_of_pressure
@@ -1322,15 +1456,22 @@ class TiltedProfile:
         """Quadrature nodes and weights on the loads from `begin` to `end` [force per thickness], in
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
+        # corner_loads: loads at which an end of contact meets a knot of the profile.
         if not len(self.corner_loads):
             return graded_nodes(begin, end)
-        nodes = panel_nodes(begin, end, self.corner_loads)
-        shape = (*np.shape(end), -1)
-        return nodes.place.reshape(shape), nodes.weight.reshape(shape)
+        nodes_of_panels = panel_nodes(begin, end, self.corner_loads)
+        shape_with_nodes = (*np.shape(end), -1)
+        return nodes_of_panels.place.reshape(shape_with_nodes), nodes_of_panels.weight.reshape(
+            shape_with_nodes
+        )
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of the kernel of slip over loads from 0 to `load`, while x is out of contact
-        [force per thickness]: pi/A times the decrease of the gap at x.
+        """Integral of the kernel of slip over loads from 0 to `load`, at points x that are not in
+        contact [force per thickness]: pi/A times the decrease of the gap at x, arrays that
+        broadcast.
+
+        A = 2/E*. For a point in contact the integral ends where the contact reaches it, and the gap
+        under the load is 0.
         """
         x = np.asarray(x, dtype=float)
         gap_before = self.shape.gap(x, *self.intervals.unloaded_centre_and_half_width)
@@ -1338,10 +1479,14 @@ class TiltedProfile:
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int eta K(x, eta) d eta over loads eta from 0 to `load`, while x is outside the contact
-        [force^2 per thickness^2]; K is the kernel of slip, `arccosh_ratio`.
+        """Integral of eta K(x, eta) over loads eta from 0 to `load`, up to where the contact
+        reaches x, arrays that broadcast [force^2 per thickness^2].
+
+        K is the kernel of slip, `arccosh_ratio`: pi/A times the slip at x by a unit of tangential
+        force on the contact interval of the load eta. By quadrature.
         """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        # self.load(x): load at which the contact reaches x, infinite if it never does.
         eta, weight = self._nodes_over_load(np.zeros(load.shape), np.minimum(load, self.load(x)))
         kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
         return np.asarray(np.sum(weight * eta * kernel, axis=-1))
@@ -1352,9 +1497,10 @@ class TiltedProfile:
 
             tangential_fraction arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2)
 
-        t = x - m, m is the centre of the interval, c its half-length. The skew part is that of bulk
-        strain or tilt in proportion to the load. `excess`, which contacts of other profiles need,
-        is not used.
+        t = x - m, m is the centre of the interval, c its half-length. The skew term is that of bulk
+        strain or tilt in proportion to the load: `pressure_skewness` = pi kappa/A, kappa the tilt
+        per load, A = 2/E*. `tangential_fraction` is 1, but 0 where bulk strain alone changes.
+        `excess` is not used.
         """
         del excess
         m, c = self.centre_and_half_width(advance)
@@ -1369,8 +1515,9 @@ class TiltedProfile:
 
             (tangential_fraction - pressure_skewness t)/sqrt((c - t)(c + t)),  t = x - m
 
-        m is the centre of the interval, c its half-length. The skew part is that of bulk strain or
-        tilt in proportion to the load.
+        m is the centre of the interval, c its half-length. The skew term is that of bulk strain or
+        tilt in proportion to the load: `pressure_skewness` = pi kappa/A, kappa the tilt per load, A
+        = 2/E*. `tangential_fraction` is 1, but 0 where bulk strain alone changes.
 
         Parameters
         ----------
@@ -1382,22 +1529,24 @@ class TiltedProfile:
             load of the interval [force per thickness]
         """
         m, c = self.centre_and_half_width(advance)
+        # The flat face of the profile touches without load; of half-length 0 for a parabola.
         face_middle, face_half_width = self.intervals.flat_face
         places = np.asarray(x, dtype=float)
         load_rise = np.asarray(excess, dtype=float)
         t = places - m
         difference_of_squares = (c - t) * (c + t)
         is_beside_face = np.abs(places - face_middle) >= face_half_width
+        # Nearer to an edge than about 5 % of c.
         is_near_edge = difference_of_squares < _NEAR_EDGE_FRACTION * c * c
-        takes_movement = is_near_edge & (load_rise > 0) & is_beside_face
-        if np.any(takes_movement):
+        needs_edge_movement = is_near_edge & (load_rise > 0) & is_beside_face
+        if np.any(needs_edge_movement):
             # Next to the edge c - |t| loses digits. It is how far the edge has moved beyond x.
             edge_side, upper_load, rise_since_x, upper_half_width = (
-                np.broadcast_to(values, takes_movement.shape)[takes_movement]
+                np.broadcast_to(values, needs_edge_movement.shape)[needs_edge_movement]
                 for values in (np.sign(t), advance, load_rise, c)
             )
             to_edge = self.intervals.edge_movement(edge_side, upper_load, rise_since_x)
-            difference_of_squares[takes_movement] = to_edge * (2 * upper_half_width - to_edge)
+            difference_of_squares[needs_edge_movement] = to_edge * (2 * upper_half_width - to_edge)
         return (self.tangential_fraction - self.pressure_skewness * t) / np.sqrt(
             np.where(difference_of_squares > 0, difference_of_squares, np.inf)
         )
@@ -1407,14 +1556,20 @@ class TiltedProfile:
         return np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
 
     def log_datum_ratio(self, load: ArrayLike) -> Array:
-        """Rate of `kernel_quantity` per unit of M on the contact interval under `load`.
+        """Rate of the quantity that `kernel_quantity` names, per unit of the tangential force M on
+        the contact interval under `load`; an array of the shape of `load`.
 
         "displacement": phi ln(2 L/c) + (pi kappa/A) m, pi/A times the rate of U [1].
         "conjugate_displacement": phi times that, plus (pi kappa/A) mu for kappa m_q [1].
         "shear_moment": mu = phi m - (pi kappa/(2 A)) c^2, lever of the shear about x = 0 [length].
 
         phi = `tangential_fraction`: 1, but 0 where bulk strain alone changes, with Q = 0.
+
+        # notation: A = 2/E*, L datum length of displacements, kappa tilt per load, m_q moment of
+        #           the shear about x = 0
         """
+        # Centre and half-length of the interval; pressure_skewness: pi kappa/A; logarithm(c): ln(2
+        # L/c).
         m, c = self.centre_and_half_width(load)
         moment_arm = self.tangential_fraction * m - self.pressure_skewness * c * c / 2
         if self.kernel_quantity == "shear_moment":
@@ -1429,16 +1584,20 @@ class TiltedProfile:
         return displacement_rate
 
     def approach_integral(self, load: ArrayLike) -> Array:
-        """Integral of `log_datum_ratio` over loads from 0 to `load`, in closed form. It depends on
-        `kernel_quantity`, of which this object holds the kernels:
+        """Integral over loads from 0 to `load` of the kernel that `kernel_quantity` names, in
+        closed form; an array of the shape of `load`.
 
         - "shear_moment": the moment of the pressure [force];
         - "displacement": pi/A times the normal approach since no load [force per thickness];
         - "conjugate_displacement": that plus pi kappa/A times the moment.
+
+        # notation: A = 2/E*, kappa tilt per load, pressure_skewness = pi kappa/A
         """
         load = np.asarray(load, dtype=float)
         contact_centre, contact_half_length = self.intervals.centre_and_half_width(load)
+        # Tilt under this load: alpha_0 + kappa load.
         tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
+        # shape.moment is A times the moment of the pressure.
         moment = self.shape.moment(contact_centre, contact_half_length, tilt) / self._compliance
         if self.kernel_quantity == "shear_moment":
             return moment
@@ -1455,7 +1614,9 @@ class TiltedProfile:
         return scaled_approach
 
     def approach_moment(self, load: ArrayLike) -> Array:
-        """Integral of eta times `log_datum_ratio` over loads eta up to `load`, by quadrature."""
+        """Integral of eta times the kernel `log_datum_ratio` over loads eta from 0 to `load`, by
+        quadrature; an array of the shape of `load`.
+        """
         eta, weight = self._nodes_over_load(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_datum_ratio(eta), axis=-1))
 
@@ -1472,6 +1633,7 @@ class TiltedProfile:
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
+        # log_datum_ratio: r; approach_integral: its integral from 0 to a load.
         conjugate_contact = replace(self, kernel_quantity="conjugate_displacement")
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         rate_at_stick_edge = conjugate_contact.log_datum_ratio(stick_edge_load)
@@ -1480,6 +1642,8 @@ class TiltedProfile:
         kernel = np.array(
             slip_zone_load * rate_at_stick_edge - (integral_to_load - integral_to_stick_edge)
         )
+        # Below 3 % of P the difference of integrals loses digits: quadrature over the slip zone
+        # instead.
         is_small_slip = slip_zone_load < _SMALL_SLIP_FRACTION * load
         if np.any(is_small_slip):
             eta, weights = crowded_nodes(stick_edge_load[is_small_slip], load[is_small_slip])
@@ -1490,8 +1654,11 @@ class TiltedProfile:
         return np.maximum(kernel, 0.0)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """Error of the method `name` by the round-off of m and c; `dissipation_kernel` is a
-        difference of larger numbers.
+        """Error of the kernel method `name` at given arguments by the round-off of the contact's
+        centre m and half-length c.
+
+        It is the relative round-off times the size of the kernel. To that of `dissipation_kernel`,
+        a difference of larger numbers, the load, its first argument, is added.
         """
         size = np.abs(getattr(self, name)(*arguments))
         if name == "dissipation_kernel":
