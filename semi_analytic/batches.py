@@ -108,7 +108,8 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     NaN where there is one maximum only. All are NaN where a sample of W(x) is.
 
     W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
-    changes. A maximum is looked for about every sample above its neighbours.
+    changes. A maximum is looked for about every sample above its neighbours. All ellipses have the
+    same `contact`; 256 are taken at a time.
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses > _ELLIPSES_AT_ONCE:
@@ -122,18 +123,33 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         forward, reverse = work_density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
         return forward + reverse
 
-    points = _sample_points(ellipses, contact)
-    samples, is_unknown = _sampled_density(points, partial(density, node_stride=2))
-    maxima = _local_maxima(samples, density)
-    peaks = _largest_maximum(maxima, ellipses, points, is_unknown, density)
-    second_work, second_place = _second_maximum(maxima, samples.work, peaks)
-    stick_edge = points[:, 0]
-    largest_half_width = points[:, -1]
-    place_fraction = (peaks.place - stick_edge) / np.where(
+    # (m, n) from the edge of permanent stick to the largest contact
+    sample_places = _sample_points(ellipses, contact)
+    # W(x) there, and for which ellipses some W(x) is NaN
+    samples_of_density, is_unknown = _sampled_density(
+        sample_places, partial(density, node_stride=2)
+    )
+    # one for each sample above its neighbours, refined
+    local_maxima = _local_maxima(samples_of_density, density)
+    peaks_of_ellipses = _largest_maximum(local_maxima, ellipses, sample_places, is_unknown, density)
+    second_work, second_place = _second_maximum(
+        local_maxima, samples_of_density.work, peaks_of_ellipses
+    )
+    # half-widths of permanent stick and of the largest contact
+    stick_edge = sample_places[:, 0]
+    largest_half_width = sample_places[:, -1]
+    place_fraction = (peaks_of_ellipses.place - stick_edge) / np.where(
         largest_half_width > stick_edge, largest_half_width - stick_edge, 1.0
     )
     return np.stack(
-        [peaks.work, second_work, peaks.error, peaks.place, second_place, place_fraction]
+        [
+            peaks_of_ellipses.work,
+            second_work,
+            peaks_of_ellipses.error,
+            peaks_of_ellipses.place,
+            second_place,
+            place_fraction,
+        ]
     )
 
 
@@ -170,27 +186,35 @@ def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMax
     """Every local maximum over x of the friction work per area W(x) of each load ellipse, one for
     each sample of W above its neighbours.
 
-    The sample and its neighbours are a bracket. It is narrowed with every second quadrature node
-    first, then with all. `density`(ellipse numbers, x, node_stride=1) gives W.
+    `samples` holds ellipse, place x and W(x), one ellipse after the other. A sample and its
+    neighbours are a bracket. It is narrowed with every second quadrature node first, then with all.
+    `density`(ellipse numbers, x, node_stride=1) gives W(x) pi E*/(2 f^2), with every
+    `node_stride`-th quadrature node.
     """
-    work = samples.work
-    is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
+    density_at_samples = samples.work
+    is_local_maximum = (density_at_samples[1:-1] > density_at_samples[:-2]) & (
+        density_at_samples[1:-1] >= density_at_samples[2:]
+    )
     sample_numbers = np.flatnonzero(is_local_maximum) + 1
     ellipse = samples.ellipse[sample_numbers]
-    bracket_numbers = sample_numbers + _NEIGHBOUR_OFFSETS
+    # (3, n): each sample with its neighbours
+    samples_of_brackets = sample_numbers + _NEIGHBOUR_OFFSETS
+    # (3, n) each, until W may rise by 1e-5 of itself, later by 1e-10
     bracket_places, _ = _narrowed_brackets(
         partial(density, node_stride=2),
         ellipse,
-        samples.x[bracket_numbers],
-        work[bracket_numbers],
+        samples.x[samples_of_brackets],
+        density_at_samples[samples_of_brackets],
         _FIRST_RISE_TOLERANCE,
     )
     # With all nodes from here on.
-    bracket_works = np.stack([density(ellipse, places) for places in bracket_places])
-    bracket_places, bracket_works = _narrowed_brackets(
-        density, ellipse, bracket_places, bracket_works, _LAST_RISE_TOLERANCE
+    densities_of_brackets = np.stack([density(ellipse, places) for places in bracket_places])
+    bracket_places, densities_of_brackets = _narrowed_brackets(
+        density, ellipse, bracket_places, densities_of_brackets, _LAST_RISE_TOLERANCE
     )
-    return _LocalMaxima(ellipse, sample_numbers, _vertex_of_parabola(bracket_places, bracket_works))
+    return _LocalMaxima(
+        ellipse, sample_numbers, _vertex_of_parabola(bracket_places, densities_of_brackets)
+    )
 
 
 class _Peaks(NamedTuple):
@@ -217,14 +241,18 @@ def _largest_maximum(
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
     far W may rise between the points of the bracket, the quadrature error and round-off. Round-off
     counts for more where the load P - P_c carried by the slip zones is small; P_c is the load at
-    the stick edge.
+    the stick edge, `largest_slip_zone_load` the largest P - P_c.
 
     Parameters
     ----------
     points
-        (m, n) places of the samples, from the permanent stick edge to the largest contact
+        (m, n) places x of the samples, from the half-width c of permanent stick to that of the
+        largest contact
     density
-        W of (ellipse numbers, x, stride of the quadrature nodes)
+        W(x) pi E*/(2 f^2) of (ellipse numbers, x, stride of the quadrature nodes)
+    maxima
+        local maxima of all ellipses, each the vertex of a parabola, which holds W, place and how
+        far W may rise above it
     """
     stick_edge = points[:, 0]
     largest_half_width = points[:, -1]
@@ -234,9 +262,11 @@ def _largest_maximum(
         * (ellipses.mean_load + ellipses.load_amplitude)
         / np.where(largest_slip_load > 0, largest_slip_load, np.inf)
     )
+    # PROMISED_ERROR is 1e-12, LAST_DIGITS four round-offs
     relative_roundoff = PROMISED_ERROR + 3 * share_of_last_digits
-    # Where no maximum is found W(x) may be lost in the last digits. It is at most the product of p,
-    # 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) (P - P_c)/(pi a).
+    # u and v are the amplitudes of (Q -+ f P)/f. Where no maximum is found W(x) may be lost in the
+    # last digits. It is at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v)
+    # (P - P_c)/(pi a).
     error_without_maximum = (
         2
         / math.pi
@@ -245,6 +275,7 @@ def _largest_maximum(
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
     n_ellipses = len(ellipses.mean_load)
+    # of the largest maximum of each ellipse, -1 where there is none
     maximum_number = maxima.largest_of_ellipses(n_ellipses)
     work = np.where(is_unknown, np.nan, 0.0)
     error = np.where(is_unknown, np.nan, error_without_maximum)
@@ -252,19 +283,21 @@ def _largest_maximum(
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
     maxima_of_slipping = maximum_number[slipping_ellipses]
-    vertex = maxima.vertex
-    work[slipping_ellipses] = vertex.work[maxima_of_slipping]
-    place[slipping_ellipses] = vertex.place[maxima_of_slipping]
-    works_by_stride = np.stack(
+    vertex_of_maximum = maxima.vertex
+    work[slipping_ellipses] = vertex_of_maximum.work[maxima_of_slipping]
+    place[slipping_ellipses] = vertex_of_maximum.place[maxima_of_slipping]
+    densities_by_stride = np.stack(
         [
             density(slipping_ellipses, place[slipping_ellipses], node_stride)
             for node_stride in (1, 2, 4)
         ]
     )
-    relative_rule_error = quadrature_error(works_by_stride, works_by_stride[0])
+    # from W by all nodes, by every second and by every fourth
+    relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
     relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
     error[slipping_ellipses] = (
-        vertex.possible_rise[maxima_of_slipping] + vertex.work[maxima_of_slipping] * relative_error
+        vertex_of_maximum.possible_rise[maxima_of_slipping]
+        + vertex_of_maximum.work[maxima_of_slipping] * relative_error
     )
     return _Peaks(work, error, place, maximum_number)
 
@@ -276,7 +309,9 @@ def _second_maximum(
     each; NaN where there is one maximum only.
 
     It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
-    by more than twice its error. `sampled_work` is W at all samples of all ellipses.
+    by more than twice its error. `sampled_work` is W(x) at all samples of all ellipses, one ellipse
+    after the other. A local maximum holds its ellipse, its sample and the vertex of a parabola,
+    with W and place; `peaks` the largest maximum of each ellipse, with its number.
     """
     n_ellipses = len(peaks.work)
     second_work = np.full(n_ellipses, np.nan)
@@ -285,16 +320,16 @@ def _second_maximum(
         return second_work, second_place
     # From the sample of each maximum to that of the largest of its ellipse.
     sample_of_largest = maxima.sample[peaks.maximum_number[maxima.ellipse]]
-    range_ends = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
+    sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
     # Every other minimum is that from one range to the next.
-    least_work_in_range = np.minimum.reduceat(sampled_work, range_ends.T.ravel())[::2]
+    least_work_in_range = np.minimum.reduceat(sampled_work, sample_ranges.T.ravel())[::2]
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.work, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
     maximum_numbers = maxima.numbers_by_ascending_work()
     ellipse = maxima.ellipse[maximum_numbers]
-    work = maxima.vertex.work[maximum_numbers]
+    work_of_maximum = maxima.vertex.work[maximum_numbers]
     is_not_largest = maximum_numbers != peaks.maximum_number[ellipse]
-    is_distinct = least_work_in_range[maximum_numbers] < work - least_fall[ellipse]
+    is_distinct = least_work_in_range[maximum_numbers] < work_of_maximum - least_fall[ellipse]
     second_numbers = maximum_numbers[is_not_largest & is_distinct]
     second_work[maxima.ellipse[second_numbers]] = maxima.vertex.work[second_numbers]
     second_place[maxima.ellipse[second_numbers]] = maxima.vertex.place[second_numbers]
@@ -318,39 +353,54 @@ def _sampled_density(
     at more points where W is nearly level; and for which ellipses W is NaN at some point, (m,).
 
     Of equal points one counts. At both ends of the slip zone W is set to 0. `density`(ellipse
-    numbers, x) gives W.
+    numbers, x) gives W(x) pi E*/(2 f^2).
     """
     widths_of_zones = points[:, -1] - points[:, 0]
-    is_new = (
+    # _SAME_POINT_WIDTH_SHARE: 1e-10
+    is_distinct = (
         np.diff(points, axis=1, prepend=-np.inf)
         > _SAME_POINT_WIDTH_SHARE * widths_of_zones[:, None]
     )
-    ellipse_of_point = np.nonzero(is_new)[0]
-    x = points[is_new]
-    work = density(ellipse_of_point, x)
-    is_unknown = np.bincount(ellipse_of_point, np.isnan(work), len(points)) > 0
+    ellipse_of_point = np.nonzero(is_distinct)[0]
+    sample_places = points[is_distinct]
+    density_at_samples = density(ellipse_of_point, sample_places)
+    is_unknown = np.bincount(ellipse_of_point, np.isnan(density_at_samples), len(points)) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and ellipses next to
     # each other stay apart.
-    first_numbers = np.flatnonzero(np.diff(ellipse_of_point, prepend=-1))
-    last_numbers = np.append(first_numbers[1:], len(x)) - 1
-    work[first_numbers] = 0.0
-    work[last_numbers] = 0.0
+    first_of_ellipse = np.flatnonzero(np.diff(ellipse_of_point, prepend=-1))
+    last_of_ellipse = np.append(first_of_ellipse[1:], len(sample_places)) - 1
+    density_at_samples[first_of_ellipse] = 0.0
+    density_at_samples[last_of_ellipse] = 0.0
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed.
-    largest_works = np.maximum.reduceat(work, first_numbers)
+    largest_works = np.maximum.reduceat(density_at_samples, first_of_ellipse)
+    # _NEARLY_LEVEL_FRACTION: 0.01 of the largest W
     level_change = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
-    is_high = (work[:-1] > level_change) & (work[1:] > level_change)
-    is_level = (np.abs(np.diff(work)) < level_change) & is_high
-    is_wide = np.diff(x) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
+    is_above_level_change = (density_at_samples[:-1] > level_change) & (
+        density_at_samples[1:] > level_change
+    )
+    is_level = (np.abs(np.diff(density_at_samples)) < level_change) & is_above_level_change
+    is_wide = (
+        np.diff(sample_places) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
+    )
     level_intervals = np.flatnonzero(is_level & is_wide)
-    new_x = (x[level_intervals] + np.diff(x)[level_intervals] * _QUARTER_FRACTIONS[:, None]).ravel()
-    ellipse_of_new_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTER_FRACTIONS))
-    work = np.concatenate([work, density(ellipse_of_new_point, new_x)])
-    ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_new_point])
-    x = np.concatenate([x, new_x])
-    order_by_ellipse = np.lexsort((x, ellipse_of_point))
+    added_places = (
+        sample_places[level_intervals]
+        + np.diff(sample_places)[level_intervals] * _QUARTER_FRACTIONS[:, None]
+    ).ravel()
+    ellipse_of_added_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTER_FRACTIONS))
+    density_at_samples = np.concatenate(
+        [density_at_samples, density(ellipse_of_added_point, added_places)]
+    )
+    ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_added_point])
+    sample_places = np.concatenate([sample_places, added_places])
+
+    # ascending places within each ellipse
+    order_by_ellipse = np.lexsort((sample_places, ellipse_of_point))
     samples = _Samples(
-        ellipse_of_point[order_by_ellipse], x[order_by_ellipse], work[order_by_ellipse]
+        ellipse_of_point[order_by_ellipse],
+        sample_places[order_by_ellipse],
+        density_at_samples[order_by_ellipse],
     )
     return samples, is_unknown
 
@@ -361,11 +411,13 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     They lie at and between the half-widths at which the formula of W(x) changes: those of the loads
     at which slip begins or ends, and the corners of the profile. More lie next to the kinks of
-    W(x), which are at the half-width of the least load and at corners.
+    W(x), which are at the half-width of the least load and at corners. P = P0 + P1 cos t; the
+    permanent stick edge is the half-width under `permanent_stick_load`.
     """
     least_load = ellipses.mean_load - ellipses.load_amplitude
     largest_load = ellipses.mean_load + ellipses.load_amplitude
-    # Events E, G, I and J, as in `steady_ellipse`.
+    # cos t at E and G, begin and end of reverse slip, at I, begin of forward slip, and at J, where
+    # the stick edge passes its place at G again
     event_cosines = (
         ellipses.cosine_of_start,
         np.cos(ellipses.slip_start + ellipses.slip_angle),
@@ -381,28 +433,31 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     )
     loads = np.clip(loads, ellipses.permanent_stick_load, largest_load)
     clipped_least_load = loads[1:2]
+    # (loads, m) ascending
     half_widths = contact.half_width(np.sort(loads, axis=0))
+    # eight at most; else only the middle of each interval, and no kinks at corners
     has_few_corners = len(corner_loads) <= _FEW_CORNERS
     fractions = _FRACTIONS_OF_INTERVAL
     kink_loads = np.concatenate([clipped_least_load, corner_loads])
     if not has_few_corners:
         fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
         kink_loads = clipped_least_load
-    inner_points = half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
+    places_between = half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
     kink_half_widths = contact.half_width(kink_loads)
+    # four distances, fractions of the smaller part of the slip zone
     distance_to_kink = (
         np.minimum(kink_half_widths - half_widths[0], half_widths[-1] - kink_half_widths)
         * _DISTANCES_TO_KINK[:, None, None]
     )
-    further_points = [
-        points_of_ellipses.reshape(-1, len(least_load))
-        for points_of_ellipses in (
-            inner_points,
+    further_places = [
+        places_of_ellipses.reshape(-1, len(least_load))
+        for places_of_ellipses in (
+            places_between,
             kink_half_widths - distance_to_kink,
             kink_half_widths + distance_to_kink,
         )
     ]
-    return np.sort(np.concatenate([half_widths, *further_points]), axis=0).T
+    return np.sort(np.concatenate([half_widths, *further_places]), axis=0).T
 
 
 def _narrowed_brackets(
@@ -416,22 +471,24 @@ def _narrowed_brackets(
     fraction `rise_tolerance` of itself at most: the places and W there, (3, n) each.
 
     In each of at most 40 rounds three new places are tried, about the vertex of the parabola
-    through the bracket. Where the last round did not halve the bracket they divide it evenly.
+    through the bracket. Where the last round did not halve the bracket they divide it evenly, at
+    0.21, 0.47 and 0.73.
 
     Parameters
     ----------
     density
-        W at places (n,) of ellipses of these numbers (n,)
+        W(x) of ellipses of these numbers (n,) at places (n,)
     ellipse_of_maximum
         (n,) number of the ellipse whose maximum it is
     bracket_places, bracket_works
-        (3, n) places and W to begin with
+        (3, n) places, ascending, and W(x) there, to begin with
     """
     bracket_places = bracket_places.copy()
     bracket_works = bracket_works.copy()
     wide_brackets = np.arange(len(ellipse_of_maximum))
     narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
     for _ in range(_MOST_ROUNDS):
+        # of the parabola, with a bound of the rise of W above the middle point
         vertex = _vertex_of_parabola(
             bracket_places[:, wide_brackets], bracket_works[:, wide_brackets]
         )
@@ -441,6 +498,7 @@ def _narrowed_brackets(
             break
         places_before = bracket_places[:, wide_brackets]
         width_before = places_before[2] - places_before[0]
+        # (3, n): at the vertex and on each side of it
         places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide])
         even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
@@ -448,11 +506,11 @@ def _narrowed_brackets(
         # Of the six places the highest and its neighbours are the new bracket.
         six_places = np.concatenate([places_before, new_places])
         six_works = np.concatenate([bracket_works[:, wide_brackets], new_works])
-        ascending = np.argsort(six_places, axis=0, kind="stable")
-        six_places = np.take_along_axis(six_places, ascending, 0)
-        six_works = np.take_along_axis(six_works, ascending, 0)
-        highest = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
-        rows_of_bracket = highest + _NEIGHBOUR_OFFSETS
+        order_by_place = np.argsort(six_places, axis=0, kind="stable")
+        six_places = np.take_along_axis(six_places, order_by_place, 0)
+        six_works = np.take_along_axis(six_works, order_by_place, 0)
+        number_of_highest = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
+        rows_of_bracket = number_of_highest + _NEIGHBOUR_OFFSETS
         bracket_places[:, wide_brackets] = np.take_along_axis(six_places, rows_of_bracket, 0)
         bracket_works[:, wide_brackets] = np.take_along_axis(six_works, rows_of_bracket, 0)
         width = bracket_places[2, wide_brackets] - bracket_places[0, wide_brackets]
@@ -472,18 +530,20 @@ def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
     inner_vertex = np.clip(
         vertex_place, left_end + 0.02 * bracket_width, right_end - 0.02 * bracket_width
     )
-    # The vertex is taken to be as wrong as it is far from the middle place; twice that should hold
+    # The error of the vertex is taken as its distance from the middle place; twice that should hold
     # the maximum. An eighth of the width at most takes the bracket to a fourth.
-    half_step = np.clip(
+    distance_beside_vertex = np.clip(
         2 * np.abs(inner_vertex - middle_place), 0.003 * bracket_width, 0.125 * bracket_width
     )
-    is_at_middle = np.abs(inner_vertex - middle_place) < 0.1 * half_step
-    centre_place = np.where(is_at_middle, middle_place, inner_vertex)
-    left_point = np.maximum(centre_place - half_step, (left_end + centre_place) / 2)
-    right_point = np.minimum(centre_place + half_step, (centre_place + right_end) / 2)
-    # A vertex that is all but the middle place needs no W of its own: the third point goes beyond.
-    trial_point = np.where(is_at_middle, (right_point + right_end) / 2, inner_vertex)
-    return np.stack([left_point, trial_point, right_point])
+    is_vertex_at_middle = np.abs(inner_vertex - middle_place) < 0.1 * distance_beside_vertex
+    centre_place = np.where(is_vertex_at_middle, middle_place, inner_vertex)
+    left_place = np.maximum(centre_place - distance_beside_vertex, (left_end + centre_place) / 2)
+    right_place = np.minimum(centre_place + distance_beside_vertex, (centre_place + right_end) / 2)
+    # A vertex that is all but the middle place needs no W of its own: the third place goes beyond.
+    vertex_or_outer_place = np.where(
+        is_vertex_at_middle, (right_place + right_end) / 2, inner_vertex
+    )
+    return np.stack([left_place, vertex_or_outer_place, right_place])
 
 
 class _Vertex(NamedTuple):
@@ -497,29 +557,31 @@ class _Vertex(NamedTuple):
 
 
 def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
-    """Vertex of the parabola through three points (x, W) about each of n maxima, (3, n) each, and
-    the most that W can rise above the middle point.
+    """Vertex of the parabola through three points (x, W(x)) about each of n maxima, x ascending,
+    (3, n) each, and the most that W can rise above the middle point.
 
     The bound holds for a concave W: it stays below the chords of the points, extended. Where the
     parabola is convex the middle point stands for its vertex.
     """
-    lengths = np.diff(x, axis=0)
-    length_before, length_after = lengths
-    slope_before, slope_after = np.diff(work, axis=0) / np.where(lengths > 0, lengths, np.inf)
-    length_of_both = np.where(
-        length_before + length_after > 0, length_before + length_after, np.inf
+    distances = np.diff(x, axis=0)
+    distance_before, distance_after = distances
+    slope_before, slope_after = np.diff(work, axis=0) / np.where(distances > 0, distances, np.inf)
+    total_distance = np.where(
+        distance_before + distance_after > 0, distance_before + distance_after, np.inf
     )
-    half_second_derivative = (slope_after - slope_before) / length_of_both
-    slope_at_middle = (slope_before * length_after + slope_after * length_before) / length_of_both
+    half_second_derivative = (slope_after - slope_before) / total_distance
+    slope_at_middle = (
+        slope_before * distance_after + slope_after * distance_before
+    ) / total_distance
     is_concave = half_second_derivative < 0
-    vertex_distance = np.where(
+    distance_to_vertex = np.where(
         is_concave, slope_at_middle / np.where(is_concave, -2 * half_second_derivative, 1.0), 0.0
     )
     return _Vertex(
-        work=work[1] + slope_at_middle * vertex_distance / 2,
-        place=x[1] + vertex_distance,
+        work=work[1] + slope_at_middle * distance_to_vertex / 2,
+        place=x[1] + distance_to_vertex,
         possible_rise=np.maximum(
-            np.abs(slope_before) * length_after, np.abs(slope_after) * length_before
+            np.abs(slope_before) * distance_after, np.abs(slope_after) * distance_before
         ),
     )
 
@@ -666,10 +728,11 @@ def dissipation(
         exact to 1e-11 of (2/E*) f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of
         1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
         others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
-        member, flat and rounded 1.5 us. The others are integrated between the corners of the
-        profile, with one table of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for
-        tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the
-        parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
+        member, flat and rounded 1.5 us. a is the contact half-width and P_c the load at the stick
+        edge. The other profiles are integrated between their corners, with one table of ln a(P) for
+        all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more
+        where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different
+        polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -701,17 +764,20 @@ def dissipation(
         phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
+    # of both bodies
     material = _materials_of_both_bodies(material)
     effects = checked_effects(effects)
+    # the function that computes five rows of m members: work, forward, reverse, error, P_T
     works_of_members = _works_of_members
     notes = list(neglected_coupling(material))
     if effects is not None:
         works_of_members = partial(_works_with_effects, curvatures_of(effects))
         notes.extend(notes_of_batch(effects))
-    results, reason = _results_of_members(
+    # the first four come times pi E*/(2 f^2)
+    rows_of_results, reason = _results_of_members(
         profile, material, loads, works_of_members, n_results=5, n_normalised=4
     )
-    work, forward_work, reverse_work, work_error, permanent_stick_load = results
+    work, forward_work, reverse_work, work_error, permanent_stick_load = rows_of_results
     return DissipationBatch(
         value=work,
         forward=forward_work,
@@ -730,28 +796,33 @@ def _works_of_members(members: Members) -> Array:
     Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
     P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
     the stick edge, to P. Of Hertz and power laws Lam has a closed form, of flat and rounded faces a
-    table; other profiles take a quadrature, one contact for all of a shape. Over the cycle Lam is
-    integrated by quadrature.
+    table; other profiles take a quadrature, one contact for all of a shape. `parameters` of a power
+    law have the exponent first. Over the cycle Lam is integrated by quadrature.
     """
     ellipses = members.ellipses
     kind = members.kind
-    works = np.empty((3, len(members.is_mirrored)))
+    works_and_error = np.empty((3, len(members.is_mirrored)))
+    # _DEEP_SLIP_LOAD_SHARE: 0.02 of P0; above it the quick formula of Lam is taken
     if kind in ("hertz", "power_law"):
-        works[:2] = works_by_lam(
+        works_and_error[:2] = works_by_lam(
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE
         )
-        works[2] = error_of_works_by_lam(ellipses, works[0] + works[1], _DEEP_SLIP_LOAD_SHARE, 1.0)
+        works_and_error[2] = error_of_works_by_lam(
+            ellipses, works_and_error[0] + works_and_error[1], _DEEP_SLIP_LOAD_SHARE, 1.0
+        )
         # The kernels are those of ln P. Lam of a profile |x|^n is 1/n of that: a goes as P^(1/n).
         exponent = members.parameters[0] if kind == "power_law" else 2
-        works /= exponent
+        works_and_error /= exponent
     elif kind == "flat_rounded":
+        # b^2/R: half-length of the flat and radius of its edges
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*members.parameters)
-        works[:] = _works_on_table(ellipses, members.modulus * height_unit)
+        works_and_error[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
         for group in members.shape_groups():
+            # forward, reverse and error in units of the shape
             works_in_units = dissipation_and_error(group.ellipses, group.contact)
-            works[:, group.members] = works_in_units * group.load_unit * group.load_unit
-    forward_of_ellipses, reverse_of_ellipses, work_error = works
+            works_and_error[:, group.members] = works_in_units * group.load_unit * group.load_unit
+    forward_of_ellipses, reverse_of_ellipses, work_error = works_and_error
     # A mirrored ellipse has Q -> -Q: its forward slip is the reverse slip of the member.
     forward_work = np.where(members.is_mirrored, reverse_of_ellipses, forward_of_ellipses)
     reverse_work = np.where(members.is_mirrored, forward_of_ellipses, reverse_of_ellipses)
@@ -768,20 +839,28 @@ def _works_of_members(members: Members) -> Array:
 
 def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     """Friction work of one steady cycle of each member, times pi E*/(2 f^2), on finite bodies,
-    whose loads add `curvatures` to gap and faces; rows (5, m) as of `_works_of_members`.
+    whose loads add `curvatures` to gap and faces; rows (5, m): the work, its parts by forward and
+    by reverse slip, the error of the work, and the load of the permanent stick zone.
 
     It is the work on half-planes, exact, plus the change by the curvatures. One quadrature rule
-    gives the works with and without curvatures, so that its error nearly cancels in the change.
+    gives the works with and without curvatures, so that its error nearly cancels in the change. A
+    curvature is a second derivative of the gap, or of the displacement of the faces, per unit of
+    load [1/(stress length^2)].
     """
-    results = _works_of_members(members)
-    work, forward_work, reverse_work, work_error, permanent_stick_load = results  # views: set below
+    # on half-planes
+    rows_of_results = _works_of_members(members)
+    work, forward_work, reverse_work, work_error, permanent_stick_load = (
+        rows_of_results  # views: set below
+    )
     for group in members.shape_groups():
-        numbers = group.members
-        loads_of_group = LoadArrays(*(column[numbers, None] for column in members.loads))
+        member_numbers = group.members
+        loads_of_group = LoadArrays(*(column[member_numbers, None] for column in members.loads))
         # One column (k, 1) also where one unit serves all.
-        ones = np.ones((len(numbers), 1))
+        ones = np.ones((len(member_numbers), 1))
         load_units = np.reshape(group.load_unit, (-1, 1)) * ones
         squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
+
+        # loads in units of the shape
         loads = EllipseOfLoads(
             mean_normal=loads_of_group.mean_normal,
             normal_amplitude=loads_of_group.normal_amplitude,
@@ -792,18 +871,22 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         ).divided_by(load_units)
         # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
         contact_modulus = members.modulus if members.contact is not None else 1.0
-        scaled_curvatures = CurvatureColumns.from_curvatures(
+
+        # works with and without curvatures
+        columns_of_curvatures = CurvatureColumns.from_curvatures(
             curvatures, members.modulus / contact_modulus * squared_length_units
         )
-        no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
+        columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
         works_of_half_planes = works_of_ellipses(
-            loads, no_curvatures, group.contact, contact_modulus
+            loads, columns_of_no_curvatures, group.contact, contact_modulus
         )
         works_of_bodies = works_of_ellipses(
-            loads, scaled_curvatures, group.contact, contact_modulus
+            loads, columns_of_curvatures, group.contact, contact_modulus
         )
         # Works of ellipses are times pi E*/2, without 1/f^2.
-        work_unit = np.square(group.load_unit / members.loads.friction[numbers])
+
+        # the change by the curvatures, in units of the scene
+        work_unit = np.square(group.load_unit / members.loads.friction[member_numbers])
         forward_change = work_unit * (
             works_of_bodies.forward_work - works_of_half_planes.forward_work
         )
@@ -813,14 +896,18 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         half_plane_work_by_rule = work_unit * (
             works_of_half_planes.forward_work + works_of_half_planes.reverse_work
         )
-        rule_error = np.abs(half_plane_work_by_rule - work[numbers])
-        work[numbers] += forward_change + reverse_change
-        forward_work[numbers] += forward_change
-        reverse_work[numbers] += reverse_change
-        work_error[numbers] += _FACTOR_ON_RULE_ERROR * rule_error
+        # what the rule misses of the exact work on half-planes; four times that is allowed for the
+        # change
+        rule_error = np.abs(half_plane_work_by_rule - work[member_numbers])
+        work[member_numbers] += forward_change + reverse_change
+        forward_work[member_numbers] += forward_change
+        reverse_work[member_numbers] += reverse_change
+        work_error[member_numbers] += _FACTOR_ON_RULE_ERROR * rule_error
         stick_half_width = works_of_bodies.permanent_stick_half_width
-        permanent_stick_load[numbers] = group.load_unit * group.contact.load(stick_half_width)
-    return results
+        permanent_stick_load[member_numbers] = group.load_unit * group.contact.load(
+            stick_half_width
+        )
+    return rows_of_results
 
 
 @accepts_phase
@@ -881,11 +968,13 @@ def peak_dissipation(
         phase_in_radians(phase_degrees, phase_radians),
         friction_coefficient,
     )
+    # of both bodies
     material = _materials_of_both_bodies(material)
-    results, reason = _results_of_members(
+    # six rows; the first three, W(x), come times pi E*/(2 f^2)
+    rows_of_results, reason = _results_of_members(
         profile, material, loads, _maxima_of_members, n_results=6, n_normalised=3
     )
-    largest_work, second_work, work_error, place, second_place, place_fraction = results
+    largest_work, second_work, work_error, place, second_place, place_fraction = rows_of_results
     return PeakBatch(
         value=largest_work,
         place=place,
@@ -900,7 +989,8 @@ def peak_dissipation(
 
 def _maxima_of_members(members: Members) -> Array:
     """The two largest maxima over x of the friction work per area W(x) of each member, (6, m), in
-    the rows of `maxima_of`, with loads and lengths in units of the scene.
+    units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the largest,
+    their |x|, and that of the largest as a fraction of the slip zone.
     """
     maxima = np.empty((6, len(members.is_mirrored)))
     for group in members.shape_groups():
@@ -918,10 +1008,12 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
 
     The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
     edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
-    of the flat, R radius of the edges, so that one table serves all such faces.
+    of the flat, R radius of the edges, so that one table serves all such faces. a is the contact
+    half-width.
     """
     scaled_ellipses = ellipses.divided_by(load_unit)
-    works = np.empty((3, len(load_unit)))
+    works_and_error = np.empty((3, len(load_unit)))
+    # loads of a group lie between two powers of two, these octaves
     for numbers, first_octave, last_octave in groups_by_largest_load(scaled_ellipses):
         table = _kernel_table(first_octave, last_octave)
         ellipses_of_table = scaled_ellipses.take(numbers)
@@ -935,15 +1027,16 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
             _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
             LEAST_LOAD_SHARE,
         )
-        works[0, numbers] = forward_work
-        works[1, numbers] = reverse_work
-        works[2, numbers] = error_of_works_by_lam(
+        works_and_error[0, numbers] = forward_work
+        works_and_error[1, numbers] = reverse_work
+        # _DEEP_SLIP_LOAD_SHARE_ON_TABLE: 0.04 of P0; LEAST_LOAD_SHARE: 2^-48
+        works_and_error[2, numbers] = error_of_works_by_lam(
             ellipses_of_table,
             forward_work + reverse_work,
             _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
             largest_log_half_width,
         )
-    return works * load_unit * load_unit
+    return works_and_error * load_unit * load_unit
 
 
 @lru_cache(maxsize=32)
@@ -1021,7 +1114,9 @@ class Members:
 
     def shape_groups(self) -> Iterator[ShapeGroup]:
         """The members in groups by the shape of their profiles: one normal contact, with its own
-        units of length and load, serves a group. Members that have the same profile are one group.
+        units of length and load, serves a group. Members that have the same profile are one group,
+        in units of the scene, since they share `contact`. Else `contact` is None and the profiles
+        differ by their `parameters`.
         """
         if self.contact is not None:
             all_numbers = np.arange(len(self.is_mirrored))
@@ -1032,6 +1127,7 @@ class Members:
         for numbers, ratios, length_unit, height_unit in _members_by_shape(
             self.kind, self.parameters
         ):
+            # E* times the unit of height
             load_unit = self.modulus * height_unit
             ellipses = self.ellipses.take(numbers).divided_by(load_unit)
             yield ShapeGroup(
@@ -1065,7 +1161,8 @@ def _results_of_members(
         results (n_results, m) of m members with admissible loads; where the first one is not
         finite the quadrature did not converge
     n_normalised
-        how many results, from the first on, `results_of` gives times pi E*/(2 f^2)
+        how many results, from the first on, `results_of` gives times pi E*/(2 f^2), E* the
+        composite modulus, f the friction
 
     Raises
     ------
@@ -1075,6 +1172,7 @@ def _results_of_members(
     """
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
+    # kind of the profile, and its parameters by name, numbers or arrays
     kind, parameters = _parameters_of(profile)
     arguments = [real_numbers(value, name) for name, value in zip(_LOAD_NAMES, loads, strict=True)]
     arguments += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
@@ -1082,29 +1180,34 @@ def _results_of_members(
         batch_shape = np.broadcast_shapes(*(array.shape for array in arguments))
     except ValueError as mismatch:
         raise InputError(f"the arrays of a batch must broadcast: {mismatch}") from mismatch
+
+    # E*, and the contact of a single profile
     batch = _Batch(kind, material, profile)
     n_members = math.prod(batch_shape)
-    results = np.full((n_results, n_members), np.nan)
-    reasons = np.zeros(n_members, dtype=np.int8)
+    rows_of_results = np.full((n_results, n_members), np.nan)
+    reason_codes = np.zeros(n_members, dtype=np.int8)
+
+    # _MEMBERS_AT_ONCE: 16,384
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
         end_member = min(first_member + _MEMBERS_AT_ONCE, n_members)
         arrays_of_block = [
             _values_of_block(array, batch_shape, first_member, end_member) for array in arguments
         ]
-        reasons_of_block, numbers_in_block, members = batch.members_of(
+        # why members are left out, numbers of the others in the block, and these members
+        reasons_of_block, admissible_numbers, members = batch.members_of(
             LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
         )
-        if len(numbers_in_block):
-            results_of_block = results_of(members)
+        if len(admissible_numbers):
+            rows_of_block = results_of(members)
             friction = members.loads.friction
-            results_of_block[:n_normalised] *= 2 / (math.pi * batch.modulus) * friction**2
-            results[:, first_member + numbers_in_block] = results_of_block
-            unsettled_numbers = numbers_in_block[~np.isfinite(results_of_block[0])]
+            rows_of_block[:n_normalised] *= 2 / (math.pi * batch.modulus) * friction**2
+            rows_of_results[:, first_member + admissible_numbers] = rows_of_block
+            unsettled_numbers = admissible_numbers[~np.isfinite(rows_of_block[0])]
             reasons_of_block[unsettled_numbers] = Reason.UNSETTLED
-        reasons[first_member:end_member] = reasons_of_block
-    results.flags.writeable = False
-    reasons.flags.writeable = False
-    return [values.reshape(batch_shape) for values in results], reasons.reshape(batch_shape)
+        reason_codes[first_member:end_member] = reasons_of_block
+    rows_of_results.flags.writeable = False
+    reason_codes.flags.writeable = False
+    return [row.reshape(batch_shape) for row in rows_of_results], reason_codes.reshape(batch_shape)
 
 
 class _Batch:
@@ -1118,8 +1221,9 @@ class _Batch:
         """What all members of a batch of load ellipses share: E* of the `material`, and the normal
         contact of a single `profile` with the largest load that it carries.
 
-        A profile given as keys with arrays has no contact yet: each member gets its own later.
-        `kind` is that of the profile.
+        `extent` of the contact is the half-width where the profile ends. A profile given as keys
+        with arrays has no contact yet: each member gets its own later. `kind` is that of the
+        profile.
         """
         self.kind = kind
         self.modulus = composite_modulus(material)
@@ -1137,7 +1241,8 @@ class _Batch:
         self, loads: LoadArrays, parameters: list[Array]
     ) -> tuple[NDArray[np.int8], Indices, Members]:
         """The members of a block of a batch whose loads and profile are admissible, from `loads`
-        and `parameters` of the profile, (m,) each.
+        and `parameters` of the profile, (m,) each. `largest_load` is what the profile carries up to
+        its end.
 
         Returns
         -------
@@ -1165,14 +1270,19 @@ class _Batch:
                 loads.phase,
                 friction,
             )
+
+        # the mirrored loop, Q -> -Q, goes round the other way
         is_mirrored = np.tan(loads.phase / 2) < 0
         mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
+        # separation or gross sliding; 0 for admissible loads
         reason_codes = _reasons_of_loads(
             ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
         )
         is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
         reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
         reason_codes[is_invalid] = Reason.INVALID
+
+        # keep the admissible members
         admissible_numbers = np.flatnonzero(reason_codes == Reason.NONE)
         if len(admissible_numbers) < len(reason_codes):
             ellipses = ellipses.take(admissible_numbers)
@@ -1216,25 +1326,26 @@ def _values_of_block(
 
 def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
     """Whether a member has loads or an f that are NaN or too large to be squared, negative where
-    they must not be, or a P0 that is too small to be squared: (m,).
+    they must not be, or a P0 that is too small to be squared: (m,). LARGEST_NUMBER is 1e100.
     """
-    admitted = np.logical_and.reduce([np.abs(values) <= LARGEST_NUMBER for values in loads])
+    is_in_range = np.logical_and.reduce([np.abs(values) <= LARGEST_NUMBER for values in loads])
     is_negative = (
         (loads.normal_amplitude < 0) | (loads.tangential_amplitude < 0) | (loads.friction < 0)
     )
-    return np.asarray(~admitted | (loads.mean_normal < 1 / LARGEST_NUMBER) | is_negative)
+    return np.asarray(~is_in_range | (loads.mean_normal < 1 / LARGEST_NUMBER) | is_negative)
 
 
 def _is_beyond_units(
     kind: str, parameters: list[Array], modulus: float, mean_normal_load: Array
 ) -> NDArray[np.bool_]:
-    """Whether P0 of a member, over E* = `modulus` and the profile's own unit of height, is too
-    small or too large to be squared, or NaN: (m,).
+    """Whether P0 (`mean_normal_load`) of a member, over E* = `modulus` and the profile's own unit
+    of height, is too small or too large to be squared, or NaN: (m,). LARGEST_NUMBER is 1e100;
+    `_UNITS_AND_RATIOS` gives the units of length and height of the profile first.
     """
     with np.errstate(all="ignore"):
-        _, height, *_ = _UNITS_AND_RATIOS[kind](*parameters)
-        load = mean_normal_load / modulus / height
-    return ~((load >= 1 / LARGEST_NUMBER) & (load <= LARGEST_NUMBER))
+        _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*parameters)
+        scaled_load = mean_normal_load / modulus / height_unit
+    return ~((scaled_load >= 1 / LARGEST_NUMBER) & (scaled_load <= LARGEST_NUMBER))
 
 
 def _reasons_of_loads(
@@ -1254,11 +1365,12 @@ def _reasons_of_loads(
     tangential_amplitude, friction
         (m,) Q1 and f
     """
-    mean_limit = friction * ellipses.mean_load
+    coulomb_limit_at_mean = friction * ellipses.mean_load
+    # 4e-16 of the loads, about two round-offs
     round_off = 4e-16 * (
         np.abs(mean_tangential_load)
         + tangential_amplitude
-        + mean_limit
+        + coulomb_limit_at_mean
         + friction * ellipses.load_amplitude
     )
     is_sliding = (
@@ -1266,14 +1378,14 @@ def _reasons_of_loads(
             friction * ellipses.forward_amplitude + mean_tangential_load,
             friction * ellipses.reverse_amplitude - mean_tangential_load,
         )
-        > mean_limit + round_off
+        > coulomb_limit_at_mean + round_off
     )
     # Without friction u and v are those of another coefficient.
     is_sliding |= (friction == 0) & (tangential_amplitude > 0)
-    reasons = np.full(len(mean_limit), Reason.NONE, dtype=np.int8)
-    reasons[is_sliding] = Reason.SLIDING
-    reasons[ellipses.load_amplitude > ellipses.mean_load] = Reason.SEPARATION
-    return reasons
+    reason_codes = np.full(len(coulomb_limit_at_mean), Reason.NONE, dtype=np.int8)
+    reason_codes[is_sliding] = Reason.SLIDING
+    reason_codes[ellipses.load_amplitude > ellipses.mean_load] = Reason.SEPARATION
+    return reason_codes
 
 
 # ------------------------------------------------------------------- profiles whose parameters vary
@@ -1317,7 +1429,8 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
     function.
 
     The profile may be a mapping of keys to arrays, one value for each member of a batch. The
-    `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on.
+    `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on; all other
+    parameters keep their names, in the order of `_PARAMETERS_OF_KIND`.
 
     Raises
     ------
@@ -1366,21 +1479,27 @@ def _members_by_shape(
 
     Yields the numbers of the members (k,), the ratios of parameters that they have in common, and
     their units of length and height, (k,) each. `parameters` are (n,) each, in the order of
-    `_PARAMETERS_OF_KIND` for this `kind` of profile.
+    `_PARAMETERS_OF_KIND` for this `kind` of profile; `_UNITS_AND_RATIOS` turns them into the units
+    and the ratios.
     """
     with np.errstate(all="ignore"):
         length_unit, height_unit, *ratios = _UNITS_AND_RATIOS[kind](*parameters)
-    if all(np.all(values == values[0]) for values in ratios):
+    if all(np.all(ratio_of_members == ratio_of_members[0]) for ratio_of_members in ratios):
         all_numbers = np.arange(len(length_unit))
-        yield all_numbers, tuple(float(values[0]) for values in ratios), length_unit, height_unit
+        yield (
+            all_numbers,
+            tuple(float(ratio_of_members[0]) for ratio_of_members in ratios),
+            length_unit,
+            height_unit,
+        )
         return
     different_ratios, group_of_member = np.unique(
         np.stack(ratios, axis=1), axis=0, return_inverse=True
     )
     group_of_member = group_of_member.reshape(-1)
-    members_by_group = np.argsort(group_of_member, kind="stable")
+    order_by_group = np.argsort(group_of_member, kind="stable")
     group_ends = np.cumsum(np.bincount(group_of_member, minlength=len(different_ratios)))
-    numbers_of_groups = np.split(members_by_group, group_ends[:-1])
+    numbers_of_groups = np.split(order_by_group, group_ends[:-1])
     for common_ratios, numbers in zip(different_ratios.tolist(), numbers_of_groups, strict=True):
         yield numbers, tuple(common_ratios), length_unit[numbers], height_unit[numbers]
 
@@ -1397,8 +1516,9 @@ def _contact_in_own_units(kind: str, ratios: tuple[float, ...]) -> SymmetricCont
 
 
 def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
-    """Whether the profile parameters of each member of a batch are not admitted, (m,): numbers
-    outside their range, or shapes under which the contact would split.
+    """Whether the `parameters` (m,) of the profile of each member of a batch, in the fixed order of
+    its `kind`, are not admitted, (m,): numbers outside their range, or shapes under which the
+    contact would split. LARGEST_NUMBER is 1e100, _LEAST_PARAMETER 1e-100.
     """
     least_values = (_LEAST_PARAMETER,) * len(parameters)
     if kind == "power_law":
@@ -1406,15 +1526,16 @@ def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     elif kind == "polynomial":
         least_values = (_LEAST_PARAMETER, *[-LARGEST_NUMBER] * (len(parameters) - 1))
     is_in_range = [
-        (values >= least_value) & (values <= LARGEST_NUMBER)
-        for values, least_value in zip(parameters, least_values, strict=True)
+        (parameter >= least_value) & (parameter <= LARGEST_NUMBER)
+        for parameter, least_value in zip(parameters, least_values, strict=True)
     ]
     is_invalid = ~np.logical_and.reduce(is_in_range)
     numbers_in_range = np.flatnonzero(~is_invalid)
     if kind in ("polynomial", "compound") and len(numbers_in_range):
-        # The profile and its contact have rules of their own: both are made once for each shape.
+        # The profile and its contact have rules of their own: both are made once for each shape, in
+        # units of its own; InputError if a rule is broken.
         for numbers_of_shape, ratios, _, _ in _members_by_shape(
-            kind, [values[numbers_in_range] for values in parameters]
+            kind, [parameter[numbers_in_range] for parameter in parameters]
         ):
             try:
                 _contact_in_own_units(kind, ratios)
