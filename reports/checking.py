@@ -80,14 +80,16 @@ class _NearestToSliding:
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """How near the loads come to gross sliding: the largest |Q|/(f P) of the initial loading and
-    one cycle, with its time, its loads and the part of the path ("initial loading", "cycle" or
-    "path"). It is searched on samples of each load segment, then twice on closer samples around the
-    largest.
+    one cycle, with its time, its loads and the part of the path.
+
+    The part is "initial loading", "cycle", or "path" where nothing repeats. The ratio is searched
+    on samples of each load segment, then twice on closer samples around the largest.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
     0.6
     """
+    # Load segments among which the ratio can be largest, each with its part of the path.
     named_segments = _deciding_segments(scene)
     friction = scene.friction.coefficient
 
@@ -106,46 +108,52 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
 
 def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The load segments among which |Q|/(f P) can be largest, each with the part of the path that
-    it belongs to: "initial loading", "cycle" or "path".
+    it belongs to: "initial loading", "cycle", or "path" where nothing repeats.
 
-    Of a load path these are all segments. A record of loads may have millions of rows: of each
-    block of rows two steps between rows are taken, that with the largest ratio and that with the
-    largest P.
+    Of a load path these are all segments. A record of loads (`TimeSeriesLoad`) may have millions of
+    rows: of each block of 100,000 rows two lines between neighbouring rows are taken, that with the
+    largest ratio and that with the largest P.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        first_part = "initial loading" if path.cycle else "path"
-        segments_before_cycle = [(segment, first_part) for segment in path.initial_loading]
+        part_of_loading = "initial loading" if path.cycle else "path"
+        segments_before_cycle = [(segment, part_of_loading) for segment in path.initial_loading]
         return segments_before_cycle + [(segment, "cycle") for segment in path.cycle]
-    first_part = "initial loading" if load.repeats else "path"
-    second_part = "cycle" if load.repeats else "path"
+    part_of_loading = "initial loading" if load.repeats else "path"
+    part_after_first_line = "cycle" if load.repeats else "path"
     rows = load.series()  # (n, 3) time, P, Q
     segments: list[tuple[LoadSegment, str]] = []
-    for first_of_block in range(0, len(rows) - 1, _ROWS_PER_BLOCK):
-        block = rows[first_of_block : first_of_block + _ROWS_PER_BLOCK + 1]
-        # loads at the start and at the end of each step, (n, 2)
+    for first_row in range(0, len(rows) - 1, _ROWS_PER_BLOCK):
+        block = rows[first_row : first_row + _ROWS_PER_BLOCK + 1]
+        # loads at the start and at the end of the line between two rows, (n, 2)
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
         tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
+        # The larger |Q|/(f P) of both ends.
         ratio = np.max(
             _load_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1
         )
-        step_of_highest_ratio = np.argmax(ratio)
-        step_of_highest_load = np.argmax(np.max(normal_load, axis=1))
-        for step in np.unique([step_of_highest_ratio, step_of_highest_load]).tolist():
-            start_time, start_p, start_q = block[step].tolist()
-            end_time, end_p, end_q = block[step + 1].tolist()
+        line_of_highest_ratio = np.argmax(ratio)
+        line_of_highest_load = np.argmax(np.max(normal_load, axis=1))
+        for line in np.unique([line_of_highest_ratio, line_of_highest_load]).tolist():
+            start_time, start_p, start_q = block[line].tolist()
+            end_time, end_p, end_q = block[line + 1].tolist()
             segment = StraightSegment(start_time, end_time, (start_p, start_q), (end_p, end_q))
-            is_first_step = first_of_block + step == 0
-            segments.append((segment, first_part if is_first_step else second_part))
+            is_first_line = first_row + line == 0
+            segments.append((segment, part_of_loading if is_first_line else part_after_first_line))
     return segments
 
 
 def require_admissible(scene: Scene, source: str) -> None:
     """Check that P stays positive and |Q| below f P throughout the path of a scene.
 
-    Otherwise InputError naming `source`, the instant, the loads and the rule, and where it is known
-    what to write instead. Loads that follow from prescribed displacements are always admissible.
+    Loads that follow from prescribed displacements (`load.is_driven`) are always admissible.
+
+    Raises
+    ------
+    InputError
+        Naming `source` (the scene's name or file), the instant, the loads and the rule, and where
+        it is known what to write instead.
     """
     if scene.load.is_driven:
         return
@@ -162,12 +170,15 @@ def require_admissible(scene: Scene, source: str) -> None:
                 " bodies are pressed together, so turn its sign if compression is negative in this"
                 " record: sign = {P = -1} beside the file"
             ) from fault
+
+        # What to write instead: a straight initial loading, or fewer rows of a record.
         hint = ""
         if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
             with suppress(InadmissibleLoadError):  # the parabola alone is at fault
                 _require_admissible_loads(scene.vary(load={"initial_loading": "straight"}))
                 hint = '; or write load.initial_loading = "straight", which is admissible'
         if isinstance(scene.load, TimeSeriesLoad):
+            # `worst_time`: when the loads are inadmissible
             hint = _hint_on_rows_to_leave_out(
                 scene.load, scene.friction.coefficient, fault.worst_time
             )
@@ -193,11 +204,25 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
     Where only rows with less than a twentieth of the largest P slide, that key is a least normal
     load, below which sensors give noise. Else it is one for rows that slide, or another start or
     end.
+
+    Parameters
+    ----------
+    load
+        a record of loads: `rows` holds time, P and Q; `repeats`: the rows are one cycle;
+        `has_bulk_or_tilt`: it has bulk stress, tilt or moment too; `least_normal_load`: the P below
+        which rows are noise, None where it is not stated
+    friction
+        coefficient f
+    time
+        of the row at fault
     """
     rows = load.rows.values  # time, P, Q in its columns
+    # Numbers, from 0, of the first row used and of the one after the last.
     first_row, row_beyond = load.row_bounds()
     row = first_row + int(np.argmax(np.append(rows[first_row:row_beyond, 0] >= time, True)))
     row = min(row, row_beyond - 1)
+
+    # Rows that slide, with |Q| > f P, and the largest P of these.
     used_rows = rows[first_row:row_beyond]
     slides = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
@@ -217,8 +242,10 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
             f"{row_in_words}. Rows of so little load are noise where it is: write"
             f" load.least_normal_load = {least_load:.6g}"
         )
-    if sliding := sliding_rows_in_words(load, friction):
-        return f"{row_in_words}. {sliding}"
+
+    # A sentence on the keys that leave out rows that slide; "" where none helps.
+    if advice_on_sliding := sliding_rows_in_words(load, friction):
+        return f"{row_in_words}. {advice_on_sliding}"
     return (
         f"{row_in_words}. To leave rows out, write load.start or load.end: a time, or"
         f" {{row = {row + 2}}}"
@@ -253,38 +280,42 @@ def _largest_load_and_time(scene: Scene) -> tuple[float, float]:
 
 
 def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
-    """|Q|/(f P) at the samples of load segments, all (..., n). Infinite at P < 0, and where f P is
+    """|Q|/(f P) at the samples of load segments, all (..., n): infinite at P < 0, and where f P is
     0 but Q is not; 0 elsewhere at Q = 0.
+
+    Q counts as 0 below 1e-12 of the largest f |P| of its segment.
     """
-    size_of_q = np.abs(tangential_load)
+    magnitude_of_q = np.abs(tangential_load)
     # Q that is zero but for the round-off error of its own segment is zero.
-    size_of_q = np.where(
-        size_of_q
+    magnitude_of_q = np.where(
+        magnitude_of_q
         <= _ROUND_OFF_SHARE * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
-        size_of_q,
+        magnitude_of_q,
     )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = size_of_q / (friction * normal_load)
-    return np.asarray(np.where(normal_load < 0, np.inf, np.where(size_of_q == 0, 0.0, ratio)))
+        ratio = magnitude_of_q / (friction * normal_load)
+    return np.asarray(np.where(normal_load < 0, np.inf, np.where(magnitude_of_q == 0, 0.0, ratio)))
 
 
 def _highest_value_and_time(
     segment: LoadSegment, value_at: Callable[[Array], Array]
 ) -> tuple[float, float]:
-    """The largest value of a function of time on one load segment, and its time: the largest of
-    some samples, then twice the largest of closer samples around it. `value_at` gives the values at
-    times (n,).
+    """The largest value of a function of time on one load segment, and its time: the largest of 513
+    samples or more, then twice the largest of closer samples around it.
+
+    `value_at` gives the values at times (n,).
     """
-    time = sampled_times(segment, _N_SAMPLES)
+    times = sampled_times(segment, _N_SAMPLES)
     for _ in range(3):
-        values = value_at(time)
+        values = value_at(times)
         index_of_highest = int(np.argmax(values))
         highest_value = float(values[index_of_highest])
-        time_of_highest = float(time[index_of_highest])
-        if not np.isfinite(highest_value) or index_of_highest in (0, len(time) - 1):
+        time_of_highest = float(times[index_of_highest])
+        # At an end of the samples, or infinite: closer samples add nothing.
+        if not np.isfinite(highest_value) or index_of_highest in (0, len(times) - 1):
             break
-        time = np.linspace(time[index_of_highest - 1], time[index_of_highest + 1], _N_SAMPLES)
+        times = np.linspace(times[index_of_highest - 1], times[index_of_highest + 1], _N_SAMPLES)
     return highest_value, time_of_highest
 
 
@@ -317,8 +348,12 @@ class EngineRefusals:
         }
 
     def in_words(self, source: str) -> str:
-        """Which engine takes the scene, which does not and why, and the command that works for it.
-        "" where both take it; `source` is the scene's name in that command.
+        """Which of theory and finite elements solves the scene, which does not and why, and the
+        command that works for it. "" where both solve it.
+
+        `refusal_of_theory` and `refusal_of_elements` are the reasons why one does not, "" where it
+        does. `finds_own_loads`: a displacement is prescribed, so that each computes loads of its
+        own. `source` is the scene's name in the command.
         """
         if self.finds_own_loads:
             return (
@@ -344,8 +379,22 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
     """Which of theory and finite elements can solve a scene whose load path is admissible: for each
     the reason why it refuses, "" where it accepts.
 
-    With `finite_elements` False these are asked only where theory refuses; their reason is "" then
-    too. `source` names the scene in messages.
+
+    Parameters
+    ----------
+    scene
+        `load.is_driven`: a displacement is prescribed in the place of Q; `bodies.faces_are_true`: a
+        face is modelled with its curve
+    source
+        name of the scene in messages
+    finite_elements
+        False: finite elements are asked only where theory refuses; their reason is "" then too
+
+    Returns
+    -------
+    EngineRefusals
+        Reason of theory, reason of finite elements, and a sentence on how the size of the contact
+        was estimated ("" where it was not).
 
     Raises
     ------
@@ -360,6 +409,8 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
         if scene.bodies.faces_are_true:
             return EngineRefusals(_NO_THEORY_OF_CURVED_FACES, "")
         return EngineRefusals("", "", finds_own_loads=True)
+
+    # Theory first, then the room on bodies of a finite size, then finite elements.
     reason_of_theory = _refusal_of_theory(scene, source)
     if not reason_of_theory and not scene.bodies.half_planes:
         _require_face_wider_than_contact(scene, source)
@@ -370,8 +421,15 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
 
 
 def _refusal_of_theory(scene: Scene, source: str) -> str:
-    """Why half-plane theory does not solve a scene; "" where it does. InputError naming `source`
-    for rows of a profile that neither theory nor finite elements can use.
+    """Why half-plane theory does not solve a scene, in words; "" where it does.
+
+    An `unsymmetric` scene has bulk stress, tilt or an unsymmetric profile. Of others theory needs
+    the contact half-width under the largest P.
+
+    Raises
+    ------
+    InputError
+        Naming `source`, for rows of a profile that neither theory nor finite elements can use.
     """
     from semi_analytic.profiles import contact_of
 
@@ -393,12 +451,17 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
     """Why finite elements do not solve a scene ("" where they do); and a sentence on how the size
     of its contact was estimated ("" where it was not).
 
-    InputError naming `source` where no engine is left: theory refuses too, as `reason_of_theory`
-    states, or knows no bodies of a finite size.
+    Raises
+    ------
+    InputError
+        Naming `source`, where no engine is left: theory refuses too, as `reason_of_theory` states,
+        or has half-planes in the place of bodies of a finite size.
     """
     import halfplane_fe
 
     try:
+        # Refuses the scene (InputError), or estimates the size of its contact; None: no estimate
+        # needed.
         estimate = halfplane_fe.require_solvable(scene)
     except InputError as fault:
         if reason_of_theory:
@@ -415,23 +478,29 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
 
 
 def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
-    """InputError where the contact at the largest load, by half-plane theory, is more than 1.1
-    times as wide as the narrower face of the two bodies; nothing is meshed.
+    """Refuse a scene whose contact at the largest load, by half-plane theory, is more than 1.1
+    times as wide as the narrower face of the two bodies (InputError); nothing is meshed.
 
     On a layer, a body thinner than three quarters of its face, the contact is narrower than
-    theory's. The limit is 10 there, and finite elements look at contacts below it.
+    theory's. The limit is 10 there, and finite elements look at contacts below it. `source` names
+    the scene in the message.
     """
     from halfplane_fe.supports import least_face_half_width
 
     half_width_of_face = float(least_face_half_width(scene))
+    # A body without a height is a half-plane or cylinder.
     heights = [
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
     is_layer = min(heights) < 1.5 * half_width_of_face
     largest_ratio = _LARGEST_SHARE_OF_LAYER if is_layer else _LARGEST_SHARE_OF_FACE
+
+    # The contact at the largest load: P, half-width, pressure.
     contact = largest_contact(scene, source)
     if contact.half_width <= largest_ratio * half_width_of_face:
         return
+
+    # The message, with remarks on input that looks like a mistake.
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
     remarks_before = "".join(f"{remark} " for remark in remarks_on_input(scene, contact))
     raise InputError(
@@ -463,14 +532,20 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     """Half-width, peak pressure, strain and slope of the contact at the largest load of a scene, by
     half-plane theory.
 
-    Neither the history nor bulk stress matters: they do not move p. InputError, naming `source`,
-    where theory can't press the profile with that load: a table or function that ends within the
-    contact, a shape under which the contact would split, a tilt of a profile that bends down
-    somewhere.
+    Neither the history nor bulk stress matters: they do not change the pressure. `source` names the
+    scene in messages.
+
+    Raises
+    ------
+    InputError
+        Where theory can't press the profile with that load: a table or function that ends within
+        the contact, a shape under which the contact would split, a tilt of a profile that bends
+        down somewhere.
     """
     from semi_analytic.elasticity import composite_modulus
 
     largest_load, time = _largest_load_and_time(scene)
+    # x of both edges, and the pressure as a function of x; None where the quick way does not hold.
     contact = _contact_of_convex_profile(scene, largest_load, time)
     if contact is None:
         contact = _contact_by_theory(scene, largest_load, time, source)
@@ -479,6 +554,8 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     typical_pressure = peak_pressure
     if not np.isfinite(peak_pressure):  # at the tip of a wedge: the mean pressure in its place
         typical_pressure = largest_load / (2 * half_width)
+
+    # Slope of the gap at both edges, by differences over 2e-6 of their x.
     contact_edges = np.array([contact.left_edge, contact.right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
@@ -495,6 +572,9 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
 def _peak_pressure(contact: _Contact, scene: Scene) -> float:
     """Largest pressure of a contact [stress], the largest at points that are dense at the edges and
     around it; infinite at the tip of a wedge.
+
+    `contact` holds x of both edges [length], and `pressure` as a function of x (n,).
+    `profile.kinks` are the distances from x = 0 at which the curvature of the profile jumps.
     """
     # A flat with rounded corners has its peak near the edges.
     half_width = (contact.right_edge - contact.left_edge) / 2
@@ -503,6 +583,8 @@ def _peak_pressure(contact: _Contact, scene: Scene) -> float:
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
     x = np.union1d(x, kinks[(contact.left_edge < kinks) & (kinks < contact.right_edge)])
     pressure = contact.pressure(x)
+
+    # Closer points between the neighbours of the largest.
     peak_index = int(np.argmax(pressure))
     x_around_peak = np.linspace(x[max(peak_index - 1, 0)], x[min(peak_index + 1, len(x) - 1)], 65)
     return max(float(pressure[peak_index]), float(np.max(contact.pressure(x_around_peak))))
@@ -519,13 +601,26 @@ class _Contact:
 
 def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Contact | None:
     """Edges and pressure of the contact of a convex profile under one load P, with the tilt that
-    the load path has at `time`. It takes a thousandth of the time of a solution by theory.
+    the load path has at `time`; a thousandth of the time of a solution by theory.
 
     None for a profile that is not convex, under a moment, and where the profile can't carry P.
+
+    Parameters
+    ----------
+    load
+        P [force per thickness]
+    time
+        instant of the load path whose tilt counts
+
+    Returns
+    -------
+    _Contact or None
+        x of the left and of the right edge, and the pressure as a function of x (n,).
     """
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import convex_profile
 
+    # By key, "tilt" [rad] or "moment" [force]; empty where the path has neither.
     tilt_or_moment = _tilt_or_moment_at(scene, time)
     if "moment" in tilt_or_moment:
         return None
@@ -550,10 +645,21 @@ def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _
     """Edges and pressure of the contact under one normal load P, by half-plane theory of the scene
     with this load alone, and with the tilt or moment that the load path has at `time`.
 
-    InputError, naming `source`, where theory refuses profile or load.
+    Parameters
+    ----------
+    load
+        P [force per thickness]
+    source
+        name of the scene in messages
+
+    Raises
+    ------
+    InputError
+        Where theory refuses profile or load.
     """
     import semi_analytic
 
+    # A load path from 0 to P, which is reached at time 1.
     load_to_p = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
     scene_at_p = scene.model_copy(update={"load": load_to_p})
 
@@ -570,6 +676,9 @@ def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     """The tilt [rad] or the moment [force] of the load path at a time, whichever the scene states,
     by its key in the scene's load. Empty where the path has neither.
+
+    `load.has_bulk_or_tilt`: the load states bulk stress, tilt or moment. `moment_is_given`: it
+    states the moment, from which the tilt follows.
     """
     if not scene.load.has_bulk_or_tilt:
         return {}
@@ -605,18 +714,26 @@ class _BulkAndTilt:
 
 def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     """What bulk stress and tilt do to a contact, from the loads alone: the largest bulk strain, the
-    shift of the stick zone by it, and the shift of the contact by tilt or moment, both over the
-    half-width of a parabola's contact. None for a scene that has neither.
+    shift of the stick zone by it, and the shift of the contact by tilt or moment. None for a scene
+    that has neither.
+
+    Both shifts are over the half-width of a parabola's contact. Where bulk stress varies, its
+    amplitude is returned too, over the largest moderate one.
     """
     import semi_analytic
 
     if not scene.load.has_bulk_or_tilt:
         return None
+    # Bulk strain at samples of the path; shift of the contact's middle over its half-width.
     strain, largest_shift = _strain_and_shift(scene)
     largest_strain = float(np.max(np.abs(strain)))
+    # `value`: shift of the stick zone over the half-width; `strain`: amplitude of the bulk strain;
+    # `limit`: the largest amplitude that is moderate, so that both ends of the contact slip one
+    # way.
     stick_shift = semi_analytic.eccentricity(scene)
     if stick_shift is None:  # no bulk stress
         return _BulkAndTilt(largest_strain, None, None, largest_shift)
+
     # amplitude of the strain over the largest moderate one: None where the strain is constant,
     # infinite where Q is, for then no strain is moderate
     share_of_limit = None
@@ -640,25 +757,31 @@ def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     path = scene.load.path()
     # of the lower body positive, of the upper body negative
     strain_per_stress = bulk_strains_per_stress(scene.material)
+
+    # P, strain, tilt and moment at 129 times or more of each segment.
     samples = []
     for segment in (*path.initial_loading, *path.cycle):
-        time = sampled_times(segment, 129)
-        zeros = np.zeros((2, len(time)))
-        bulk_stress = segment.bulk.loads(time) if segment.bulk is not None else zeros
+        times = sampled_times(segment, 129)
+        zeros = np.zeros((2, len(times)))
+        # Of the lower body, then of the upper body.
+        bulk_stress = segment.bulk.loads(times) if segment.bulk is not None else zeros
         tilt_and_moment = (
-            segment.tilt_and_moment.loads(time) if segment.tilt_and_moment is not None else zeros
+            segment.tilt_and_moment.loads(times) if segment.tilt_and_moment is not None else zeros
         )
         strain_of_lower = strain_per_stress[0] * np.asarray(bulk_stress[0])
         minus_strain_of_upper = strain_per_stress[1] * np.asarray(bulk_stress[1])
         strain = strain_of_lower + minus_strain_of_upper
-        normal_load = segment.loads(time)[0]
+        normal_load = segment.loads(times)[0]
         samples.append(np.array([normal_load, strain, *tilt_and_moment]))
+
     normal_load, strain, tilt, moment = np.concatenate(samples, axis=1)
     if not isinstance(scene.profile, Hertz):
         return strain, None
     is_pressed = normal_load > 0
     radius = scene.profile.radius
     modulus = composite_modulus(scene.material)
+
+    # Hertz: a = sqrt(4 R P/(pi E*)).
     half_width = np.sqrt(4 * radius * normal_load[is_pressed] / (np.pi * modulus))
     if path.moment_is_given:
         middle_x = moment[is_pressed] / normal_load[is_pressed]
@@ -674,9 +797,12 @@ def bulk_in_words(effect: _BulkAndTilt) -> str:
 
 
 def _size_ratios(scene: Scene, half_width: float) -> dict[str, float]:
-    """The half-width a of the contact (`half_width` [length]) over radii of the profile, and the
-    half-length b of its flat and sizes of the bodies over a; by name, such as "a/R", "b/a" and
-    "lower width/a".
+    """Sizes of profile and bodies as ratios with the half-width a of the contact, by name, such as
+    "a/R", "b/a" and "lower width/a".
+
+    These are a (`half_width` [length]) over the radii of the profile, and the half-length b of its
+    flat and the sizes of the bodies over a. Profile keys of radii have symbols in
+    `_SYMBOL_OF_RADIUS`.
     """
     sizes = scene.profile.model_dump(include={*_SYMBOL_OF_RADIUS, *_KEYS_OF_HALF_LENGTHS})
     ratios = {
@@ -710,6 +836,9 @@ def rows_of_sliding(scene: Scene, nearest: _NearestToSliding) -> list[tuple[str,
 def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, str]]:
     """Rows (label with unit, value) of a table on the contact at the largest load, by half-plane
     theory.
+
+    `contact` holds that load, the half-width, the peak pressure (infinite at the tip of a wedge),
+    `strain` = p0/E*, and ratios of sizes by name.
     """
     _, unit_of_length, unit_of_stress = units(scene)
     rows = [
@@ -728,16 +857,21 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
 def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
     """Sentences about input that is allowed but looks like a mistake: a modulus in a wrong unit,
     friction in per cent, strains or slopes beyond linear elasticity. An empty list where nothing is
-    unusual. `contact` is the contact at the largest load.
+    unusual.
+
+    `contact` is the contact at the largest load: `strain` is p0/E*, `edge_slope` the slope of the
+    gap at its edge.
     """
     sentences = []
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
+    # Materials by their key in the scene; one where both bodies have the same.
     material_by_key = {"material": scene.material.upper}
     if not scene.material.alike:  # the two bodies have different materials
         material_by_key = {
             "material.upper": scene.material.upper,
             "material.lower": scene.material.lower,
         }
+    # A modulus above that of diamond, or below 1 GPa and not of rubber, may be in a wrong unit.
     pascals_per_unit = UNITS["stress"].get(unit_of_stress)
     if pascals_per_unit is not None:  # None: a unit without a name
         modulus_of_steel = _MODULUS_OF_STEEL / pascals_per_unit
@@ -758,12 +892,15 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
                         modulus_of_steel,
                     )
                 )
+
     if scene.friction.coefficient > _LARGEST_FRICTION:
         sentences.append(
             f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"
             f" has. Is it in per cent? {scene.friction.coefficient:g} % is"
             f" {scene.friction.coefficient / 100:g}."
         )
+
+    # Limits: strain 0.1, slope 0.3.
     if contact.strain > _LARGEST_STRAIN or contact.edge_slope > _LARGEST_SLOPE:
         sentences.append(
             in_template(

@@ -302,18 +302,22 @@ def uncertain_value(
 
     Parameters
     ----------
-    quantity, value
-        its name with the kind of its unit, and its size; that unit holds for what is returned
+    quantity
+        its name in words, and the kind of its unit
+    value
+        its size at the stated inputs
     changes_by_inputs
-        for each input, how much one standard uncertainty of it changes every value
+        for each input its `key`, and `changes`: by one standard uncertainty of it, for each value
+        by key, the change as (value, uncertainty), the uncertainty being the change of second order
     key
-        key of this value in `changes_by_inputs`
+        key of this value in `changes`
     correlation
         (n, n) correlation matrix of the inputs
     """
     estimates = {by_input.key: by_input.changes[key] for by_input in changes_by_inputs}
     changes = np.array([estimate.value for estimate in estimates.values()])
     second_order = math.hypot(*(estimate.uncertainty for estimate in estimates.values()))
+
     # a correlation of -1 may leave a negative sum of squares by round-off
     variance = max(float(changes @ correlation @ changes), 0.0)
     if not np.all(np.isfinite(changes)):
@@ -329,11 +333,16 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     half-width, half-width of permanent stick, largest slip and edge tension.
 
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
-    only: the other values take too long. Under a prescribed displacement slip and edge tension are
-    not among them; the largest |Q| is, and with friction the largest |Q|/(f P). `effects`, which
-    are used there only, are the elastic responses that finite bodies add to half-planes. The values
-    are then those at the solution's own instants and points; a parabola has its largest pressure at
-    x = 0.
+    only: the other values take too long. Under a prescribed displacement (`load.is_driven`) slip
+    and edge tension are not among them; the largest |Q| is, and with friction the largest |Q|/(f
+    P). The values are then those at the solution's own instants and points; a parabola has its
+    largest pressure at x = 0.
+
+    Parameters
+    ----------
+    effects
+        elastic responses that finite bodies add to half-planes, used under a prescribed
+        displacement only; None for half-planes
 
     Raises
     ------
@@ -342,9 +351,11 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     """
     import semi_analytic
 
+    # A displacement is prescribed in the place of Q.
     if scene.load.is_driven:
         places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default points
         solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
+        # Indices of the solution's instants in the last cycle.
         instants = solution.last_cycle
         values = {
             WORK: solution.dissipation,
@@ -356,6 +367,8 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
         if scene.friction.coefficient:
             values[RATIO] = largest_load_ratio(solution)
         return values
+
+    # P and Q are given: only the work and the half-widths follow from the solution itself.
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
     # pressure, slip and edge tension are found by a search, which takes too long for these scenes
     if _is_long_record(scene) or _needs_grids(scene):
@@ -414,9 +427,16 @@ def change_by_central_differences(
     values_at
         computes the values of a scene
     uncertain_input
-        the input: its key and its standard uncertainty
+        its `key`, and its `standard_uncertainty`: relative, of a phase in degrees
+    scene
+        as stated
     values_at_inputs
-        the values with the input as it is
+        the values with the input as it is, by name
+
+    Returns
+    -------
+    _ChangeByInput
+        The key of the input and, for each value by name, the change with its second order as error.
 
     Raises
     ------
@@ -425,9 +445,11 @@ def change_by_central_differences(
     InputError
         Where no scene can have the moved input, or theory cannot solve that scene.
     """
+    # Steps in standard uncertainties: 1, then 1/4 and 1/16 where the bodies slide.
     for step in _STEPS_OF_INPUT:
         input_change = step * uncertain_input.standard_uncertainty
         try:
+            # A scene with this input moved up, and one with it moved down.
             values_above = values_at(scene.moved({uncertain_input.key: input_change}))
             values_below = values_at(scene.moved({uncertain_input.key: -input_change}))
         except InadmissibleLoadError:
@@ -472,11 +494,15 @@ def _changes_by_differences(
 
 
 def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
-    """Share by which E* grows for one standard uncertainty of a constant of a material: a central
-    difference over E*.
+    """Relative change of E* by one standard uncertainty of a constant of a material: a central
+    difference over E*, the composite modulus of both materials.
+
+    `uncertain_input` is that constant, such as Young's modulus: `key` names it, and
+    `standard_uncertainty` is relative.
     """
     from semi_analytic.elasticity import composite_modulus
 
+    # `moved` is the scene with the input changed by this amount.
     modulus_above = composite_modulus(
         scene.moved({uncertain_input.key: uncertain_input.standard_uncertainty}).material
     )
@@ -491,11 +517,26 @@ def changes_of_theory(
     scene: Scene, values_at_inputs: _ValueByName, effects_of: Callable[[Scene], BodyEffects | None]
 ) -> list[_ChangeByInput]:
     """For each uncertain input of a scene, how much one standard uncertainty of it changes theory's
-    values `values_at_inputs` (dissipation, largest pressure, ...).
+    values (dissipation, largest pressure, ...).
 
     Where P and Q are given, without bulk stress and tilt on a symmetric profile, exact scaling laws
-    give most of the changes. Central differences give all others. `effects_of` takes a scene with a
-    changed input. It returns the elastic responses of its bodies, or None where none count.
+    give most of the changes. Central differences give all others.
+
+    Parameters
+    ----------
+    scene
+        `load.is_driven`: a displacement is prescribed in the place of Q; `unsymmetric`: it has bulk
+        stress, tilt or an unsymmetric profile; `inputs`: its uncertain inputs
+    values_at_inputs
+        theory's values by name at the stated inputs
+    effects_of
+        takes a scene with a changed input; returns the elastic responses that its finite bodies add
+        to half-planes, or None where none count
+
+    Returns
+    -------
+    list of _ChangeByInput
+        For each input its key, and the change of each value by name with its error.
     """
 
     def values_at(changed_scene: Scene) -> _ValueByName:
@@ -527,13 +568,21 @@ def _change_by_laws(
     Parameters
     ----------
     laws
-        the scaling laws of this scene, which give x dV/dx of a value V for an input x
+        the scaling laws of this scene, which give x dV/dx of every value V for an input x
+    scene
+        as stated; a `Hertz` profile is a parabola
     uncertain_input
-        the input: its key and its standard uncertainty, a share of its value (of a phase: degrees)
+        the input: its key, such as "material.young_modulus", and its standard uncertainty, relative
+        to its value (of a phase: degrees)
     values_at_inputs
-        the values with the input as it is
+        the values by name with the input as it is
     values_at
         computes the values of a scene
+
+    Returns
+    -------
+    _ChangeByInput
+        The key and the change of each value by name, with its error.
     """
     key = uncertain_input.key
     standard_uncertainty = uncertain_input.standard_uncertainty
@@ -543,6 +592,7 @@ def _change_by_laws(
     if key == "friction":
         return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_friction())
     if key.startswith("material."):
+        # Relative change of E* by this constant of a material.
         modulus_change = _change_of_modulus(scene, uncertain_input)
         return laws.change_by_input(key, modulus_change, laws.derivative_by_modulus())
     is_parabola = isinstance(scene.profile, Hertz)
@@ -551,7 +601,7 @@ def _change_by_laws(
     if key == "normal_load" and is_parabola:
         return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_normal_load())
     if key in ("normal_load", "tangential_load"):
-        return laws.change_by_load(key)
+        return laws.change_by_load(key)  # central differences, taken once
     return change_by_central_differences(values_at, scene, uncertain_input, values_at_inputs)
 
 
@@ -642,11 +692,13 @@ class _ScalingLaws:
 
     def change_by_load(self, key: str) -> _ChangeByInput:
         """The change of each value by one standard uncertainty of the load P or Q, found by central
-        differences once and kept. `key` is "normal_load" or "tangential_load".
+        differences once and cached. `key` is "normal_load" or "tangential_load".
 
-        Where the scene states no uncertainty of this load, the change is by 1 % of the load.
+        Where the scene states no uncertainty of this load, the change is by 1 % of the load. The
+        derivative x dV/dx of each value V by the load x is cached too.
         """
         if key not in self._changes_by_loads:
+            # An input with a relative standard uncertainty of 1 %, unless the scene states another.
             uncertain_load = Input(key, "", "", None, _RELATIVE_STEP_OF_LOAD)
             for stated_input in self.scene.inputs:
                 if stated_input.key == key:
@@ -678,6 +730,7 @@ def with_blocks(scene: Scene) -> Scene:
     """
     if not scene.load.is_driven:
         return scene
+    # Bodies to be replaced: a block with the pad's other keys.
     blocks = {}
     for name in ("lower", "upper"):
         body = getattr(scene.bodies, name)
@@ -696,8 +749,9 @@ def _reason_without_values(scene: Scene) -> str:
     """Why the effect of uncertain inputs cannot be computed for a scene, and what to do instead; ""
     where it can.
 
-    It cannot where a displacement is prescribed and a face is modelled as it is, with its curve:
-    theory knows the elastic responses of bodies with flat faces only.
+    It cannot where a displacement is prescribed (`load.is_driven`) and a face is modelled with its
+    curve (`bodies.faces_are_true`): theory knows the elastic responses of bodies with flat faces
+    only.
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):
         return ""
@@ -718,16 +772,19 @@ def _curved_kind(scene: Scene) -> str:
 
 def omissions_in_words(scene: Scene) -> str:
     """A sentence that warns, before a run, which effects of the uncertain inputs its report will
-    not state, and why. Empty where it will state all, without uncertain inputs, and for
-    half-planes, for which theory has no error. Under a prescribed displacement no difference of the
-    two models is expected, so that its absence gives no sentence.
+    not state, and why; "" where there is nothing to warn of.
+
+    It is empty where the report will state all, without uncertain inputs, and for half-planes, for
+    which theory has no error. Under a prescribed displacement no difference of the two models is
+    expected, so that its absence gives no sentence.
     """
     if not scene.inputs or scene.bodies.half_planes:
         return ""
+    # Under a prescribed displacement pads are taken as blocks; else the scene itself.
     scene_solved = with_blocks(scene)
     if reason_without_values := _reason_without_values(scene_solved):
         return f"What the inputs make of the answer will not be known: {reason_without_values}."
-    if scene_solved is not scene:
+    if scene_solved is not scene:  # the warning then is that pads are taken as blocks
         return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
     if scene.load.is_driven:
         return ""
@@ -743,6 +800,9 @@ def omissions_in_words(scene: Scene) -> str:
 def _reason_without_difference(scene: Scene) -> str:
     """Why the effect of the inputs on theory's error (finite bodies/half-planes − 1) cannot be
     computed, in words; "" where it can.
+
+    `load.is_driven`: a displacement is prescribed in the place of Q. `bodies.half_planes`: both
+    bodies are half-planes. `bodies.faces_are_true`: a face is modelled with its curve.
     """
     if scene.load.is_driven:
         return (
@@ -774,6 +834,12 @@ def changes_of_difference(
     Both models get the changed input. Finite bodies are half-planes corrected by `effects`, the
     elastic responses that these bodies add.
 
+    Returns
+    -------
+    tuple of dict and list
+        The differences by name; then for each input its key, and the change of each difference by
+        name with its error.
+
     Raises
     ------
     InputError
@@ -781,16 +847,19 @@ def changes_of_difference(
     """
     import halfplane_fe
 
-    # W by the quick formula for elliptical load paths
+    # Whether W follows from the quick formula for elliptical load paths, not from a solution.
     by_quick_formula = quick_formula_holds(scene, effects)
 
     def values_at(changed_scene: Scene) -> _ValueByName:
+        # Elastic responses depend on the bodies and their materials alone.
         changed_effects = effects
         if changed_scene.bodies != scene.bodies or changed_scene.material != scene.material:
             changed_effects = halfplane_fe.body_effects(changed_scene)
         return difference_at(changed_scene, changed_effects, by_quick_formula=by_quick_formula)
 
     differences = difference_at(scene, effects, by_quick_formula=by_quick_formula)
+
+    # Young's modulus by the scaling law, all else by central differences.
     law_of_modulus = _LawOfModulus(scene, differences, values_at)
     changes_by_inputs = []
     for uncertain_input in scene.inputs:
@@ -824,8 +893,11 @@ class _LawOfModulus:
 
     def change_by_modulus(self, modulus: Input) -> _ChangeByInput:
         """The change of each difference V of finite bodies from half-planes by one standard
-        uncertainty of Young's modulus E, relative and the same for both bodies: D_E = -(D_P + D_Q),
-        D_x = x dV/dx, with central differences for the loads P and Q.
+        uncertainty of Young's modulus E, relative and the same for both bodies.
+
+        V depends on P/E and Q/E alone, so that D_E = -(D_P + D_Q) with D_x = x dV/dx. D_P and D_Q
+        are central differences. `modulus` is the uncertain input: its key and relative standard
+        uncertainty.
         """
         by_p = self.laws_of_loads.derivative_by_load("normal_load")
         by_q = self.laws_of_loads.derivative_by_load("tangential_load")
@@ -848,6 +920,7 @@ def quick_formula_holds(scene: Scene, effects: BodyEffects) -> bool:
     """
     from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
+    # Tilt and strain of the faces, which loads on finite bodies may cause.
     has_odd_part = any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES)
     has_uncertain_body = any(
         uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
@@ -884,8 +957,13 @@ def _difference_of_work(scene: Scene, effects: BodyEffects, by_quick_formula: bo
 
 
 def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
-    """Friction work W of a cycle for half-planes and for finite bodies with elastic responses
-    `effects`, by the quick formula for elliptical load paths. InputError where the loads have no W.
+    """Friction work W of a cycle for half-planes, then for finite bodies with elastic responses
+    `effects`, by the quick formula for elliptical load paths.
+
+    Raises
+    ------
+    InputError
+        Where the loads have no W, such as under gross sliding.
     """
     import semi_analytic
 
@@ -927,9 +1005,12 @@ def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]
 
 
 def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
-    """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola: p0 =
-    sqrt(P E* (1/R + N P + N_Q Q)/pi), N and N_Q the curvatures of the bodies' faces per load. NaN
-    for other profiles. `effects` are the elastic responses that finite bodies add to half-planes.
+    """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola; NaN for
+    other profiles.
+
+    By theory p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi), N and N_Q the curvatures of the bodies' faces
+    per normal and tangential load. `effects` are the elastic responses that finite bodies add to
+    half-planes: N is `normal_curvature`, N_Q `normal_curvature_under_shear`.
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
@@ -937,6 +1018,7 @@ def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
     normal_load, tangential_load = _loads_of_last_cycle(scene)
     added_curvature = effects.normal_curvature.value * normal_load
     added_curvature = added_curvature + effects.normal_curvature_under_shear.value * tangential_load
+    # But for a common factor, the squared largest pressure of finite bodies at each instant.
     pressure_squared = normal_load * (1 + profile.radius * added_curvature)
     return math.sqrt(float(np.max(pressure_squared) / np.max(normal_load))) - 1
 
@@ -952,6 +1034,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     path = scene.load.path()
     loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
+        # At least 129 times along the segment, and those at which P turns.
         times = np.union1d(sampled_times(segment, 129), segment.turning_points(NORMAL_LOAD))
         loads_of_segments.append(np.array(segment.loads(times)))
     normal_load, tangential_load = np.concatenate(loads_of_segments, axis=1)
@@ -963,8 +1046,8 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     """Mean and spread of the friction work W over random draws of the inputs: from normal
     distributions with the stated correlations, the same draws in each run.
 
-    None where a draw takes too long: long records, prescribed displacements, bulk stress, tilt and
-    unsymmetric profiles. `reason` says why draws are needed.
+    None where a draw takes too long: long records, prescribed displacements (`load.is_driven`),
+    bulk stress, tilt and unsymmetric profiles (`unsymmetric`). `reason` says why draws are needed.
     """
     if scene.load.is_driven or scene.unsymmetric or _is_long_record(scene):
         return None
@@ -972,10 +1055,13 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     moves_compound_profile = isinstance(scene.profile, Compound) and any(
         uncertain_input.key.startswith("profile.") for uncertain_input in scene.inputs
     )
+    # N_DRAWS = 100,000 draws all at once, or N_FEW_DRAWS = 200 solved one by one.
     # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
     count = N_DRAWS if is_ellipse and not moves_compound_profile else N_FEW_DRAWS
     drawn_changes = drawn_changes_of(scene, count)
     values_of = values_of_ellipses if is_ellipse else values_one_by_one
+
+    # W and more by name, (count,) each; and which draws slide, (count,).
     values, is_sliding = values_of(scene, drawn_changes)
     sliding_share = float(np.mean(is_sliding))
     return Draws(
@@ -1015,6 +1101,8 @@ def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
     shape = (len(scene.inputs), count)
     independent_normals = np.random.default_rng(_SEED).standard_normal(shape)
     correlated_normals = root_of_correlation @ independent_normals
+
+    # Each input's normal numbers of variance 1, scaled to its standard uncertainty.
     return {
         uncertain_input.key: uncertain_input.standard_uncertainty * normals
         for uncertain_input, normals in zip(scene.inputs, correlated_normals, strict=True)
@@ -1025,14 +1113,22 @@ def values_of_ellipses(
     scene: Scene, drawn_changes: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
     """The dissipation W, and where known the permanent stick half-width, for n random draws of the
-    inputs under an elliptical load path, computed all at once. Returned: values by name, (n,) each,
-    NaN where a draw has none; and which draws slide over the whole contact, (n,).
-
-    `drawn_changes` holds the change of each input, (n,) by its key: relative, of a phase in
-    degrees. The half-width is known where the profile is a parabola or is not changed.
+    inputs under an elliptical load path, computed all at once.
 
     One modulus E*_0 serves all draws: W(E*, P, Q) = r W(E*_0, P/r, Q/r) with r = E*/E*_0.
-    Half-widths under these loads are the same.
+    Half-widths under these loads are the same. The half-width is known where the profile is a
+    parabola or is not changed.
+
+    Parameters
+    ----------
+    drawn_changes
+        change of each input, (n,) by its key: relative, of a phase in degrees
+
+    Returns
+    -------
+    tuple of dict and array
+        Values by name, (n,) each, NaN where a draw has none; and which draws slide over the whole
+        contact, (n,).
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -1045,6 +1141,7 @@ def values_of_ellipses(
         """By what factor the draws change an input, (n,)."""
         return 1 + drawn_changes[key] if key in drawn_changes else factors_of_one
 
+    # r = E*/E*_0 of each draw, and the loads over r.
     modulus_factor = factors_of_one
     if any(key.startswith("material.") for key in drawn_changes):
         modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
@@ -1052,9 +1149,14 @@ def values_of_ellipses(
     assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
     normal_factor = factor_of_input("normal_load") / modulus_factor
     tangential_factor = factor_of_input("tangential_load") / modulus_factor
+
+    # A changed profile as its numbers by name, each uncertain one an array (n,).
     profile: Any = scene.profile
     if any(key.startswith("profile.") or key.endswith(".radius") for key in drawn_changes):
         profile = _numbers_of_drawn_profiles(scene, drawn_changes)
+
+    # W of a cycle for all draws; `permanent_stick_load` is the load whose contact is the permanent
+    # stick zone.
     batch = semi_analytic.dissipation(
         profile=profile,
         material=scene.material,
@@ -1067,13 +1169,16 @@ def values_of_ellipses(
     )
     # from W at the stated E*_0 to W at the modulus of the draw
     values = {WORK: batch.value * modulus_factor}
+
     stick_load = batch.permanent_stick_load
     if profile is scene.profile:
+        # Half-width of contact under that load, by the profile's law.
         contact = contact_of(scene.profile, scene.material)
         has_value = np.isfinite(stick_load)
         stick_half_width = contact.half_width(np.where(has_value, stick_load, 0.0))
         values[STICK] = np.where(has_value, stick_half_width, np.nan)
     elif isinstance(scene.profile, Hertz):
+        # Hertz: a^2 = 4 R P/(pi E*).
         width_squared_per_load = (
             4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
         )
@@ -1086,7 +1191,7 @@ def _composite_moduli(scene: Scene, drawn_changes: Mapping[str, Array]) -> Array
     the lower and the upper body. NaN where |nu| is not below 0.5.
 
     `drawn_changes` holds the relative change of each input, (n,) by its key. A key names a constant
-    of both bodies (material.young_modulus) or of one (material.lower.young_modulus).
+    of both bodies (material.young_modulus) or of one body (material.lower.young_modulus).
     """
     compliance: Array = np.zeros(len(next(iter(drawn_changes.values()))))
     for body in ("lower", "upper"):
@@ -1105,15 +1210,19 @@ def _composite_moduli(scene: Scene, drawn_changes: Mapping[str, Array]) -> Array
 
 def _numbers_of_drawn_profiles(scene: Scene, drawn_changes: Mapping[str, Array]) -> dict[str, Any]:
     """The scene's profile for n random draws at once: its numbers by name, each uncertain one as an
-    array (n,). The relative radius of cylinders is that of the drawn radii: 1/R = 1/R_l + 1/R_u.
+    array (n,).
 
-    `drawn_changes` holds the relative change of each input, (n,) by its key.
+    The relative radius of cylinders is that of the drawn radii: 1/R = 1/R_l + 1/R_u.
+    `drawn_changes` holds the relative change of each input, (n,) by its key, such as
+    "profile.radius".
     """
     numbers = scene.profile.model_dump()
     for key, change in drawn_changes.items():
         if key.startswith("profile."):
             name = key.removeprefix("profile.")
             numbers[name] = numbers[name] * (1 + change)
+
+    # Sum of the curvatures of the cylinders, of which the profile's radius follows.
     curvature: Any = 0.0
     for body in ("lower", "upper"):
         shape = getattr(scene.bodies, body)
@@ -1129,11 +1238,18 @@ def values_one_by_one(
     scene: Scene, drawn_changes: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
     """The dissipation W and the permanent stick half-width of n random draws, each solved on its
-    own: values by name, (n,) each, NaN where a draw has none; and which draws slide over the whole
-    contact, (n,).
+    own.
 
-    `drawn_changes` holds the change of each input, (n,) by its key: relative, of a phase in
-    degrees.
+    Parameters
+    ----------
+    drawn_changes
+        change of each input, (n,) by its key: relative, of a phase in degrees
+
+    Returns
+    -------
+    tuple of dict and array
+        Values by name, (n,) each, NaN where a draw has none; and which draws slide over the whole
+        contact, (n,).
     """
     import semi_analytic
 
@@ -1165,6 +1281,9 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
 
     Parameters
     ----------
+    scene
+        `inputs` are its uncertain inputs, `uncertainty` their standard uncertainties and
+        correlations
     effects
         elastic responses that finite bodies add to half-planes, where they are known already
 
@@ -1183,6 +1302,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None
+    # Under a prescribed displacement pads are taken as blocks; else the scene itself.
     scene_solved = with_blocks(scene)
     if reason := _reason_without_values(scene_solved):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
@@ -1205,8 +1325,15 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     the difference of finite bodies from half-planes.
 
     Random draws are added where derivatives are not enough: near gross sliding, or where the second
-    order is large. `effects` are the elastic responses that the scene's bodies add to half-planes,
-    None where they are not computed yet.
+    order is large.
+
+    Parameters
+    ----------
+    scene
+        with uncertain `inputs`; `load.is_driven`: a displacement is prescribed in the place of Q
+    effects
+        elastic responses that the scene's bodies add to half-planes; None where they are not
+        computed yet
 
     Raises
     ------
@@ -1221,6 +1348,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     def effects_of(changed_scene: Scene) -> BodyEffects | None:
         return _effects_of_driven(changed_scene, scene, effects)
 
+    # Theory's values by name, and their change by one standard uncertainty of each input.
     values_at_inputs = values_of_theory(scene, effects_of(scene))
     reason_for_draws = ""
     try:
@@ -1230,11 +1358,17 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
             _unknown_changes(uncertain_input, values_at_inputs) for uncertain_input in scene.inputs
         ]
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
+
+    # Each value with its standard uncertainty by all inputs.
     uncertain_values = {
         key: uncertain_value(quantities[key], value, changes_by_inputs, key, correlation)
         for key, value in values_at_inputs.items()
     }
+    # Notes on values that are left out since they take too long.
     notes += _notes_on_values(scene)
+
+    # How near the loads come to gross sliding: the largest |Q|/(f P), RATIO where it is one of the
+    # values.
     sliding = None if scene.load.is_driven else nearness_to_sliding(scene)
     if RATIO in uncertain_values:
         changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
@@ -1243,6 +1377,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         )
         uncertain_values[RATIO] = ratio
         sliding = NearSliding(ratio.value, ratio.uncertainty)
+
+    # Random draws where derivatives are not enough; "" for no reason.
     reason_by_sliding = reason_for_draws or _reason_by_sliding(sliding)
     reason_by_second_order = _reason_by_second_order(uncertain_values)
     draws = None
@@ -1250,6 +1386,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
         draws = draws_of_work(scene, reason_by_sliding or reason_by_second_order)
         if draws is None:
             notes.append(_note_on_missing_draws(reason_by_sliding, reason_by_second_order, sliding))
+
+    # The difference of finite bodies from half-planes, or why it is not known.
     difference, reason_without_difference = _difference_or_reason(scene, effects, correlation)
     return InputEffects(
         inputs=scene.inputs,
@@ -1266,9 +1404,16 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
 def _note_on_missing_draws(
     reason_by_sliding: str, reason_by_second_order: str, sliding: NearSliding | None
 ) -> str:
-    """A note that random draws are needed and not taken; what other sentences say is left out.
+    """A note that random draws are needed and not taken; what other sentences of the report say is
+    left out.
 
-    `reason_by_sliding` and `reason_by_second_order` say why draws are needed, "" where not.
+    Parameters
+    ----------
+    reason_by_sliding, reason_by_second_order
+        why draws are needed, "" where not
+    sliding
+        how near the loads come to gross sliding; `is_in_reach`: within two standard uncertainties,
+        which the report says elsewhere; None where it is not known
     """
     note = "draws of this load take too long"
     if reason_by_sliding and not (sliding is not None and sliding.is_in_reach):
@@ -1282,6 +1427,8 @@ def _changes_towards_sliding(changes_by_inputs: Sequence[_ChangeByInput]) -> lis
     the changes with the input up and down: the central difference plus the second order.
 
     The ratio cannot pass 1, where the bodies slide, so near 1 its changes up and down differ.
+    `changes_by_inputs` holds for each input its key, and (central change, second order) of each
+    value by name; RATIO is the name of the largest |Q|/(f P).
     """
     changes_towards_sliding = []
     for change_by_input in changes_by_inputs:
@@ -1305,11 +1452,12 @@ def _unknown_changes(uncertain_input: Input, values_at_inputs: _ValueByName) -> 
 def _effects_of_driven(
     changed_scene: Scene, scene: Scene, effects: BodyEffects | None
 ) -> BodyEffects | None:
-    """Elastic responses of the bodies of `changed_scene`, which theory of a prescribed displacement
-    needs: `effects`, those of `scene`, where the bodies are the same; else solved for.
+    """Elastic responses of the bodies of `changed_scene` beyond those of half-planes, which theory
+    of a prescribed displacement needs; None where loads are given, or for half-planes.
 
-    `changed_scene` is `scene` with other values of its uncertain inputs. None where loads are
-    given, or for half-planes.
+    They are `effects` where the bodies and materials are those of `scene`; else they are computed.
+    `changed_scene` is `scene` with other values of its uncertain inputs. `load.is_driven`: a
+    displacement is prescribed in the place of Q.
     """
     if not changed_scene.load.is_driven or changed_scene.bodies.half_planes:
         return None
@@ -1335,14 +1483,23 @@ def _uncertain_differences(
         elastic responses of the bodies beyond those of half-planes; solved for here where None
     correlation
         (n, n) correlation matrix of the inputs
+    scene
+        with uncertain inputs and finite bodies
+
+    Returns
+    -------
+    dict
+        The differences that are known, each by the key of its value.
     """
     import halfplane_fe
 
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
+    # The differences by key, and their changes by one standard uncertainty of each input.
     values_at_inputs, changes_by_inputs = changes_of_difference(scene, effects)
     differences = {}
     for key, value in values_at_inputs.items():
+        # NaN: not known for this scene.
         if math.isfinite(value):
             difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
@@ -1360,9 +1517,9 @@ def _difference_or_reason(
     `correlation` (n, n) is that of the n inputs. `effects` are the elastic responses that finite
     bodies add to half-planes, None where they are not computed yet.
     """
-    reason = _reason_without_difference(scene)
-    if reason:
-        return {}, reason
+    reason_without_difference = _reason_without_difference(scene)
+    if reason_without_difference:
+        return {}, reason_without_difference
     try:
         return _uncertain_differences(scene, effects, correlation), ""
     except InputError as fault:
@@ -1404,11 +1561,17 @@ def _reason_by_second_order(values: Mapping[str, UncertainValue]) -> str:
 def nearness_to_sliding(scene: Scene) -> NearSliding | None:
     """The largest |Q|/(f P) of given loads with its standard uncertainty by the inputs; 1 is gross
     sliding. None without friction, and where no input has an uncertainty.
+
+    The ratio goes as Q and as 1/(f P); its change by the phase of an ellipse is a central
+    difference. No other input changes it.
     """
     if not (scene.friction.coefficient and scene.inputs):
         return None
     assert scene.uncertainty is not None
+    # The largest |Q|/(f P) along the load path.
     ratio = nearest_to_sliding(scene).ratio
+
+    # Its change by one standard uncertainty of each input.
     changes = []
     for uncertain_input in scene.inputs:
         key = uncertain_input.key
@@ -1424,6 +1587,8 @@ def nearness_to_sliding(scene: Scene) -> NearSliding | None:
             ratio_below = nearest_to_sliding(scene.moved({key: -standard_uncertainty})).ratio
             change = (ratio_above - ratio_below) / 2
         changes.append(change)
+
+    # Variance by all inputs, with their correlations.
     changes_of_ratio = np.array(changes)
     variance = max(
         float(changes_of_ratio @ scene.uncertainty.correlation_matrix() @ changes_of_ratio), 0.0

@@ -97,13 +97,18 @@ def check_record(scene: Scene) -> RecordCheck | None:
     without averaging, reduction and noise. None for other loads.
 
     Reduction leaves out rows between turning points of P or Q, or within a threshold of the path.
-    Every W is None for records that repeat or are very long.
+    Every W is None for records that repeat or have more than 200,000 rows.
+
+    # notation: load.average number of rows of one mean, 1 for none; load.reduce kind of reduction,
+    None for none; load.threshold its limits in P and Q, None for none
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         return None
     rows = load.used_rows().values
+    # Rows that the load path goes through, after averaging and reduction.
     n_path_rows = len(load.kept_rows())
+    # Standard deviation of the noise of P and of Q; 0 where none is seen.
     sigmas_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS_FOR_WORK or load.repeats:
         return RecordCheck(
@@ -119,6 +124,7 @@ def check_record(scene: Scene) -> RecordCheck | None:
         )
 
     no_reduction: dict[str, Any] = {"reduce": None, "threshold": None}
+    # W of the record as it is, then without these keys.
     work_of_path = _work_of_record(scene)
     work_without_reduction = work_of_path
     if load.reduce is not None:
@@ -130,6 +136,8 @@ def check_record(scene: Scene) -> RecordCheck | None:
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
         half_of_each = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
         work_at_half_threshold = _work_of_record(scene, threshold=half_of_each)
+
+    # W of means over several rows, which remove noise.
     rows_per_mean = 1
     work_of_means = None
     if any(sigmas_of_loads):
@@ -184,6 +192,7 @@ def sigma_of_noise(values: Array) -> float:
     values = values[:_MOST_PREDICTED_ROWS]
     if len(values) < _FEWEST_ROWS_WITH_NOISE:
         return 0.0
+    # Second differences of white noise have the variance 6 sigma^2, fourth ones 70 sigma^2.
     sigma_by_second_differences = _sigma_of_differences(values, 2, 6)
     sigma_by_fourth_differences = _sigma_of_differences(values, 4, 70)
     if not (
@@ -193,6 +202,8 @@ def sigma_of_noise(values: Array) -> float:
         < _MOST_SIGMA_RATIO
     ):
         return 0.0
+
+    # Predict each value linearly from the eight before it, by least squares.
     windows = np.lib.stride_tricks.sliding_window_view(
         values - np.mean(values), _N_PREDICTING_ROWS + 1
     )
@@ -233,6 +244,7 @@ def _most_rows_per_mean(rows: Array, sigmas_of_loads: tuple[float, float]) -> in
     noiseless_columns = [column for column in load_columns if column not in noisy_columns]
     rows_per_mean = 1
     while len(rows) // (rows_per_mean + 1) >= _FEWEST_ROWS_WITH_NOISE:
+        # Means of rows_per_mean + 1 neighbouring rows, columns as in `rows`.
         longer_means = means_of_neighbours(rows, rows_per_mean + 1)
         if not all(sigma_of_noise(longer_means[:, column]) for column in noisy_columns):
             break
@@ -253,14 +265,17 @@ class Sentence(NamedTuple):
 
 
 def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentence]:
-    """Sentences on a measured record of loads: which rows count, its parts, and how much reduction,
-    threshold and noise change the dissipation W.
+    """Sentences on a measured record of loads, each with whether it is a warning: which rows count,
+    its parts, and how much reduction, threshold and noise change the dissipation W.
 
-    `record_check` holds the noise of the record, and W with and without them.
+    `record_check` holds the standard deviation of the noise of P and of Q, and W of the load path,
+    and of that with half the threshold for a turning point; None where a W is not known.
+    `load.reduce` is the kind of reduction of the record, None for none.
     """
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
     yield from _rows_in_words(scene, load)
+    # Sentences on the parts of the record, such as rests and blocks of cycles.
     for text in parts_in_words(scene):
         yield Sentence(text, is_warning=False)
     if load.reduce is not None:
@@ -287,7 +302,10 @@ def _per_cent(relative_change: float) -> str:
 def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
     """Sentences on which rows of a record are used, where not all are: those between the keys start
     and end, or those with at least the normal load `load.least_normal_load`.
+
+    None of them is a warning. `load.rows` holds time, P and Q of all rows.
     """
+    # Numbers, from 0, of the first row used and of the one after the last.
     first_row, row_beyond = load.row_bounds()
     if row_beyond - first_row < len(load.rows):
         yield Sentence(
@@ -308,8 +326,12 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
 
 
 def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
-    """A sentence on how many rows of a record the load path goes through, and how much W changes
-    by leaving out the others; a warning where it changes by more than 1 %.
+    """A sentence on how many rows of a record the load path goes through, and how much W changes by
+    leaving out all others; a warning where it changes by more than 1 %.
+
+    `record_check` holds the numbers of rows, `work_of_path` (W of the reduced record) and
+    `work_without_reduction`; a W is None where it could not be computed. `load.average` is the
+    number of rows of one mean, 1 for none.
     """
     path_in_words = (
         f"The path goes through {record_check.n_path_rows:,} of {record_check.n_rows:,} rows"
@@ -338,9 +360,19 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: Record
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
     """A sentence on the noise of a record of loads: its standard deviation, and how much means of
-    several rows, which remove it, change W. A warning where they change W by more than 1 % and
-    `load.average` does not ask for them.
+    several rows, which remove it, change W.
+
+    It is a warning where they change W by more than 1 % and `load.average` (the number of rows of
+    one mean, 1 for none) does not ask for them.
+
+    Parameters
+    ----------
+    record_check
+        `noise`: standard deviation in P and in Q, 0 where none is seen; W of all rows, without
+        reduction, and of means over `rows_per_mean` rows; `noise_share`: what noise adds to W over
+        W without it; None where it is not known
     """
+    # The loads with noise, in words, and the load without it.
     noisy_loads = []
     quiet_load = ""
     for name, sigma in zip("PQ", record_check.noise, strict=True):
@@ -351,6 +383,8 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
     noise_in_words = (
         f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
     )
+
+    # The record is averaged: how much that changes W.
     if load.average > 1:
         relative_change = _relative_change(
             record_check.work_without_reduction, record_check.work_of_all_rows
@@ -366,12 +400,14 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
             f" {_per_cent(relative_change)}{cause}."
         )
         return Sentence(text, is_warning=False)
+
     if record_check.noise_share is None:
         text = (
             f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
             " cycle, or the record repeats."
         )
         return Sentence(text, is_warning=False)
+    # It is not: how much means would change W.
     relative_change = _relative_change(record_check.work_of_means, record_check.work_of_all_rows)
     is_warning = abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING
     cure = f"; load.average = {record_check.rows_per_mean} takes it out" if is_warning else ""
@@ -434,7 +470,11 @@ class LoadCycles:
 
     def content(self) -> dict[str, Any]:
         """The load cycles for JSON: their number, W over it, the last whole cycle, a list of the
-        1,000 cycles with most dissipation, and the dissipation so far at up to 400 instants.
+        1,000 cycles with most dissipation, and the dissipation since the first instant at up to 400
+        instants.
+
+        `counted` is the number of cycles, half cycles counting 0.5. `cumulative` (n,) is the
+        dissipation up to each of the instants `time` (n,).
         """
         cycles_by_work = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)
         listed_cycles = cycles_by_work[:_MOST_LISTED_CYCLES]
@@ -459,6 +499,12 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     None for other loads, for results of other programs, and where the solution does not hold the
     work of each instant. Of a record that repeats it is the last period. Its cycles are counted
     from where Q is largest, so that all are closed.
+
+    Parameters
+    ----------
+    solution
+        `engine`: name of the program; `cycle_dissipation`: W of each solved period; `scene.load`:
+        the record, with `repeats` where its rows are one period
     """
     load = solution.scene.load
     if not isinstance(load, TimeSeriesLoad) or solution.engine not in (
@@ -467,16 +513,22 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     ):
         return None
     rows = load.series()
+
+    # Rows of one period, and its distance in time from the last one solved.
     period = 0.0
     shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
     if load.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
         period = float(rows[-1, _TIME] - rows[0, _TIME])
         shift_to_last = period * (len(solution.cycle_dissipation) - 1)
+
+    # Instants within the rows, and the dissipation since the first of them, (m,) each.
     times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last)
     if times_and_work is None:
         return None
     time, work_so_far = times_and_work
+
+    # Cycles of Q counted in the rows that were solved, still without their work.
     solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
     row_cycles = _cycles_of_rows(solved_rows, repeats=load.repeats)
     if not load.repeats:
@@ -511,9 +563,19 @@ def _times_and_work_since_first_row(
     from the first of these times to each, (m,). None where the solution does not hold the work of
     each instant.
 
-    The work is that of the last period of a record that repeats: `shift_to_last` later than `rows`.
+    Parameters
+    ----------
+    solution
+        by half-plane theory ("semi_analytic") or finite elements: `time` of its instants, and the
+        work of the load step up to each under `record.energy`
+    rows
+        of the first period, where the record repeats
+    shift_to_last
+        time from that period to the last one solved, whose work counts; 0 for a record that does
+        not repeat
     """
     if solution.engine == "semi_analytic":
+        # Theory is solved again at the rows and at the ends of their load cycles.
         time, work = _times_and_work_of_steps(solution.scene, rows, shift_to_last)
     else:
         time = solution.time - shift_to_last
@@ -539,8 +601,10 @@ def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
 
 def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     """Load cycles of Q by rainflow count, without their work, in rows (n, 3: time, P, Q) that
-    repeat. They are counted from the largest Q to the largest Q of the next period, so that all are
-    closed.
+    repeat.
+
+    They are counted from the largest Q to the largest Q of the next period, so that all are closed.
+    A cycle has `count` 1, half a cycle 0.5, and `start` and `end` times.
     """
     row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
     period = float(rows[-1, _TIME] - rows[0, _TIME])
@@ -559,9 +623,12 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
 
 def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle | None:
     """The load cycle between the last three turning points of Q, in rows (n, 3: time, P, Q); None
-    where Q turns less often. Its dissipation is the increase of `work_so_far` (m,), the dissipation
-    since the first of the times `time` (m,).
+    where Q turns less often.
+
+    Its dissipation is the increase of `work_so_far` (m,), the dissipation since the first of the
+    times `time` (m,).
     """
+    # Numbers of the rows at which Q turns.
     turns = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
         return None
@@ -586,25 +653,30 @@ def _times_and_work_of_steps(
     """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, (m,), and the
     dissipation in the step that ends at each, (m,), by half-plane theory; 0 at the first time.
 
-    An end beyond the last row counts a period earlier. A cycle may end between two rows. A row is
-    added there, on the straight line between them: the load path stays the same, and the work needs
-    no interpolation. The work is that at times later by `shift_of_time`: in the last period of a
-    record that repeats.
+    A step leads from one of these times to the next. An end beyond the last row counts a period
+    earlier. A cycle may end between two rows. A row is added there, on the straight line between
+    them: the load path stays the same, and the work needs no interpolation. The work is that at
+    times later by `shift_of_time`: in the last period of a record that repeats.
     """
     import semi_analytic
 
+    # Ends of the load cycles of Q, a period earlier where they lie beyond the rows.
     row_times = rows[:, _TIME]
     period = np.ptp(row_times)
     repeats = scene.load.repeats  # type: ignore[union-attr]
     cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
     is_in_next_period = cycle_ends > row_times[-1]
     cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period, cycle_ends))
+
+    # Those that do not fall on a row.
     row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
     time_to_row_after = np.abs(row_times[row_after] - cycle_ends)
     time_from_row_before = np.abs(cycle_ends - row_times[row_after - 1])
     spacing = row_times[row_after] - row_times[row_after - 1]
     time_to_nearest_row = np.minimum(time_to_row_after, time_from_row_before)
     ends_between_rows = cycle_ends[time_to_nearest_row > 1e-9 * spacing]
+
+    # Loads at rows and ends, and their solution.
     time = np.sort(np.concatenate([row_times, ends_between_rows]))
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
@@ -620,8 +692,8 @@ def rainflow_cycles(time: Array, force: Array) -> list[LoadCycle]:
     """Load cycles of a force (n,), linear between the times (n,), by rainflow count. They are in
     the order in which they end; their dissipation, not known here, is 0.
 
-    A closed cycle (count 1) lasts from its first reversal to when the force is back at that value,
-    so that cycles may lie within others. Half cycles (count 0.5) follow each other.
+    A closed cycle (count 1) lasts from its first reversal to when the force is back at the value it
+    had there, so that cycles may lie within others. Half cycles (count 0.5) follow each other.
     """
     from rainflow import extract_cycles
 
@@ -637,11 +709,13 @@ def rainflow_cycles(time: Array, force: Array) -> list[LoadCycle]:
 def cycles_with_work(
     cycles: Sequence[LoadCycle], time: Array, work_so_far: Array
 ) -> Iterator[LoadCycle]:
-    """The cycles, in the order in which they end, with the dissipation of each, without that of
-    cycles within it. It is taken from `work_so_far` (m,), the dissipation since the first of the
-    times `time` (m,), linear between them.
+    """The load cycles, in the order in which they end, with the dissipation of each, without that
+    of cycles within it.
+
+    Dissipation is taken from `work_so_far` (m,), the dissipation since the first of the times
+    `time` (m,), linear between them. `cycles` have `start` and `end` times.
     """
-    # start and work of cycles so far that lie within no other
+    # Start, and work with all that lies within, of cycles so far that lie within no other.
     outer_cycles: list[tuple[float, float]] = []
     for cycle in cycles:
         work_at_start, work_at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
@@ -657,17 +731,19 @@ def cycles_with_work(
 def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) -> float:
     """Time at which the force (n,), after the row `last_row`, is again what it was at the row
     `first_row`; linear between the times (n,). The last time where the force never is.
+
+    Rows are searched in blocks, each twice as long as the one before.
     """
-    level = force[first_row]
-    direction = np.sign(level - force[last_row])
+    wanted_force = force[first_row]
+    direction = np.sign(wanted_force - force[last_row])
     first_searched = last_row + 1
     rows_searched = 64  # rows that are looked at together
     while first_searched < len(force):
         searched_force = force[first_searched : first_searched + rows_searched]
-        rows_beyond = np.flatnonzero(direction * (searched_force - level) >= 0)
+        rows_beyond = np.flatnonzero(direction * (searched_force - wanted_force) >= 0)
         if len(rows_beyond):
             row = first_searched + int(rows_beyond[0])
-            fraction = (level - force[row - 1]) / (force[row] - force[row - 1])
+            fraction = (wanted_force - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + fraction * (time[row] - time[row - 1]))
         first_searched += rows_searched
         rows_searched *= 2
@@ -675,13 +751,16 @@ def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) ->
 
 
 def record_content(scene: Scene) -> dict[str, Any] | None:
-    """For JSON: how the files of a scene were read, the check of its record of loads (noise; W with
-    and without reduction and averaging), and sentences on it. None where nothing was measured.
+    """Content for JSON on measured data: how the files of a scene were read, the check of its
+    record of loads, and sentences on it. None where nothing was measured.
+
+    The check holds noise, and W with and without reduction and averaging; None for other loads.
     """
     tables_read = read_as_by_key(scene)
     record_check = check_record(scene)
     if not tables_read and record_check is None:
         return None
+    # `record_check`: numbers of rows, W by half-plane theory with and without reduction, noise.
     numbers: dict[str, Any] | None = None
     sentences: list[str] = []
     if record_check is not None:
@@ -726,10 +805,10 @@ def page_section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str
         return None
     cycles_by_engine = []
     for solution in solutions:
-        cycles_of_solution = load_cycles(solution)
-        if cycles_of_solution is not None:
+        solution_cycles = load_cycles(solution)
+        if solution_cycles is not None:
             engine_name = engine_in_words(solution.engine).capitalize()
-            cycles_by_engine.append((engine_name, cycles_of_solution))
+            cycles_by_engine.append((engine_name, solution_cycles))
     indices_of_most_work: list[int] = []
     if cycles_by_engine:
         _, cycles_of_first_engine = cycles_by_engine[0]
