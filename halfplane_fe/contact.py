@@ -144,7 +144,9 @@ class InterfaceState:
     def changed(
         self, *, node_states: ArrayLike | None = None, **parts: ArrayLike
     ) -> InterfaceState:
-        """Copy with other values, by name (`tilt`, `slip`, ...), or other node states."""
+        """Copy of the state with other values, by name (`tilt`, `slip`, ...), or with other states
+        of the nodes (open, stick, slip).
+        """
         values = self.values.copy()
         for name, part in parts.items():
             if name in _RIGID_NAMES:
@@ -247,14 +249,21 @@ class ContactProblem:
     n_jumps: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        self._rates: dict[bytes, Array] = {}
+        """Prepare caches and round-off limits of a contact problem.
+
+        `interface.coupling` is the slip by normal forces, None where normal and tangential problem
+        are uncoupled.
+        """
+        self._rates: dict[bytes, Array] = {}  # derivatives by the loads, by the node states
         self._latest_change: _ChangeByStates | None = None
-        # Shear and slip of like bodies are in proportion to f, and their rounding with them.
-        coupled = self.has_shear and self.interface.coupling is not None
-        self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
+        # Shear and slip of like bodies are in proportion to f, and their round-off with them.
+        is_coupled = self.has_shear and self.interface.coupling is not None
+        self._shear_scale = 1.0 if is_coupled else min(1.0, self.friction)
+        # (2 n,) of gap or pressure, then of shear: 1e-15 in scaled variables
         self._residual_round_off = _RESIDUAL_ROUND_OFF * np.repeat(
             [1.0, self._shear_scale], len(self.initial_gap)
         )
+        # q/p by the number of a state: 0, 0, +-f for slip in either sense
         all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
         self._shear_over_pressure_of_state = np.asarray(
             self.friction * slip_sign(all_states), dtype=float
@@ -278,8 +287,12 @@ class ContactProblem:
     def _return_mapping(self) -> ReturnMapping:
         """Solver by return mapping of trial tractions, made when it is first used.
 
-        For the augmented Lagrangian it has a penalty on gap and slip; in the penalty method the
-        layer of springs between the faces is the penalty.
+        For the augmented Lagrangian it has a penalty on gap and slip, the two `trial_weights`; in
+        the penalty method the layer of springs between the faces is the penalty.
+
+        Passed on are the contact compliance (`interface`), friction, layer, counts of work and
+        actuators of this contact problem, and the unit of shear forces by which round-off is judged
+        (`_shear_scale`: f of uncoupled bodies).
         """
         from halfplane_fe.return_mapping import ReturnMapping  # noqa: PLC0415 - not by default
 
@@ -304,8 +317,10 @@ class ContactProblem:
         """State of the contact before it carries any load: the faces just touch where the gap is
         least. Nodes that touch stick.
 
-        Bulk stresses and tilt act already, and a tangential actuator is at its first place. Where
-        the moment is given, not the tilt, the faces touch on both sides of `x_of_load`.
+        Bulk stresses and tilt act already, and a tangential actuator is at its first position.
+        Where the moment is given (`has_given_moment`), not the tilt, the faces touch on both sides
+        of `x_of_load`. `actuators` states which of approach and tangential displacement (`shift`)
+        are prescribed by an actuator in the place of P or Q.
 
         Parameters
         ----------
@@ -324,12 +339,16 @@ class ContactProblem:
         BesideTheFaces
             Where the moment is given and no node lies on one side of `x_of_load`.
         """
+        # Bulk stresses of both bodies and tilt of the upper one: those of the loads, but for a tilt
+        # at which the upper body rests without load where the moment is given.
         stresses_and_tilt = np.zeros(3)
         if len(loads) > 2:
             stresses_and_tilt[:2] = loads[_BULK_STRESSES]
             stresses_and_tilt[2] = (
                 self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
             )
+
+        # Gap and slip (n,) by these, then by the approach at which the least gap is 0.
         gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
         undeformed_gap = self.initial_gap + gap_offset
         approach = float((undeformed_gap / self.interface.face_normals[1]).min())
@@ -337,6 +356,8 @@ class ContactProblem:
         gap_by_approach, slip_by_approach = self.interface.gap_and_slip_by_motion(approach, shift)
         gap = undeformed_gap + gap_by_approach
         slip = slip_offset + slip_by_approach
+
+        # Values: approach, shift and tilt, then slip, pressure, shear and gap of the nodes.
         no_force = np.zeros_like(self.initial_gap)
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
@@ -348,7 +369,19 @@ class ContactProblem:
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, states: States
     ) -> InterfaceState:
-        """State of the interface, with P and Q by its nodal forces where actuators move it."""
+        """State of the interface at an instant, with the resultants P and Q of its nodal forces
+        where actuators move the bodies (None where P and Q are given).
+
+        Parameters
+        ----------
+        time, loads
+            instant, and P and Q or positions of actuators in their place, with bulk stress or tilt
+            all five loads; scaled
+        values
+            (3 + 4 n,) approach, shift and tilt, then slip, pressure, shear and gap of the n nodes
+        states
+            (n,) open, stick or slip of the nodes
+        """
         resultants = None
         if self.actuators.prescribe_movements:
             _, pressure, shear, _ = nodal_values(values)
@@ -409,6 +442,9 @@ class ContactProblem:
         """
         if self.method != "active_set":
             return self._equilibrium_by_return_mapping(start, time, loads)
+
+        # Each attempt returns the new state (None where it fails), its number of iterations, and
+        # the number of nodes that still changed their state at its end.
         state = None
         iterations = 0
         if expected is not None and not np.array_equal(expected, start.node_states):
@@ -421,6 +457,7 @@ class ContactProblem:
         if state is None and (self.has_shear or self.has_given_moment):
             state, turns, n_changing = self._alternate_pressure_and_shear(start, time, loads)
             iterations += turns
+
         self.work_counts["contact iterations"] += iterations
         if state is None:
             raise ConvergenceError(
@@ -430,7 +467,9 @@ class ContactProblem:
         return state, iterations
 
     def _loads_in_words(self, loads: tuple[float, ...]) -> str:
-        """The two loads, normal and tangential, with their names, for a message."""
+        """Normal and tangential load with their names, for a message: "normal load 0.5, ...". Where
+        an actuator prescribes a movement, that stands in the place of the load.
+        """
         names = [
             "approach" if self.actuators.prescribe_approach else "normal load",
             "tangential displacement"
@@ -447,7 +486,8 @@ class ContactProblem:
         by return mapping: trial tractions are mapped back into the Coulomb limit.
 
         It serves the penalty method and the augmented Lagrangian. `time` and `loads` (P and Q, or
-        all five) are those at the end of the increment, scaled.
+        also both bulk stresses, and the tilt or the moment) are those at the end of the increment,
+        scaled. `max_iterations` bounds the Newton steps.
 
         Raises
         ------
@@ -456,10 +496,11 @@ class ContactProblem:
         """
         from halfplane_fe.return_mapping import Start  # noqa: PLC0415 - not by default
 
-        moment = None
+        moment = None  # the tilt is given, or there is none
         if self.has_given_moment and len(loads) > 2:
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start.loads)
+        # values and states of the nodes with their number of Newton steps; None without convergence
         solution = self._return_mapping.equilibrium(
             Start(start.values, start.node_states, change_of_loads, moment), self.max_iterations
         )
@@ -479,23 +520,25 @@ class ContactProblem:
         open, stick, slip forward or reverse. It is the linear step of the active-set method.
 
         Gap of closed nodes, force of open ones, slip increment of sticking ones, and |q| - f p of
-        slipping ones are exactly zero. Whether the result obeys the law of contact is not checked
-        here. `time` and `loads` are those at the end of the increment, scaled.
+        slipping ones are exactly zero. Whether the state obeys the laws of contact and friction is
+        not checked here. `time` and `loads` (P and Q, or movements of actuators; with bulk stress
+        or tilt all five) are those at the end of the increment, scaled.
 
         Raises
         ------
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
+        # (3 + 4 n,) approach, shift and tilt, then slip, p, q and gap of the nodes
         values = self.values_following(start, loads, states)
         # The solution of the linear system leaves round-off in these: set them exactly.
-        slip, pressure, shear, gap = nodal_values(values)
-        sticks = (states == STICK) & self.has_shear
+        slip, pressure, shear, gap = nodal_values(values)  # views
+        is_stuck = (states == STICK) & self.has_shear
         is_open = states == OPEN
-        np.copyto(slip, start.slip, where=sticks)
+        np.copyto(slip, start.slip, where=is_stuck)
         np.copyto(pressure, 0.0, where=is_open)
         np.copyto(gap, 0.0, where=~is_open)
-        np.copyto(shear, self._shear_over_pressure(states) * pressure, where=~sticks)
+        np.copyto(shear, self._shear_over_pressure(states) * pressure, where=~is_stuck)
         values.flags.writeable = False
         return self._state(time, loads, values, states)
 
@@ -513,15 +556,16 @@ class ContactProblem:
             values = start values + change by new node states + rates @ load increment
 
         The rates are derivatives by the loads at fixed node states. Gaps of closed nodes and forces
-        of open ones are zero but for round-off. All is scaled.
+        of open ones are zero but for round-off. All is scaled. Where the moment is given
+        (`has_given_moment`) it is the fifth load, and the tilt follows from it.
 
         Raises
         ------
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
-        change_by_states = self._change_by_states(start, states)
-        rates = self.rates(states, len(loads))
+        change_by_states = self._change_by_states(start, states)  # at constant loads
+        rates = self.rates(states, len(loads))  # (n_loads, 3 + 4 n)
         values: Array = start.values + change_by_states + np.subtract(loads, start.loads) @ rates
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.has_given_moment and len(loads) > 2:
@@ -541,8 +585,10 @@ class ContactProblem:
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
-        rates = self._rates.get(states.tobytes())
+        rates = self._rates.get(states.tobytes())  # from the cache
         if rates is None:
+            # the linear system has the tilt as its fifth load; stored is that by the moment, if
+            # the moment is given
             rates = self._store_rates(states, self._systems.value_derivatives(states, n_loads))
         return rates
 
@@ -555,6 +601,8 @@ class ContactProblem:
 
             dv/dF - dv/dt (dM/dF) / (dM/dt)   of the loads F = P, Q, bulk stresses
             dv/dt / (dM/dt)                   of the moment
+
+        The cache holds 20 MB of such arrays, and 128 sets of node states at least.
 
         Parameters
         ----------
@@ -570,6 +618,7 @@ class ContactProblem:
         """
         self.work_counts["rates"] += 1
         if self.has_given_moment and len(rates_by_load) > 2:
+            # dM/dF and dM/dt; the latter is negative, and its least size 1e-12 is round-off
             *moments_by_load, moment_by_tilt = self._moments(rates_by_load)
             if not moment_by_tilt < -_LEAST_STIFFNESS:
                 raise SingularSet("one node alone holds no moment")
@@ -603,6 +652,8 @@ class ContactProblem:
             and latest_change.states == states_key
         ):
             return latest_change.values
+
+        # What the new equations of the nodes miss in `start`: p or gap, and q - (+-f) p.
         _, pressure, shear, gap = nodal_values(start.values)
         shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
         residual = np.concatenate(
@@ -612,6 +663,9 @@ class ContactProblem:
             ]
         )
         equation_numbers = (np.abs(residual) > self._residual_round_off).nonzero()[0]
+
+        # Change of the values that removes it: the last row of the solutions, after one row for
+        # each load, which are rates that the cache may lack.
         value_changes: Array | float = 0.0
         if len(equation_numbers):
             solution_vectors = self._systems.value_derivatives(
@@ -640,9 +694,15 @@ class ContactProblem:
             at the end of the increment, scaled
         states
             (n,) open, stick or slip of the nodes, to begin with
+
+        Returns
+        -------
+        _Outcome
+            State of the contact, None without a solution; number of iterations; number of nodes
+            that still changed their state at the end.
         """
         states_chosen: set[bytes] = set()  # states of all nodes, as the law chose them so far
-        n_changing = 0
+        n_changing = 0  # nodes to which the law gives another state
         try:
             for iteration in range(self.max_iterations + 1):
                 state = self.state_following(start, time, loads, states)
@@ -672,22 +732,29 @@ class ContactProblem:
         Each turn gives states of the nodes. As soon as the solution of all equations for these
         states obeys the laws of contact and friction, it is taken. Like materials need one turn.
         Where actuators prescribe movements, P and Q are those of the turn before.
+
+        Returned are the state of the contact (None without convergence), the number of turns, and
+        the number of nodes that still changed their state. All is scaled.
         """
         self.work_counts["alternating solves"] += 1
-        systems = self._systems
+        systems = self._systems  # linear systems of the contact, with its compliances
         normals_x = self.interface.face_normals[0]
         coupling = self.interface.coupling  # (n, n) slip by nodal normal forces
         if coupling is None:
             coupling = np.zeros_like(self.interface.normal_compliance)
+
+        # What the first turn begins with. `shift` is the tangential displacement of the upper body.
         shear = start.shear
         shift = start.shift
         is_closed = start.is_closed
+        # bulk stresses of both bodies, and the tilt of `start`
         stresses_and_tilt = replace(start, loads=loads).stresses_and_tilt
         resultants = start.resultants or loads[:2]  # P and Q
         if len(loads) > 2 and not self.has_given_moment:
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
+            # Pressure, approach and closed nodes at known shear; the tilt by the moment.
             gap_without_pressure = self.initial_gap - coupling.T @ shear + normals_x * shift
             if self.has_given_moment:
                 stresses_and_tilt[2] = self._tilt_at_known_shear(
@@ -702,6 +769,8 @@ class ContactProblem:
                 ROUNDING,
             )
             states = np.where(is_closed, STICK, OPEN).astype(np.int8)
+
+            # Shear, shift and states at known pressure; no load on a half whose shear is odd in x.
             if self.has_shear:
                 known_slip = start.slip - slip_offset - coupling @ pressure - normals_x * approach
                 tangential_load = (
@@ -712,7 +781,9 @@ class ContactProblem:
                 shear, shift, states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
-            # Without a sticking node the full system is singular, unless an actuator holds it.
+
+            # All equations for these states, and what the laws say of their solution. Without a
+            # sticking node the full system is singular, unless an actuator holds the upper body.
             if not np.any(states == STICK) and not self.actuators.prescribe_displacement:
                 continue
             state = self.state_following(start, time, loads, states)
@@ -728,8 +799,9 @@ class ContactProblem:
 
         With gap g and increment s of the slip since `start`, the trial pressure is p - r_n g, the
         trial shear q + r_t s. A node is closed if the former is positive, and slips if the latter
-        is beyond f times it. Within rounding of either limit a node keeps the state it has. A node
-        that slid in the one sense and is to slide in the other sticks first.
+        is beyond f times it. Within round-off of either limit a node keeps the state it has: 1e-11
+        of a displacement, 1e-13 of a force, scaled. A node that slid in the one sense and is to
+        slide in the other sticks first.
 
         # notation: r_n, r_t weights of gap and slip, f coefficient of friction
 
@@ -741,8 +813,8 @@ class ContactProblem:
             the state before the increment
         """
         states = solved.node_states
-        # What the equations of these states set to zero is zero (`state_following`): weighted, its
-        # rounding would look like a force.
+        # Trial forces. What the equations of these states set to zero is exactly zero: weighted,
+        # its round-off would look like a force.
         slip, pressure, shear, gap = nodal_values(solved.values)
         slip_increment = slip - start.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
@@ -757,6 +829,7 @@ class ContactProblem:
             return states
 
         # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
+        # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
         states_before = states[changing]
         was_closed = states_before != OPEN
         has_no_pressure = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
@@ -807,11 +880,14 @@ class ContactProblem:
         ConvergenceError
             Where no tilt has the moment.
         """
+        # P minus the part of it that the shear carries on curved faces
         load_of_pressure = loads[0] - float(self.interface.face_normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
-            """Moment of pressure and shear at a tilt, minus the given one."""
+            """Moment of pressure and shear at a tilt, minus the given one; it is minus their work
+            per unit of tilt.
+            """
             gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
                 self._systems,
@@ -847,15 +923,17 @@ class ContactProblem:
         """Tilt at which the upper body, pressed at `x_of_load`, rests on the lower one without
         load: the faces touch on both sides of that place. All is scaled.
 
-        It is minus the slope of the lower convex hull of the gap there. Of all chords between a
-        node before that place and one beyond it, the hull follows the one that is lowest there.
+        It is minus the slope of the lower convex hull of the initial gap there. Of all chords
+        between a node before that place and one beyond it, the hull follows the one that is lowest
+        there.
 
         Raises
         ------
         BesideTheFaces
             Where no node lies on one side of that place.
         """
-        n_y = self.interface.face_normals[1]
+        n_y = self.interface.face_normals[1]  # y of the unit normal at each node
+        # of the loads (bulk stress of lower and upper body, tilt) the tilt alone
         gap_by_unit_tilt, _ = self.gap_and_slip_by(np.array([0.0, 0.0, 1.0]))
         x = gap_by_unit_tilt / n_y  # (n,) lever arms: a unit tilt opens the gap along y by them
         gap_along_y = self.initial_gap / n_y
@@ -873,8 +951,10 @@ class ContactProblem:
         return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
     def gap_and_slip_by(self, stresses_and_tilt: Array) -> tuple[Array, Array]:
-        """Gap and slip that bulk stresses and tilt (..., 3) add at the n nodes, each (..., n);
-        where all of these are 0, or cannot act, each is (n,) zeros.
+        """Gap and slip that bulk stresses of the lower and upper body, and tilt, (..., 3), add at
+        the n nodes, each (..., n); where all of these are 0, or cannot act, each is (n,) zeros.
+
+        `gap_and_slip_per_stress_and_tilt` (2, n, 3) are both by a unit of each.
         """
         if self.interface.gap_and_slip_per_stress_and_tilt is None or not stresses_and_tilt.any():
             return np.zeros_like(self.initial_gap), np.zeros_like(self.initial_gap)

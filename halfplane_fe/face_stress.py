@@ -183,15 +183,16 @@ class Tractions:
         )
 
     def moments(self) -> Array:
-        """Resultants, first and second moments of pressure and of shear about the origin, (6,):
-        int p t^k dt for k = 0, 1, 2, then int q t^k dt.
+        """Resultants, first and second moments of pressure p and of shear q about the origin x = 0,
+        (6,): int p x^k dx for k = 0, 1, 2, then int q x^k dx, across the contact.
 
         The first three coefficients of a sine series give the moments about the middle of the
         contact, which are then moved to the origin.
         """
-        middle = self.middle
+        middle = self.middle  # of the contact
         half_width = self.half_width
         moments_of_both: list[float] = []
+        # coefficients of sin(k theta) from k = 1 on, with x = middle - half_width cos(theta)
         for series in (self.pressure, self.shear):
             resultant = math.pi / 2 * half_width * series[0]
             first_about_middle = -math.pi / 4 * half_width**2 * series[1]
@@ -210,15 +211,17 @@ class Tractions:
             s_xx = Im A + 2 Re B + D,   s_yy = Im A - D,   D = Re(y A') - Im(y B')
             s_xy = -Im B - Im(y A') - Re(y B')
 
-        # notation: A = sum A_k w^k of the pressure, B = sum B_k w^k of the shear; A', B'
-        # derivatives in z; w = v - sqrt(v^2 - 1), v = (m - x + i |y|)/h, m middle, h half-width of
-        # the contact
+        # notation: A = sum A_k w^k of the pressure, B = sum B_k w^k of the shear, with the
+        # coefficients A_k, B_k of their sine series (`pressure`, `shear`); A', B' derivatives in
+        # z = x + i y; w = v - sqrt(v^2 - 1), v = (m - x + i |y|)/h, m middle, h half-width of the
+        # contact
         """
         v = (self.middle - x + 0j) / self.half_width
         v.imag = np.abs(y) / self.half_width
         # From above the cut of the root, so that the face counts as inside the body; |w| <= 1.
         root = np.sqrt(v - 1) * np.sqrt(v + 1)
         w = v - root
+        # A, B, w dA/dw and w dB/dw at each point
         A, B, w_slope_A, w_slope_B = _power_sums(np.stack([self.pressure, self.shear]), w)
         with np.errstate(divide="ignore", invalid="ignore"):
             # y dA/dz = y (w dA/dw)/(h root), since dw/dz = w/(h root)
@@ -236,8 +239,9 @@ def _power_sums(series: Array, w: Complex) -> Complex:
     """Sums of two power series and w times their derivatives at n complex points, (4, n): sum A_k
     w^k, sum B_k w^k, sum k A_k w^k and sum k B_k w^k over k = 1, 2, ....
 
-    Horner's rule, at each point from the last k whose |w|^k is not negligible. Points are sorted by
-    their number of terms, longest first, so that the points with a term k are the first ones.
+    Horner's rule, at each point from the last k whose |w|^k is not negligible, that is above 1e-10.
+    Points are sorted by their number of terms, largest first, so that the points with a term k are
+    the first ones.
 
     Parameters
     ----------
@@ -246,15 +250,18 @@ def _power_sums(series: Array, w: Complex) -> Complex:
     w
         (n,) points, |w| <= 1
     """
+    # Number of terms that each point needs.
     n_terms = series.shape[1]
     exponents = np.arange(1, n_terms + 1)
     with np.errstate(divide="ignore"):
         terms_to_negligible = math.log(_NEGLIGIBLE_TERM) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
         terms_needed = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
+
+    # Horner's rule over all points at once, in the order of these numbers.
     longest_first = np.argsort(-terms_needed, kind="stable")
     terms_needed = np.maximum(terms_needed[longest_first], 1)
     w_longest_first = w[longest_first]
-    coefficients = np.concatenate([series, exponents * series])
+    coefficients = np.concatenate([series, exponents * series])  # (4, n_terms)
     partial_sums = np.zeros((4, len(w)), dtype=complex)
     n_points_with_term = np.searchsorted(-terms_needed, -exponents, side="right")
     for k in range(int(terms_needed.max(initial=0)), 0, -1):
@@ -356,9 +363,10 @@ class SampledTractions:
         """Stress s_xx at the left and right edge of contact by a shear traction q at n angles
         theta_j across it, (2,) [stress].
 
-        It is 2 sum_k B_k and 2 sum_k (-1)^k B_k of the sine series of q, each as one weighted sum
-        over angles. With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once, and
-        cos(n theta_j) = 0,
+        The angles are the middles of n equal parts of 0 to pi (`theta`), from the left edge to the
+        right one. The stress is 2 sum_k B_k and 2 sum_k (-1)^k B_k of the sine series of q, each as
+        one weighted sum over angles. With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once,
+        and cos(n theta_j) = 0,
 
             2 sum_k B_k = (2/n) sum_j q_j cot(theta_j/2),
             2 sum_k (-1)^k B_k = -(2/n) sum_j q_j tan(theta_j/2)
@@ -401,13 +409,16 @@ def sampled_tractions(
     Parameters
     ----------
     nodal_tractions
-        pressure and shear at the nodes, edges, friction, and jumps of the profile's curvature
+        pressure and shear at the nodes that touch (`x` their places), edges of contact and stick
+        that the solution states, friction, load Q (`tangential_load`), and jumps of the profile's
+        curvature
     fit
-        how p^2 is fitted inside the edges
+        how p^2 is fitted inside the edges, after `nodes_left_out` outermost nodes on each side
     constant_ratio
         whether q/p stays constant from the outermost node to the edge, instead of following its
         slope, where the whole contact sticks or slips
     """
+    # Edges of contact by the fit. `pressure_shape` is the function of x that p is divided by.
     x = nodal_tractions.x
     pressure_shape = _pressure_shape(nodal_tractions)
     p_over_shape = nodal_tractions.pressure / pressure_shape(x)
@@ -421,12 +432,15 @@ def sampled_tractions(
         nodes_left_out = fit.nodes_left_out
     middle = (edges[0] + edges[1]) / 2
     half_width = (edges[1] - edges[0]) / 2
+
+    # Equal angles: eight a node, 512 at least and 8192 at most.
     n_angles = _ANGLES_PER_NODE * len(x)
     n_angles = int(np.clip(n_angles, _FEWEST_ANGLES, _MOST_ANGLES))
     theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
     sine = np.sin(theta)
-    places = middle - half_width * np.cos(theta)
+    places = middle - half_width * np.cos(theta)  # x at each angle
 
+    # Smooth pressure: interpolated between inner nodes, the fitted root outside them.
     inner_nodes = slice(nodes_left_out, len(x) - nodes_left_out)
     inner_x = x[inner_nodes]
     inner_p_over_shape = p_over_shape[inner_nodes]
@@ -448,6 +462,7 @@ def sampled_tractions(
             pressure[is_outside] = np.sqrt(np.maximum(squared_p, 0.0))
     pressure = pressure * pressure_shape(places)
 
+    # Smooth shear, and the part of Q that it lacks as a shear traction at the stick edges.
     shear = _smooth_shear(places, pressure, nodal_tractions, nodes_left_out, constant_ratio)
     lengths = sine * half_width * math.pi / n_angles  # of the face, for each angle
     missing_load = nodal_tractions.tangential_load - float(lengths @ shear)
@@ -463,9 +478,9 @@ def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
 
     It is (2/pi) int q cot(theta/2) d theta at the left edge and (2/pi) int q tan(theta/2) d theta
     at the right one, with theta from x = m - h cos(theta). The integrand is taken as constant
-    between an edge and its outermost node.
+    between an edge and its outermost node. 0 where no node lies inside the edges.
 
-    # notation: m middle, h half-width of the contact that the solution states
+    # notation: m middle, h half-width of the contact that the solution states (`contact_edges`)
     """
     left, right = nodal_tractions.contact_edges
     middle = (left + right) / 2
@@ -505,10 +520,12 @@ class TractionsAndUncertainty(NamedTuple):
 
 
 def tractions_with_uncertainty(nodal_tractions: NodalTractions) -> TractionsAndUncertainty:
-    """Sine series of pressure and shear across the contact, from their values at the nodes, and the
-    uncertainty of the tension s_xx at both edges.
+    """Sine series of pressure and shear across the contact, from their values at the nodes that
+    touch, and the uncertainty of the tension s_xx at both edges by the fit.
 
-    None and zeros where fewer than three nodes touch.
+    Returned too is the change of that tension by slip in a zone too narrow for the nodes. None and
+    zeros where fewer than three nodes touch. `nodal_tractions` also has the edges of contact and
+    stick, friction and Q.
     """
     if len(nodal_tractions.x) < FEWEST_NODES:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
@@ -524,7 +541,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     """Uncertainty of the tension s_xx at both edges of contact, (2,) [stress]: how much other fits
     of the same nodal values change it.
 
-    The largest of these counts:
+    The largest of these counts; multiples are factors fitted to many solutions:
 
     - a least uncertainty in proportion to f p0, plus a multiple of the mean change by fits to other
       numbers of nodes or of a higher degree;
@@ -533,14 +550,27 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     - the change by a ratio q/p that stays constant near the edges.
 
     Added are the mesh error of bodies of finite size, the change by other stick edges where slip
-    zones are narrow, and a multiple of the tension by the shear that the fit lacked.
-    `usual_tractions` are those by the usual fit; p0 is the largest nodal pressure.
+    zones are narrow (six nodes at most), and a multiple of the tension by the shear that the fit
+    lacked.
+
+    # notation: p0 largest nodal pressure, f coefficient of friction
+
+    Parameters
+    ----------
+    nodal_tractions
+        pressure and shear at the nodes that touch; whether the profile is a table of points, a body
+        of finite size, the materials unlike
+    usual_tractions
+        sine series of both by the usual fit; whether its edges are not fitted but those of the
+        solution (`has_unfitted_edges`); tension by the shear that it lacked
     """
-    tension = usual_tractions.edge_tension()
-    spacing = float(np.median(np.diff(nodal_tractions.x)))
+    tension = usual_tractions.edge_tension()  # (2,)
+    spacing = float(np.median(np.diff(nodal_tractions.x)))  # of the nodes
     spacing_ratio = spacing / usual_tractions.half_width
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
     least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
+
+    # Change by four other fits: fewer nodes, other numbers of nodes left out, a higher degree.
     factor_of_other_fits = (
         _FACTOR_OF_OTHER_FITS_OF_TABLE
         if nodal_tractions.has_tabulated_profile
@@ -551,6 +581,8 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     ]
     by_other_fits = factor_of_other_fits * np.mean(np.abs(changes), axis=0)
     uncertainty = least_uncertainty + by_other_fits
+
+    # Too few nodes to find the edges; a fit without limit on its residual; constant q/p.
     if usual_tractions.has_unfitted_edges:
         uncertainty = np.maximum(
             uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
@@ -561,6 +593,8 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     with_constant_ratio = sampled_tractions(nodal_tractions, constant_ratio=True)
     change_by_ratio = np.abs(with_constant_ratio.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, change_by_ratio)
+
+    # Added: mesh error of unlike materials or bodies of finite size; place of the stick edges.
     relative_error_per_spacing = 0.0
     if nodal_tractions.has_unlike_materials:
         relative_error_per_spacing = _RELATIVE_ERROR_PER_SPACING_OF_UNLIKE_MATERIALS
@@ -583,24 +617,36 @@ def tension_change_by_unseen_slip(
     node lies in it, as there is one just after a load has turned.
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
-    pressure at the first node inside the distorted outermost ones. A share of this counts. Zero
-    where P grows in full stick, in full slip, and where nodes slip on both sides: unless the
-    outermost node of a side has shear of the other sign than its slip zone, which slip that has
-    just turned may have brought. `smooth_tractions` give the edges of contact.
+    pressure at the first node inside the three distorted outermost ones. A share of 0.7 of this
+    counts. Zero where P grows in full stick, in full slip, and where nodes slip on both sides:
+    unless the outermost node of a side has shear of the other sign than its slip zone, which slip
+    that has just turned may have brought.
 
-    # notation: d distance from the edge, K constant of the pressure there, w width of the zone of
-    # the distorted nodes
+    # notation: f coefficient of friction, d distance from the edge, K constant of the pressure
+    # there, w width of the zone of the distorted nodes
+
+    Parameters
+    ----------
+    nodal_tractions
+        pressure and shear at the nodes that touch (`x` their places, ascending), stick edges (NaN
+        in full slip), friction, and whether P grows in full stick (`load_grows_in_stick`)
+    smooth_tractions
+        their sine series, of which the edges of contact are used
     """
     left_stick, right_stick = nodal_tractions.stick_edges
     if nodal_tractions.load_grows_in_stick or not math.isfinite(left_stick):
         return np.zeros(2)
+
+    # Whether such slip is possible at the left and the right edge.
     x = nodal_tractions.x
     pressure = nodal_tractions.pressure
     may_slip_unseen = np.array([True, True])
-    if nodal_tractions.has_slip_zones(of_nodes=1):
+    if nodal_tractions.has_slip_zones(of_nodes=1):  # nodes slip on both sides of a stick zone
         shear = nodal_tractions.shear
         shear_of_zones = np.array([shear[x < left_stick].sum(), shear[x > right_stick].sum()])
         may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
+
+    # Pressure K sqrt(w) on either side.
     inner_node = min(N_DISTORTED_NODES, len(x) // 2)
     distances_inside = np.array(
         [x[inner_node] - smooth_tractions.edges[0], smooth_tractions.edges[1] - x[-1 - inner_node]]
@@ -617,7 +663,8 @@ def _tension_change_by_moved_stick_edges(
     `distance` [length] further inside or further outside: the larger one. They stay in the contact;
     where they would meet, they are not moved.
 
-    `tension` (2,) is that with the stick edges as `nodal_tractions` has them [stress].
+    `nodal_tractions` are pressure and shear at the nodes, with the edges of stick and contact.
+    `tension` (2,) is that with the stick edges where these have them [stress].
     """
     left_stick, right_stick = nodal_tractions.stick_edges
     changes = []
@@ -665,14 +712,18 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     The function is p/(a R) with the smooth part taken as constant, its mean over the nodes. Where
     this is not positive at every node, the function is 1.
 
-    # notation: h profile, m middle of the contact, a its half-width
+    # notation: h profile, m middle of the contact, a its half-width, E* contact modulus
+
+    `nodal_tractions` are pressure at the nodes that touch, edges of contact that the solution
+    states, and `curvature_jumps` (k, 2): places of the jumps and E* times each, left subtracted
+    from right.
 
     Source: Muskhelishvili's integral of h' = k max(x - b, 0) over R.
     """
     left, right = nodal_tractions.contact_edges
     middle = (left + right) / 2
     half_width = (right - left) / 2
-    jumps = nodal_tractions.curvature_jumps  # x, E* times jump
+    jumps = nodal_tractions.curvature_jumps
     inner_jumps = jumps[np.abs(jumps[:, 0] - middle) < half_width]
     if not len(inner_jumps):
         return np.ones_like
@@ -700,6 +751,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
             pressure_over_root += side * modulus_times_jump / (2 * math.pi) * pressure_of_unit_jump
         return pressure_over_root
 
+    # Mean of the smooth part over the nodes, but for the three outermost ones on either side.
     smooth_part = 0.0
     if len(nodal_tractions.x) > 3 * N_DISTORTED_NODES:
         inner_x = nodal_tractions.x[N_DISTORTED_NODES:-N_DISTORTED_NODES]
@@ -737,8 +789,10 @@ class _FittedEdge(NamedTuple):
 
 def _fitted_edges(x: Array, p: Array, fit: EdgeFit) -> tuple[_FittedEdge, _FittedEdge] | None:
     """Left and right edge of contact by extrapolation of the pressure p (n,) from nodes at x (n,),
-    ascending. The right one is mirrored in x = 0: it is the left edge of p(-x). None where the fit
-    of either fails.
+    ascending: each with the polynomial of p^2 that is zero there. The right one is mirrored in
+    x = 0: it is the left edge of p(-x). None where the fit of either fails.
+
+    `fit` states how many outermost nodes are left out, how many are fitted, and by which degree.
     """
     mirrored_x = -x[::-1]
     mirrored_p = p[::-1]
@@ -757,18 +811,26 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     """Left edge of contact by extrapolation of the pressure: p^2 near a smooth edge is linear in
     the distance, so a polynomial fitted to p^2 is zero there. None where no polynomial fits.
 
-    The outermost nodes, which the mesh distorts, are left out. Nodes are fitted over a part of the
-    half-width, at least a usual number of them. While the residual is large (a corner of the
+    The outermost nodes, which the mesh distorts, are left out. Nodes are fitted over 0.3 of the
+    half-width: 16 of them at least, 100 at most. While the residual is large (a corner of the
     profile may be near), or the polynomial has no zero outside the nodes, half as many are fitted.
-    With fewer than `_FEWEST_FITTED_NODES` there is no fit.
+    With fewer than six there is no fit. The degree is 4 from 24 nodes on, else 2.
 
     Parameters
     ----------
     x, p
-        (n,) places of the touching nodes, ascending [length], and the pressure there over
-        `_pressure_shape`; of a right edge both are mirrored
+        (n,) places of the touching nodes, ascending [length], and the pressure there, over a
+        function that has its infinite slopes at kinks of the profile; of a right edge both are
+        mirrored in x = 0
     fit
-        how many nodes are left out, how many fitted, the degree, and the largest residual
+        how many nodes are left out, factor on the number of nodes that are fitted, what is added to
+        the degree, and the largest root mean square of the relative residual
+
+    Returns
+    -------
+    _FittedEdge or None
+        x of the edge, x of the outermost fitted node, and the coefficients of the polynomial in the
+        distance from this node, highest power first.
     """
     width = x[-1] - x[0]
     # Nodes available lie within a part of the half-width; one at the very end of it counts.
@@ -778,6 +840,7 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         fit.share_of_nodes * np.clip(nodes_available, _USUAL_FITTED_NODES, _MOST_FITTED_NODES)
     )
     n_nodes = min(n_nodes, len(x) // 2 - fit.nodes_left_out)
+
     while n_nodes >= _FEWEST_FITTED_NODES:
         degree = fit.further_degrees + next(
             usual_degree
@@ -799,6 +862,8 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         coefficients = scaled_coefficients[: degree + 1] * squared_p[-1] / largest_powers
         relative_residual = np.polyval(coefficients, distance) / squared_p - 1
         root_mean_square = math.sqrt(float(np.mean(relative_residual**2)))
+
+        # The edge is the nearest zero outside the nodes.
         roots = np.roots(coefficients)
         # Real roots outside the outermost fitted node.
         edge_distances = roots[(np.abs(roots.imag) < 1e-12) & (roots.real < 0)].real
@@ -829,15 +894,18 @@ def _smooth_shear(
     places, pressure
         (n,) x across the contact, and the smooth pressure there
     nodal_tractions
-        pressure and shear at the nodes, stick edges, friction
+        pressure and shear at the nodes that touch (`x` their places, ascending), stick edges (NaN
+        in full slip), friction
     nodes_left_out
         number of outermost nodes on either side whose q is left out, as the mesh distorts it
     constant_ratio
-        whether q/p is continued to the edges as constant, not by its slope
+        whether q/p is continued to the edges of contact as constant, not by its slope
     """
     x = nodal_tractions.x
     q = nodal_tractions.shear
     friction = nodal_tractions.friction
+
+    # Unless a stick zone lies between two slip zones of one node at least.
     if not nodal_tractions.has_slip_zones(of_nodes=1):
         # In full stick and in full slip q/p is finite at the edges: linear between nodes, and from
         # the outermost node to the edge.
@@ -851,10 +919,14 @@ def _smooth_shear(
                 )
                 ratio[is_outside] += slope * (places[is_outside] - x[end_node])
         return np.asarray(np.clip(ratio, -friction, friction) * pressure)
+
+    # Slip zones on the left and on the right: q/p by their nodes.
     left_stick, right_stick = nodal_tractions.stick_edges
     ratio_at_left = _ratio_in_slip_zone(places, nodal_tractions, x < left_stick, nodes_left_out)
     ratio_at_right = _ratio_in_slip_zone(places, nodal_tractions, x > right_stick, nodes_left_out)
     shear = np.where(places < left_stick, ratio_at_left, ratio_at_right) * pressure
+
+    # Stick zone: q interpolated over the angle, between its edges and its undistorted nodes.
     is_in_stick = (places > left_stick) & (places < right_stick)
     is_stick_node = (x > left_stick) & (x < right_stick)
     is_stick_node[:nodes_left_out] = False
@@ -887,10 +959,14 @@ def _ratio_in_slip_zone(
 
     Parameters
     ----------
+    places
+        (n,) x [length]; q/p is constant beyond the outermost and the innermost node that is used
+    nodal_tractions
+        pressure and shear at the nodes that touch (`x` their places, ascending), friction f
     is_in_zone
         (n_nodes,) which of the touching nodes lie in the zone, at one end of the contact
     nodes_left_out
-        number of outermost nodes on either side
+        number of outermost nodes of the contact, on either side, that are left out
     """
     zone_nodes = np.flatnonzero(is_in_zone)
     n_nodes = len(nodal_tractions.x)
@@ -924,13 +1000,14 @@ def _unit_missing_shear(
     pressure
         (n,) smooth pressure there
     nodal_tractions
-        x of the nodes and stick edges
+        x of the nodes that touch, and left and right edge of the stick zone
     """
+    # A stick zone lies between two slip zones of one node at least.
     if nodal_tractions.has_slip_zones(of_nodes=1):
         left_stick, right_stick = nodal_tractions.stick_edges
-        width = 3 * float(np.median(np.diff(nodal_tractions.x)))
+        hump_width = 3 * float(np.median(np.diff(nodal_tractions.x)))
         distance = np.minimum(np.abs(places - left_stick), np.abs(right_stick - places))
-        relative_distance = np.clip(distance / width, 0.0, 1.0)
+        relative_distance = np.clip(distance / hump_width, 0.0, 1.0)
         hump = np.sin(math.pi * relative_distance) ** 2 * (
             (places > left_stick) & (places < right_stick)
         )
@@ -961,7 +1038,9 @@ class SizeEffect:
     error: Array
 
     def stress(self, x: Array, y: Array) -> Array:
-        """Stress s_xx, s_yy, s_xy at n points for each load case, (n, 3, cases) [stress]."""
+        """Stress s_xx, s_yy, s_xy that the finite size of a body adds at n points, for each load
+        case, (n, 3, cases) [stress]: a sum of terms z^j with fitted coefficients.
+        """
         return np.asarray(size_effect_basis(x + 1j * y, self.length) @ self.coefficients)
 
 
@@ -971,8 +1050,10 @@ def size_effect_basis(z: Complex, length: float) -> Array:
 
         s_xx + s_yy = 4 Re f,   s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z)
 
-    Each c_j counts twice, with factor 1 and i; the imaginary c_0 is a rotation without stress. `z`
-    is x + i y, y <= 0.
+    There are seven powers j = 0 to 6. Each c_j counts twice, with factor 1 and i; the imaginary c_0
+    is a rotation without stress. `z` (n,) is x + i y, y <= 0; `length` is its unit [length].
+
+    # notation: f potential, conj complex conjugate, f' derivative in z, u = z/length
     """
     u = z / length
     stress_by_terms = []
@@ -1007,11 +1088,16 @@ def fitted_size_effect(
         unit of the potential's argument, and the distance up to which the fit holds [length]
     half_width
         half-width of the contact, with its middle at x = 0 [length]
+
+    # notation: in subscripts of einsum i edges of contact, j and k terms of the series
     """
+    # Weighted least squares; `size_effect_basis` is the stress (n, 3, k) by each of k terms.
     root_of_weights = np.sqrt(weights / weights.mean())[:, None, None]
     matrix = (size_effect_basis(x + 1j * y, length) * root_of_weights).reshape(3 * len(x), -1)
     right_side = (stress * root_of_weights).reshape(3 * len(x), -1)
     coefficients, _, rank, _ = np.linalg.lstsq(matrix, right_side, rcond=1e-10)
+
+    # Standard error of s_xx at both edges, by the residual and the covariance; the larger counts.
     residual = right_side - matrix @ coefficients
     standard_deviation = np.sqrt(np.sum(residual**2, axis=0) / max(len(matrix) - rank, 1))
     basis_at_edges = size_effect_basis(np.array([half_width + 0j, -half_width + 0j]), length)[:, 0]
