@@ -883,9 +883,9 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         works_of_bodies = works_of_ellipses(
             loads, columns_of_curvatures, group.contact, contact_modulus
         )
-        # Works of ellipses are times pi E*/2, without 1/f^2.
 
-        # the change by the curvatures, in units of the scene
+        # The change by the curvatures, in units of the scene. Works of ellipses are times pi E*/2,
+        # without 1/f^2.
         work_unit = np.square(group.load_unit / members.loads.friction[member_numbers])
         forward_change = work_unit * (
             works_of_bodies.forward_work - works_of_half_planes.forward_work

@@ -116,7 +116,9 @@ class Span:
 
     def slip_zone_load_at(self, t: Array, load: Array) -> Array:
         """P - P_c >= 0 at times t of the segment at which P is `load`, P_c the load at the stick
-        edge, which stays on the sticking piece; 0 where nothing slips, P where all does.
+        edge, which stays on the `sticking_piece` of the memory curve, between its loads
+        `bottom_load` and `top_load`; 0 where nothing slips (`direction` 0), P where all does (no
+        piece).
         """
         if self.direction == 0:
             return np.zeros(t.shape)
@@ -141,9 +143,11 @@ class Span:
 
     def curve(self, time: float) -> Curve:
         """The memory curve, the tangential force locked in up to each normal load, at a time of the
-        segment; None out of contact. A span without slip keeps what lies below P, a span with slip
-        is at the friction limit above P less its `slip_zone_load`.
+        segment; None out of contact. `sticking_piece` is the uppermost piece of it that still
+        sticks, P_c the load at the stick edge. A span without slip keeps what lies below P, a span
+        with slip is at the friction limit, dM/d eta = +-f, from P_c = P - `slip_zone_load` up.
         """
+        # P and Q at the time
         point = instant(self.segment, time)
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal_load)
@@ -181,6 +185,7 @@ def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None
         for time in (segment.start, segment.end)
     )
     for segment in segments:
+        # between turning points of P, Q - f P and Q + f P
         for begin_time, end_time in monotonic_parts(segment, friction):
             _check_part(segment, begin_time, end_time, friction, _ROUND_OFF_SHARE * largest_load)
 
@@ -196,17 +201,26 @@ def _check_part(
     thickness], Q by f times that. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
+    # (load combination, its excess over the limit, reason, tolerance of the excess)
     excesses_at_end = [(NORMAL_LOAD, -end_instant.normal_load, "separation", slack)]
     for direction in (1, -1):
-        excess_force = direction * end_instant.tangential_load - friction * end_instant.normal_load
+        excess_of_friction = (
+            direction * end_instant.tangential_load - friction * end_instant.normal_load
+        )
         excesses_at_end.append(
-            (slip_combination(direction, friction), excess_force, "gross sliding", slack * friction)
+            (
+                slip_combination(direction, friction),
+                excess_of_friction,
+                "gross sliding",
+                slack * friction,
+            )
         )
     faults = []
     for combination, excess, reason, tolerance in excesses_at_end:
         if excess > tolerance:
             # -P grows to its limit 0, and so do Q - f P and -Q - f P.
             sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
+            # change of the combination since the begin of the part
             growth_in_part = sign_of_growth * float(segment.change_of(combination, end, begin))
             growth_to_limit = growth_in_part - excess
             fault_time = float(
@@ -215,11 +229,12 @@ def _check_part(
             faults.append((fault_time, reason))
     if not faults:
         return
-    # Where P runs out both limits of friction are met at the same instant: that is separation.
-    latest_of_first = min(fault_time for fault_time, _ in faults) + _SAME_INSTANT_SHARE * (
+    # Where P reaches 0 both limits of friction are met at the same instant: that is separation.
+    # `faults` are times and reasons, separation first.
+    latest_time_of_first = min(fault_time for fault_time, _ in faults) + _SAME_INSTANT_SHARE * (
         end - begin
     )
-    first_time, reason = next(fault for fault in faults if fault[0] <= latest_of_first)
+    first_time, reason = next(fault for fault in faults if fault[0] <= latest_time_of_first)
     fault_instant = instant(segment, first_time)
     raise InadmissibleLoadError(
         reason,
@@ -234,7 +249,8 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     """Parts of a load segment between turning points of P, of Q - f P and of Q + f P, f =
     `friction`: begin and end time of each.
 
-    The contact may slip forward where Q - f P rises, and in reverse where Q + f P falls.
+    The contact may slip forward where Q - f P rises, and in reverse where Q + f P falls. Turning
+    points are times at which a combination of the loads stops growing or falling.
 
     >>> from math import pi
     >>> from scenes import ellipse_segment
@@ -246,6 +262,7 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     turning_times = sorted(
         time for combination in load_combinations for time in segment.turning_points(combination)
     )
+    # _ROUND_OFF_SHARE: 1e-14
     shortest_part = _ROUND_OFF_SHARE * max(
         abs(segment.start), abs(segment.end), segment.end - segment.start
     )
@@ -293,7 +310,8 @@ def _spans_of_part(
     Rising Q - f P is forward slip, falling Q + f P reverse slip. Neither, with rising P, is loading
     in stick. Both, with falling P, is unloading: the memory curve decides on slip. Loads that rest
     make one span of stick. The memory curve M(eta) is the tangential force of the flat punches up
-    to the load eta. Each smooth piece of it that slip erases makes a span of its own.
+    to the load eta. Each smooth piece of it that slip erases makes a span of its own. Rates are
+    derivatives in time; an instant holds its segment, time, P and Q.
 
     Parameters
     ----------
@@ -308,6 +326,7 @@ def _spans_of_part(
     """
     middle_time = (begin + end) / 2
     normal_rate, tangential_rate = (float(rate) for rate in segment.rates(middle_time))
+    # _ROUND_OFF_SHARE: 1e-14
     rate_roundoff = _ROUND_OFF_SHARE * (abs(tangential_rate) + friction * abs(normal_rate))
     slips_forward = (
         float(segment.rate_of(slip_combination(1, friction), middle_time)) > rate_roundoff
@@ -315,6 +334,7 @@ def _spans_of_part(
     slips_in_reverse = (
         float(segment.rate_of(slip_combination(-1, friction), middle_time)) > rate_roundoff
     )
+    # the four cases: loading in stick, unloading, slip, rest
     begin_instant = instant(segment, begin)
     end_instant = instant(segment, end)
     if normal_rate > 0 and not (slips_forward or slips_in_reverse):
@@ -348,8 +368,10 @@ def _slip_spans(
     piece of the memory curve through which the stick edge moves.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; P_c is
-    the load at the stick edge. It goes down through a piece while s Q - f P, s = `direction`, grows
-    to s M(eta) - f eta of the piece's lower end.
+    the load at the stick edge. The level s Q - f P grows in slip. The stick edge goes down through
+    a piece while s Q - f P, s = `direction`, grows to s M(eta) - f eta of the piece's lower end. A
+    piece has its slope dM/d eta and its `anchor`, the instant of the path from which it is
+    measured.
 
     Parameters
     ----------
@@ -358,13 +380,14 @@ def _slip_spans(
     direction
         1 of forward, -1 of reverse slip
     begin_instant, end_instant
-        ends of the part of a load segment
+        ends of the part of a load segment: time, P and Q
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
     segment = begin_instant.segment
     slip_level = slip_combination(direction, friction)  # the combination s Q - f P of the loads
-    level_growth = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
+    growth_in_part = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
+    # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15 of f P
     force_roundoff = _STICK_EDGE_ROUNDOFF_SHARE * friction * end_instant.normal_load
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
@@ -374,7 +397,7 @@ def _slip_spans(
         if is_at_coulomb_limit(curve, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
-            if level_growth <= force_roundoff:
+            if growth_in_part <= force_roundoff:
                 curve = Piece(curve, curve.top_load, begin_instant, -direction * friction)
                 break
             curve = curve.curve_below
@@ -387,13 +410,13 @@ def _slip_spans(
             slip_combination_on_piece(curve, direction, friction, curve.bottom_load)
         )
         growth_to_bottom = level_at_bottom - level_at_begin
-        # A stick edge that meets the lower end of the piece at the very end of the step, to
+        # A stick edge that meets the lower end of the piece at the very end of the part, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
         # would jump through it.
         level_roundoff = (
             _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
         )
-        if level_growth <= growth_to_bottom + level_roundoff:
+        if growth_in_part <= growth_to_bottom + level_roundoff:
             break
         passing_time = segment.time_of(
             slip_level, growth_to_bottom, begin_instant.time, end_instant.time
@@ -419,6 +442,7 @@ def _unloading_spans(
     limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step. The spans are
     `delay` later than the load segment itself: whole periods of the cycle.
     """
+    # parts of the path above the curve (direction 1), below (-1) and along it (0)
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
     ):
@@ -446,6 +470,7 @@ def _retracing_spans(
     span_begin = begin_instant
     while curve is not None and curve.bottom_load > end_instant.normal_load:
         load_change = curve.bottom_load - begin_instant.normal_load
+        # at which P is at the lower end of the piece
         time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
@@ -471,24 +496,28 @@ def slip_directions(
     """
     segment = begin_instant.segment
     end_time = end_instant.time
-    load_change = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
-    parts: list[tuple[float, float, int]] = []
+    # fall of P in the whole part, negative
+    change_in_path = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
+    parts_by_direction: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
+    # from the uppermost piece down
     for piece in pieces(curve):
         change_to_bottom = piece.bottom_load - begin_instant.normal_load
-        leaves_piece = load_change < change_to_bottom
+        leaves_piece = change_in_path < change_to_bottom
         part_end = end_time
         if leaves_piece:
             part_end = float(
                 segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
             )
         if part_end > part_begin:
-            parts += _directions_on(piece, segment, part_begin, part_end, friction)
+            parts_by_direction += _directions_on(piece, segment, part_begin, part_end, friction)
         part_begin = max(part_begin, part_end)
         if not leaves_piece:
             break
+
+    # merge neighbouring parts of one direction
     merged_parts: list[tuple[float, float, int]] = []
-    for begin_of_part, end_of_part, direction in parts:
+    for begin_of_part, end_of_part, direction in parts_by_direction:
         merged_begin = begin_of_part
         if merged_parts:
             begin_of_last, _, direction_of_last = merged_parts[-1]
@@ -505,8 +534,10 @@ def _directions_on(
     """Parts by direction of slip of an unloading path between two times, while P is within one
     `piece` of the memory curve M(P): begin time, end time and direction of each.
 
-    M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
-    of Q - M(P). It is sampled at some times and at turning points, and changes where Q - M(P) = 0.
+    M(eta) is the tangential force of the flat punches up to the load eta. A piece has its `anchor`,
+    the instant of the path (P and Q) from which it is measured, the slope dM/d eta there and
+    `bend`, half of d2M/d eta2. The direction is the sign of Q - M(P). It is sampled at some times
+    and at turning points, and changes where Q - M(P) = 0.
     """
     # A piece is a line, a parabola, or an arc: a part of a curved load path itself.
     is_arc = piece.arc is not None
@@ -521,32 +552,38 @@ def _directions_on(
             piece, np.clip(normal_load, piece.bottom_load, piece.anchor.normal_load)
         )
 
+    # Q - M(P) at some times, and its side of the curve: 1, -1 or 0
     turning_times = [] if is_arc else segment.turning_points(along_line)
     turning_times_inside = [time for time in turning_times if begin < time < end]
-    sample_count = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
-    sample_times = np.unique([*np.linspace(begin, end, sample_count), *turning_times_inside])
+    # _SAMPLES_OF_CURVED_PIECE: 33
+    n_samples = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
+    sample_times = np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])
     force_roundoff = _ROUND_OFF_SHARE * (
         friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
     )
     forces_above = force_above_curve(sample_times)
-    signs = np.where(np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)).astype(int)
-    if not np.any(signs):
+    side_of_samples = np.where(
+        np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)
+    ).astype(int)
+    if not np.any(side_of_samples):
         return [(begin, end, 0)]
-    samples_off_curve = np.flatnonzero(signs)
+
+    # the direction changes where Q - M(P) = 0 between two samples
+    samples_off_curve = np.flatnonzero(side_of_samples)
     begin_times = [begin]
-    directions = [int(signs[samples_off_curve[0]])]
+    directions = [int(side_of_samples[samples_off_curve[0]])]
     time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
-    for sample, next_sample in pairwise(samples_off_curve):
-        if signs[sample] != signs[next_sample]:
+    for sample_number, next_sample_number in pairwise(samples_off_curve):
+        if side_of_samples[sample_number] != side_of_samples[next_sample_number]:
             crossing_time = scipy.optimize.brentq(
                 force_above_curve,
-                sample_times[sample],
-                sample_times[next_sample],
+                sample_times[sample_number],
+                sample_times[next_sample_number],
                 xtol=time_tolerance,
                 rtol=_STICK_EDGE_ROUNDOFF_SHARE,
             )
             begin_times.append(float(crossing_time))
-            directions.append(int(signs[next_sample]))
+            directions.append(int(side_of_samples[next_sample_number]))
     return list(zip(begin_times, [*begin_times[1:], end], directions, strict=True))
 
 
@@ -619,26 +656,28 @@ class History:
         With them 0, the number of rows of a measured record that are left out: a curved path has no
         rows.
         """
+        # spans of stick or slip, of each cycle and of the initial loading
         spans_of_cycles = list(self.cycles[-1:])
         if not last_cycle_only:
             spans_of_cycles = list(self.cycles)
             if self.loading:
                 spans_of_cycles.append(self.loading)
-        times = []
+        times_of_parts = []
         for spans in spans_of_cycles:
             ends_of_spans = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
-            times.append(
+            times_of_parts.append(
                 evenly_spaced_times(ends_of_spans, initial=spans is self.loading) + spans[0].delay
             )
-        return np.unique(np.concatenate(times)), 0
+        return np.unique(np.concatenate(times_of_parts)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
-        """Friction state at instants (n,) of the followed path: P, Q, load beyond the stick edge,
-        direction of slip, and the memory curve.
+        """Friction state at instants (n,) of the followed path: P, Q, load P - P_c of the slip
+        zones, direction of slip, and the memory curve.
 
-        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. An
-        instant between two time spans of stick or slip belongs to the one that ends there. Instants
-        beyond the followed cycles are brought back by whole periods.
+        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. P_c
+        is the load at the stick edge. An instant between two time spans of stick or slip belongs to
+        the one that ends there. Instants beyond the followed cycles are brought back by whole
+        periods.
 
         Raises
         ------
@@ -649,6 +688,7 @@ class History:
         span_begins = np.array([span.begin.time for span in spans])
         span_ends = np.array([span.end.time for span in spans])
         span_delays = np.array([span.delay for span in spans])
+        # ends of the spans in the time of the path; a delay is a number of whole periods
         path_ends = span_ends + span_delays
         path_time, slack = time_in_followed_path(
             time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
@@ -663,16 +703,20 @@ class History:
             span_begins[span_number],
             span_ends[span_number],
         )
+
+        # times of each span, in the time of its load segments
         order_by_span = np.argsort(span_number, kind="stable")
         numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
         times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
         snapshot = snapshot_of(
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
+
+        # back to the order of the instants
         order_in_time = np.argsort(order_by_span)
-        columns = ("time", "load", "force", "slip_zone_load", "direction", "piece_number")
+        column_names = ("time", "load", "force", "slip_zone_load", "direction", "piece_number")
         return replace(
-            snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in columns}
+            snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in column_names}
         )
 
 
@@ -682,8 +726,9 @@ def follow(
     """Friction history of an initial loading and of the cycles after it, up to the first cycle that
     ends in the state in which it began, else of all of them; `friction` is f.
 
-    States agree where the memory curves do. A memory curve M(eta) is the tangential force of the
-    flat punches up to the load eta. The less slips in a cycle, the closer they must agree.
+    States agree where the memory curves do. A cycle holds its load segments and how much later than
+    their own time it is. A memory curve M(eta) is the tangential force of the flat punches up to
+    the load eta. The less slips in a cycle, the closer they must agree.
 
     Raises
     ------
@@ -699,6 +744,7 @@ def follow(
         spans, curve = spans_along(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
+        # the less P - P_c over P in the cycle, the smaller
         tolerance = repeat_tolerance(slip_zone_share(spans))
         if is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number
@@ -718,8 +764,8 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     need; without them until a cycle ends as it began, `cycles` at most.
 
     A cached history of the same path is taken instead of following the path again; so is one of
-    more cycles that became steady within as many. `History.covered` lists the whole cycles that
-    the answer covers.
+    more cycles that became steady within as many. A history's `covered` lists, for each whole cycle
+    that the answer covers, the number of the solved cycle that it is or copies.
     """
     most_cycles = 0
     whole_cycles_in_time = 0
@@ -727,15 +773,16 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
         most_cycles, whole_cycles_in_time = cycles_to_follow(
             path.cycle_start, path.period, cycles, time
         )
-    kept_histories = _kept_histories.get()
-    if kept_histories is None:
-        kept_histories = {}
-    histories_of_path = kept_histories.setdefault((path, friction), {})
+    # by path and friction, then by the most cycles that were followed; None where nothing is cached
+    cached_histories = _kept_histories.get()
+    if cached_histories is None:
+        cached_histories = {}
+    histories_of_path = cached_histories.setdefault((path, friction), {})
     history = histories_of_path.get(most_cycles)
-    for most_cycles_of_other, other_history in histories_of_path.items():
+    for most_cycles_of_cached, cached_history in histories_of_path.items():
         # What is steady within these cycles has no others.
-        if len(other_history.cycles) <= most_cycles < most_cycles_of_other:
-            history = other_history
+        if len(cached_history.cycles) <= most_cycles < most_cycles_of_cached:
+            history = cached_history
     if history is None:
         history = histories_of_path[most_cycles] = _followed_path(path, friction, most_cycles)
     if path.period is None:
@@ -770,6 +817,7 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
         raise InputError(
             "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"
         )
+    # InadmissibleLoadError at the first bad instant
     require_admissible([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [CycleOfPath(path.initial_loading)], friction)
@@ -787,7 +835,8 @@ def cycles_to_follow(
     whole cycles up to the last of these, 0 where it is within the first.
 
     If they end within the first cycle, at least `cycles` are followed. Without instants the numbers
-    are `cycles` and 0. The first cycle begins at time `start`.
+    are `cycles` and 0. The first cycle begins at time `start`. An instant counts as an end of a
+    cycle within 1e-9 of the period.
     """
     if time is None:
         return cycles, 0
@@ -806,7 +855,7 @@ def time_in_followed_path(
     time by which they may still lie outside of it, from round-off.
 
     The followed part runs from time `start` to `end`. Later instants of a path without a `period`
-    are refused.
+    are refused. INSTANT_SLACK_SHARE is 1e-9.
 
     Raises
     ------
@@ -829,14 +878,16 @@ def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
     A span has its middle and both its ends at least. The end of a span and the begin of the next
     are both there.
     """
-    count = _INSTANTS_OF_LOADING if initial else _INSTANTS_OF_CYCLE
+    n_instants = _INSTANTS_OF_LOADING if initial else _INSTANTS_OF_CYCLE
     durations = np.diff(span_ends)
-    intervals = np.maximum(np.ceil(count * durations / (span_ends[-1] - span_ends[0])), 2)
-    times = [
-        np.linspace(begin, end, int(interval_count) + 1)
-        for begin, end, interval_count in zip(span_ends[:-1], span_ends[1:], intervals, strict=True)
+    n_intervals = np.maximum(np.ceil(n_instants * durations / (span_ends[-1] - span_ends[0])), 2)
+    times_of_spans = [
+        np.linspace(begin, end, int(n_intervals_of_span) + 1)
+        for begin, end, n_intervals_of_span in zip(
+            span_ends[:-1], span_ends[1:], n_intervals, strict=True
+        )
     ]
-    return np.concatenate(times)
+    return np.concatenate(times_of_spans)
 
 
 def slip_zone_share(spans: Sequence[Span]) -> float:
@@ -855,15 +906,16 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     span comes with times (k,) of its load segment.
 
     A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
-    beyond the stick edge, the direction of slip, and the sticking part of the memory curve. The
-    memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+    beyond the stick edge, the direction of slip, and the piece of the memory curve in which the
+    stick edge is. The memory curve M(eta) is the tangential force of the flat punches up to the
+    load eta.
     """
     times = []
     normal_loads = []
     tangential_loads = []
     slip_zone_loads = []
     directions = []
-    counts_of_times = []
+    n_times_of_spans = []
     sticking_pieces: list[Curve] = []
     friction = 0.0
     for span, times_in_segment in parts:
@@ -875,7 +927,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         tangential_loads.append(tangential_load)
         slip_zone_loads.append(span.slip_zone_load_at(times_in_segment, normal_load))
         directions.append(span.direction)
-        counts_of_times.append(len(times_in_segment))
+        n_times_of_spans.append(len(times_in_segment))
         sticking_pieces.append(span.sticking_piece)
         friction = span.friction
     return Snapshot(
@@ -883,8 +935,8 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         load=np.concatenate(normal_loads),
         force=np.concatenate(tangential_loads),
         slip_zone_load=np.concatenate(slip_zone_loads),
-        direction=np.repeat(np.array(directions), counts_of_times),
-        piece_number=np.repeat(np.arange(len(sticking_pieces)), counts_of_times),
+        direction=np.repeat(np.array(directions), n_times_of_spans),
+        piece_number=np.repeat(np.arange(len(sticking_pieces)), n_times_of_spans),
         sticking_pieces=tuple(sticking_pieces),
         friction=friction,
     )
@@ -894,8 +946,10 @@ def corner_times(contact: Contact, span: Span) -> Array:
     """Times within a time span at which an edge of contact or of stick passes a corner of the
     profile, (n,) ascending, no two the same but for round-off.
 
-    Integrands over time have a kink there. A span is a time in full stick or with slip in one
-    direction. At a corner P, or the load P_c at the stick edge, is one of `contact.corner_loads`.
+    Integrands over time have a kink there. `sticking_piece` is the piece of the memory curve M(eta)
+    that still sticks, from `bottom_load` to `top_load`; its `anchor` is the instant from which it
+    is measured. A span is a time in full stick or with slip in one direction. At a corner P, or the
+    load P_c at the stick edge, is one of `contact.corner_loads`.
     """
     corner_loads = contact.corner_loads
     if not len(corner_loads):
@@ -905,24 +959,28 @@ def corner_times(contact: Contact, span: Span) -> Array:
     end = span.end
     least_load = min(begin.normal_load, end.normal_load)
     largest_load = max(begin.normal_load, end.normal_load)
+    # the edge of contact: P is monotonic in the span
     passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
-    times = [segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)]
+    times_of_passing = [
+        segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)
+    ]
     piece = span.sticking_piece
     if span.direction and piece is not None:
         # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.
         loads_on_piece = corner_loads[
             (corner_loads > piece.bottom_load) & (corner_loads < piece.top_load)
         ]
+        # s Q - f P, relative to its value at the anchor
         slip_level = slip_combination(span.direction, span.friction)
         level_at_begin = float(combination_change(piece.anchor, segment, slip_level, begin.time))
         levels_at_corners = slip_combination_on_piece(
             piece, span.direction, span.friction, loads_on_piece
         )
-        times.append(
+        times_of_passing.append(
             segment.time_of(slip_level, levels_at_corners - level_at_begin, begin.time, end.time)
         )
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
-    sorted_times = np.sort(np.concatenate(times))
+    sorted_times = np.sort(np.concatenate(times_of_passing))
     is_inside = (sorted_times - begin.time > shortest_time) & (
         end.time - sorted_times > shortest_time
     )

@@ -244,6 +244,7 @@ class Recorder:
         """
         if self._add_line is not None:
             self._add_line(line)
+        # line: eta and M at its upper end, growth of both along it; of None zeros and a length 1
         _, top_load, top_force, load_length, force_rise, _ = line or _LINE_OUT_OF_CONTACT
         load_at_begin, _, _ = begin
         load_at_end, _, fraction_at_end = end
@@ -271,11 +272,13 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     slips if |dQ| > f dP, and sticks if not. Where P falls a step slips if |dQ| >= f |dP|. If not,
     or if both are 0, it is of the last kind: the memory curve decides on its slip.
     """
+    # dP and dQ of each step
     load_growth, force_rise = np.diff(rows, axis=0).T
-    limit = friction * load_growth
-    round_off = _RATE_ROUNDOFF_SHARE * (np.abs(force_rise) + np.abs(limit))
-    slips_forward = force_rise - limit > round_off
-    slips_in_reverse = -force_rise - limit > round_off
+    limit_growth = friction * load_growth
+    # _RATE_ROUNDOFF_SHARE: 1e-14
+    force_roundoff = _RATE_ROUNDOFF_SHARE * (np.abs(force_rise) + np.abs(limit_growth))
+    slips_forward = force_rise - limit_growth > force_roundoff
+    slips_in_reverse = -force_rise - limit_growth > force_roundoff
     kinds = np.full(len(load_growth), _STICKS, dtype=np.int8)
     kinds[slips_in_reverse] = _SLIPS_IN_REVERSE
     kinds[slips_forward] = _SLIPS_FORWARD
@@ -286,13 +289,15 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
 def _without_upper_share(curve: Line, cut_share: float) -> Line:
     """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-    line's length in eta and its rise in M both shrink. The lowest line begins at eta = 0.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
+    has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, which
+    both shrink, and the lines below. `line_count` is the number of lines of the curve. The lowest
+    line begins at eta = 0.
     """
-    below, top, force, length, rise, line_count = curve
-    remaining_length = (1 - cut_share) * length
-    remaining_rise = (1 - cut_share) * rise
-    if below is None:
+    line_below, top_load, top_force, load_length, force_rise, line_count = curve
+    remaining_length = (1 - cut_share) * load_length
+    remaining_rise = (1 - cut_share) * force_rise
+    if line_below is None:
         return _new_tuple(
             Line,
             (None, remaining_length, remaining_rise, remaining_length, remaining_rise, line_count),
@@ -300,9 +305,9 @@ def _without_upper_share(curve: Line, cut_share: float) -> Line:
     return _new_tuple(
         Line,
         (
-            below,
-            top - cut_share * length,
-            force - cut_share * rise,
+            line_below,
+            top_load - cut_share * load_length,
+            top_force - cut_share * force_rise,
             remaining_length,
             remaining_rise,
             line_count,
@@ -332,7 +337,8 @@ def _curve_after_step(
     curve
         the memory curve before the step; None for bodies out of contact
     kind
-        of the step, of `kinds_of_steps`: a direction of slip +1 or -1, `_STICKS` or `_UNLOADS`
+        of the step, a direction of slip, +1 or -1; `_STICKS` = 0; or `_UNLOADS` = 2, P falls and
+        |dQ| <= f |dP|
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends
     friction
@@ -346,6 +352,7 @@ def _curve_after_step(
         return _curve_after_slip(curve, kind, begin_station, end_station, friction, recorder)
     load_at_begin, _, _ = begin_station
     load_at_end, _, _ = end_station
+    # in full stick the curve changes only where P grows
     if load_at_end > load_at_begin:
         curve = _curve_after_loading_in_stick(curve, begin_station, end_station)
     recorder.add(curve, _STICKS, begin_station, end_station)
@@ -358,9 +365,10 @@ def _curve_after_loading_in_stick(
     """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
     rise dQ is put on top.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
-    the line below has the slope of the step, both become one line. Stations are P, Q and the share
-    of the step that is over; only P and Q matter here.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
+    has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, the lines
+    below and the number of lines. Where the line below has the slope of the step, both become one
+    line. Stations are P, Q and the share of the step that is over; only P and Q matter here.
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
@@ -371,6 +379,7 @@ def _curve_after_loading_in_stick(
         # The slopes of the line below and of the step, both times both lengths.
         line_slope_scaled = curve.force_rise * length
         step_slope_scaled = rise * curve.load_length
+        # _SLOPE_ROUNDOFF_SHARE: 1e-15
         tolerance = _SLOPE_ROUNDOFF_SHARE * (abs(line_slope_scaled) + abs(step_slope_scaled))
         if abs(line_slope_scaled - step_slope_scaled) <= tolerance:
             curve_below = curve.curve_below
@@ -418,15 +427,17 @@ def _curve_after_slip(
     recorder
         takes a record for each line that the stick edge goes through
     """
+    # P, Q and the share of the step that is over
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_growth = load_at_end - load
     level_growth = direction * (force_at_end - force) - friction * load_growth
-    level_left = level_growth
+    remaining_level = level_growth
+    # _STICK_EDGE_ROUNDOFF_SHARE: 4e-15 of f P
     level_roundoff = (
         _STICK_EDGE_ROUNDOFF_SHARE * friction * (load if load > load_at_end else load_at_end)
     )
-    length_passed = 0.0  # of lines
+    passed_length = 0.0  # of lines
     slip_zone_load = 0.0  # P - P_c at `station`, where the next record begins
     station = begin_station
     # A line at the limit slips already: the stick edge begins below it.
@@ -435,23 +446,24 @@ def _curve_after_slip(
         and curve.curve_below is not None
         and friction * curve.load_length <= direction * curve.force_rise
     ):
-        length_passed = curve.load_length
+        passed_length = curve.load_length
         slip_zone_load = curve.load_length
         curve = curve.curve_below
 
-    line_level = 0.0  # growth of the level by which a line is passed
+    level_to_pass_line = 0.0  # growth of the level by which a line is passed
     while curve is not None:
-        line_below, _, _, length, rise, _ = curve
-        line_level = friction * length - direction * rise
+        # the line below, growth of eta and of M along the line
+        line_below, _, _, line_length, line_rise, _ = curve
+        level_to_pass_line = friction * line_length - direction * line_rise
         # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
         # it: what lies below may be at the limit already, and the edge would jump through it.
-        if level_left <= line_level + level_roundoff or line_below is None:
+        if remaining_level <= level_to_pass_line + level_roundoff or line_below is None:
             break
-        length_passed += length
-        if line_level > 0:
-            level_left -= line_level
-            share_of_step = 1 - level_left / level_growth
-            slip_zone_load_at_knot = length_passed + share_of_step * load_growth
+        passed_length += line_length
+        if level_to_pass_line > 0:
+            remaining_level -= level_to_pass_line
+            share_of_step = 1 - remaining_level / level_growth
+            slip_zone_load_at_knot = passed_length + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
             station_at_knot = (
                 load + share_of_step * load_growth,
@@ -464,31 +476,33 @@ def _curve_after_slip(
                 station,
                 station_at_knot,
                 (slip_zone_load, slip_zone_load_at_knot),
-                line_level,
+                level_to_pass_line,
             )
             station = station_at_knot
             slip_zone_load = slip_zone_load_at_knot
         else:
-            slip_zone_load += length
+            slip_zone_load += line_length
         curve = line_below
 
     # The stick edge ends within the line `curve`, whose upper part slips too.
     sticking_curve = curve
-    if curve is not None and line_level > 0 and level_left > 0:
+    if curve is not None and level_to_pass_line > 0 and remaining_level > 0:
         # |Q| <= f P was checked: what the lowest line has not room for is round-off.
-        share_of_line = level_left / line_level if level_left < line_level else 1.0
-        length_passed += share_of_line * curve.load_length
+        share_of_line = (
+            remaining_level / level_to_pass_line if remaining_level < level_to_pass_line else 1.0
+        )
+        passed_length += share_of_line * curve.load_length
         sticking_curve = (
             _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
         )
-    slip_zone_load_at_end = length_passed + load_growth
+    slip_zone_load_at_end = passed_length + load_growth
     recorder.add(
         curve,
         direction,
         station,
         end_station,
         (slip_zone_load, slip_zone_load_at_end if slip_zone_load_at_end > 0 else 0.0),
-        level_left if level_left > 0 else 0.0,
+        remaining_level if remaining_level > 0 else 0.0,
     )
     if not slip_zone_load_at_end > 0:
         return sticking_curve
@@ -505,7 +519,8 @@ def _with_line_at_limit(
 
     The line's length in eta is `slip_zone_load` = P - P_c, P_c the load at the stick edge; its
     `slope` is +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to
-    the load eta. Where nothing sticks, the line begins at eta = 0.
+    the load eta. Where nothing sticks, the line begins at eta = 0. `line_count` is the number of
+    lines of a curve.
     """
     if sticking_curve is None:
         return _new_tuple(Line, (None, load, force, load, slope * load, 1))
@@ -530,13 +545,15 @@ def _curve_after_unloading(
     below it. Where the path crosses the curve the step is cut. Each later point lies inside the
     Coulomb limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step.
 
-    Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
-    line of the curve that the step goes through.
+    Each part of the step on one side of the curve holds its direction of slip and how far P has
+    fallen at its end. Stations are P, Q and the share of the step that is over; f is `friction`;
+    `recorder` takes a record for each line of the curve that the step goes through.
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
+    # one part at least; tolerance of Q - M(P): 8e-15 of f P
     *earlier_parts, last_part = _parts_of_unloading(
         curve, load_drop, path_slope, _ON_CURVE_FORCE_SHARE * friction * load
     )
@@ -576,34 +593,42 @@ def _parts_of_unloading(
     The path runs along a line of the curve where Q - M(P) is within `tolerance` at both ends of the
     line [force per thickness]. The memory curve M(eta) is the tangential force of the flat punches
     up to the load eta. Along the step P falls by `load_drop`, and dQ/dP = `path_slope`. The excess
-    Q - M(P) is followed line by line of the curve.
+    Q - M(P) is followed line by line of the curve. A part holds the fall of P from the begin of the
+    step to its end, and its side, 1, -1 or 0.
     """
     parts: list[_UnloadingPart] = []
     line = curve
     drop_above_line = 0.0  # fall of P from the begin of the step to the upper end of the line
-    excess = 0.0  # Q - M(P) there
+    excess_at_top = 0.0  # Q - M(P) there
     side_before = 0  # its sign: 1, -1 or 0
-    side_of_open_part = 0
+    side_of_unfinished_part = 0
     while line is not None and drop_above_line < load_drop:
+        # fall of P that remains of the step, and on this line
         drop_left = load_drop - drop_above_line
         drop_on_line = line.load_length if line.load_length < drop_left else drop_left
-        excess_after = (
-            excess + line.force_rise * (drop_on_line / line.load_length) - path_slope * drop_on_line
+        # where the path leaves the line
+        excess_at_bottom = (
+            excess_at_top
+            + line.force_rise * (drop_on_line / line.load_length)
+            - path_slope * drop_on_line
         )
-        side = 1 if excess_after > 0 else -1
-        if abs(excess_after) <= tolerance:
+        side = 1 if excess_at_bottom > 0 else -1
+        if abs(excess_at_bottom) <= tolerance:
             side = 0
+        # the path crosses the curve within the line, or leaves it at a knot
         if side * side_before < 0:
-            drop_at_crossing = drop_above_line + drop_on_line * excess / (excess - excess_after)
+            drop_at_crossing = drop_above_line + drop_on_line * excess_at_top / (
+                excess_at_top - excess_at_bottom
+            )
             parts.append(_UnloadingPart(drop_at_crossing, side_before))
-        elif drop_above_line > 0 and (side or side_before) != side_of_open_part:
-            parts.append(_UnloadingPart(drop_above_line, side_of_open_part))
-        side_of_open_part = side or side_before
+        elif drop_above_line > 0 and (side or side_before) != side_of_unfinished_part:
+            parts.append(_UnloadingPart(drop_above_line, side_of_unfinished_part))
+        side_of_unfinished_part = side or side_before
         drop_above_line += drop_on_line
-        excess = excess_after
+        excess_at_top = excess_at_bottom
         side_before = side
         line = line.curve_below
-    return [*parts, _UnloadingPart(load_drop, side_of_open_part)]
+    return [*parts, _UnloadingPart(load_drop, side_of_unfinished_part)]
 
 
 def _curve_after_unloading_part(
@@ -630,11 +655,12 @@ def _curve_after_retracing(
     curve: Line | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Line | None:
     """The memory curve after unloading along it, Q = M(P), without slip: what lies above the new P
-    is taken off.
+    is taken off. None if nothing is left.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
     is its uppermost straight line, which holds those below. Stations are P, Q and the share of the
-    step that is over. `recorder` takes a record for each line that P passes.
+    step that is over. `recorder` takes a record for each line that P passes: line, direction 0, and
+    the stations at both ends.
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
@@ -642,6 +668,7 @@ def _curve_after_retracing(
     fall_left = load_drop  # of P, below the upper end of the line `curve`
     station = begin_station
     while curve is not None and fall_left > 0 and station is not end_station:
+        # of the line, which P has still to fall through
         share_of_line = fall_left / curve.load_length
         fall_left -= curve.load_length
         if curve.curve_below is None or fall_left <= 0:
@@ -701,10 +728,10 @@ def follow(
     """Friction history of straight load steps between `rows` of P and Q, (n + 1, 2), from a given
     memory curve on: slip in each part of a step, and the memory curve at the last row.
 
-    The memory curve is the tangential force carried up to each load, a chain of straight lines.
-    `curve` is its uppermost line at the first row, None for bodies out of contact. Where
-    `stores_curves` the memory curve of each part of a step is stored too. The loads are admissible:
-    `require_admissible_rows` has seen them.
+    The memory curve is the tangential force carried up to each load, a chain of straight lines. Its
+    uppermost line holds the lines below and their number; `curve` is that at the first row, None
+    for bodies out of contact. Where `stores_curves` the memory curve of each part of a step is
+    stored too. The loads must be admissible, |Q| <= f P and P >= 0.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
@@ -724,6 +751,7 @@ def follow(
     was_collecting = gc.isenabled()
     gc.disable()
     try:
+        # by Coulomb's law: slip forward or in reverse, full stick, or unloading
         kinds = kinds_of_steps(rows, friction).tolist()
         for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
             station = (load, force, 0.0)
@@ -739,6 +767,9 @@ def follow(
     finally:
         if was_collecting:
             gc.enable()
+
+    # the numbers of all records as columns: those of `Records` without the step, then those of
+    # `LineTable`
     number_columns = (
         np.frombuffer(recorder.numbers).reshape(-1, _COUNT_OF_RECORD_AND_LINE_NUMBERS).T
     )
@@ -771,6 +802,7 @@ def _is_same_memory(
     Their largest eta must agree within `tolerance` times the larger, and M at the ends of the lines
     of both within `tolerance` times f times that, f = `friction`.
     """
+    # eta and M at the ends of the lines, ascending from (0, 0)
     first_loads, first_forces = _knots_of(first_curve)
     second_loads, second_forces = _knots_of(second_curve)
     loads_of_knots = np.union1d(first_loads, second_loads)
@@ -872,6 +904,10 @@ class LoadSeries:
         """Instants of the answer where the user gives none, ascending, and the number of rows that
         are left out of them.
 
+        # notation: parts (`parts`) initial loading and cycles, each with its rows of time, P and Q
+        #           and the memory curve at its first row; `first_steps` number of the first step of
+        #           each part; `times` of all rows
+
         About 400 a cycle and 100 of the initial loading, evenly spread over each part of a load
         step with its own slip, with both its ends. Of a measured record of more than 1,000 rows
         they are all rows, or about 400 of them if `thinned`.
@@ -883,16 +919,18 @@ class LoadSeries:
             times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
             return times_of_answer, len(row_times) - len(times_of_answer)
         times_of_parts = []
-        for number, part in enumerate(self.parts[first_part:], first_part):
+        for part_number, part in enumerate(self.parts[first_part:], first_part):
+            # parts of steps in which the stick edge moves along one line of the memory curve
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
-            row_times = self.times[self.first_steps[number] :]
+            row_times = self.times[self.first_steps[part_number] :]
             step_begin = row_times[records.step_number]
             step_end = row_times[records.step_number + 1]
             # A record is a part of a step, up to the share `step_share_at_end` of the step.
             time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
             record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
             ends_of_records = np.unique(np.append(row_times[0], record_ends))
-            is_initial = number < self.first_cycle_part
+            is_initial = part_number < self.first_cycle_part
+            # 100 or 400 in all, with the ends of the records
             times_of_parts.append(evenly_spaced_times(ends_of_records, initial=is_initial))
         return np.unique(np.concatenate(times_of_parts)), 0
 
@@ -901,31 +939,35 @@ class LoadSeries:
         that is over, and share of it within which two instants count as one, (n,) each.
 
         Step k goes from row k of the path to row k + 1. An instant at a row belongs to the step
-        that ends there. InputError for a time outside the path.
+        that ends there. InputError for a time outside the path. `times` are those of all rows; a
+        time beyond the followed path is brought back by whole periods.
         """
         times = self.times
         durations = np.diff(times)
+        # times within the followed path, and how far outside they may be by round-off
         path_time, time_slack = time_in_followed_path(
             time, float(times[0]), float(times[-1]), self.period
         )
+        # eight spacings of floating-point numbers, as a share of each step
         rounding_share = _FLOAT_SPACINGS_AT_ROW * np.spacing(np.max(np.abs(times))) / durations
         # Never more than the time by which an instant may miss the whole path.
-        slack_shares = np.minimum(
+        # _STEP_SHARE_AT_ROW: 1e-10
+        slack_share_of_steps = np.minimum(
             time_slack / durations, np.maximum(_STEP_SHARE_AT_ROW, rounding_share)
         )
         next_row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         # An instant that misses a row by round-off is still at the row.
         last_row = next_row - 1
         is_at_last_row = (next_row > 1) & (
-            path_time - times[last_row] <= slack_shares[last_row] * durations[last_row]
+            path_time - times[last_row] <= slack_share_of_steps[last_row] * durations[last_row]
         )
-        step = last_row - is_at_last_row
-        share_of_step = (path_time - times[step]) / durations[step]
-        step_slack = slack_shares[step]
+        step_number = last_row - is_at_last_row
+        share_of_step = (path_time - times[step_number]) / durations[step_number]
+        slack_share_of_step = slack_share_of_steps[step_number]
         share_of_step = np.where(
-            share_of_step > 1 - step_slack, 1.0, np.maximum(share_of_step, 0.0)
+            share_of_step > 1 - slack_share_of_step, 1.0, np.maximum(share_of_step, 0.0)
         )
-        return step, share_of_step, step_slack
+        return step_number, share_of_step, slack_share_of_step
 
     def cycles_beyond(self, time: Array) -> Indices:
         """Number of whole cycles by which instants lie beyond the path that was followed, (n,); 0
@@ -935,6 +977,7 @@ class LoadSeries:
         """
         if self.period is None:
             return np.zeros(len(time), dtype=int)
+        # brought back by whole periods
         path_time, _ = time_in_followed_path(
             time, float(self.times[0]), float(self.times[-1]), self.period
         )
@@ -956,8 +999,10 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     friction = scene.friction.coefficient
     load = scene.load
     is_long_record = False
+    # _ROWS_OF_SHORT_RECORD: 1000; rows of time, P and Q
     if isinstance(load, TimeSeriesLoad):
-        # Its rows are taken: a load segment for each of a million would take a gigabyte.
+        # A measured series: its rows are taken, since a load segment for each of a million would
+        # take a gigabyte.
         rows = load.series()
         is_long_record = len(load.kept_rows()) > _ROWS_OF_SHORT_RECORD
         # A series that repeats is loaded from the first row to the second, where the cycle begins.
@@ -967,11 +1012,15 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         path = load.path()
         loading = _rows_of(path.initial_loading)
         cycle = _rows_of(path.cycle)
+
+    # InadmissibleLoadError at the first bad instant
     require_admissible_rows(loading, friction)
     if not len(cycle):
         return replace(_one_way_series(friction, loading), is_long_record=is_long_record)
     require_admissible_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
+
+    # number of cycles to follow at most, and of whole cycles up to the last instant
     cycles_at_most, cycles_covered = cycles_to_follow(
         float(cycle[0, 0]), period, scene.cycles, time
     )
@@ -997,8 +1046,9 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     """Friction history of straight load steps between the loads of a path at `time`, (n,)
     ascending, in place of the path itself; `friction` is f.
 
-    The first step begins at the start of the path. A cycle that begins between two of the times
-    begins on the straight line between their loads.
+    The first step begins at the start of the path, where P and Q of the path are taken too. A cycle
+    that begins between two of the times begins on the straight line between their loads. Cycles
+    need not be alike: all up to the last time are followed.
 
     Raises
     ------
@@ -1018,13 +1068,16 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     normal_load, tangential_load = path.at(times_with_start)
     rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
     require_admissible_rows(rows_of_times, friction)
+    # INSTANT_SLACK_SHARE: 1e-9 of a period
     slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
     if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
         return _one_way_series(friction, rows_of_times)
+
+    # rows at the begin of each cycle, where the times have none
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
-    is_given = (np.abs(times_with_start[:, None] - cycle_starts) <= slack).any(axis=0)
-    missing_cycle_starts = cycle_starts[~is_given & (cycle_starts < times_with_start[-1])]
+    is_among_times = (np.abs(times_with_start[:, None] - cycle_starts) <= slack).any(axis=0)
+    missing_cycle_starts = cycle_starts[~is_among_times & (cycle_starts < times_with_start[-1])]
     row_times = np.sort(np.concatenate([times_with_start, missing_cycle_starts]))
     rows = np.stack(
         [
@@ -1034,6 +1087,9 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
         ],
         axis=1,
     )
+
+    # rows of the initial loading and of each cycle, the first row of one being the last of the
+    # other
     cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
@@ -1053,18 +1109,20 @@ def require_admissible_rows(rows: Array, friction: float) -> None:
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
-    slack = _RATE_ROUNDOFF_SHARE * float(np.max(np.abs(normal_load)))
-    separates = normal_load < -slack
-    slides = np.abs(tangential_load) > friction * (normal_load + slack)
+    load_slack = _RATE_ROUNDOFF_SHARE * float(np.max(np.abs(normal_load)))
+    separates = normal_load < -load_slack
+    slides = np.abs(tangential_load) > friction * (normal_load + load_slack)
     bad_rows = np.flatnonzero(separates | slides)
     if not len(bad_rows):
         return
     bad_row = bad_rows[0]
     time_before, *loads_before = rows[max(int(bad_row) - 1, 0)].tolist()
     bad_time, *bad_loads = rows[bad_row].tolist()
-    step = StraightSegment(time_before, bad_time, tuple(loads_before), tuple(bad_loads))
+    segment_to_bad_row = StraightSegment(
+        time_before, bad_time, tuple(loads_before), tuple(bad_loads)
+    )
     require_admissible(
-        [step], friction
+        [segment_to_bad_row], friction
     )  # raises, with the instant between the rows, but for round-off
     reason = "separation" if separates[bad_row] else "gross sliding"
     raise InadmissibleLoadError(reason, LoadedInstant(bad_time, *bad_loads), friction=friction)
@@ -1107,6 +1165,7 @@ def _follow_cycles(
     followed_cycles: list[PathPart] = []
     steady_from = None
     curve = None
+    # blocks of 10,000 steps at most; each ends with a memory curve
     for _, block in blocks_of_part(loading, friction):
         curve = block.curve
     for cycle in cycle_parts:
@@ -1120,10 +1179,13 @@ def _follow_cycles(
         # The less slips in a cycle, the closer its memory curves must agree.
         slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
         tolerance = repeat_tolerance(slip_zone_share)
+        # M(eta), tangential force up to each load eta, at begin and end of the cycle
         if steady_from is None and _is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:
                 break
+
+    # the solved cycle of each cycle that the answer covers
     cycles_covered = whole_cycles
     if not whole_cycles:
         cycles_covered = len(followed_cycles) if repeats else 1
@@ -1145,7 +1207,9 @@ def blocks_of_part(
     part: PathPart, friction: float, stores_curves: bool = False
 ) -> Iterator[tuple[int, StepBlock]]:
     """Number of the first step, and friction history, of each block of at most 10,000 load steps of
-    a part of the path; where `stores_curves` also the memory curve of each part of a step.
+    a part of the path, f = `friction`; `part` holds its rows of time, P and Q and the memory curve
+    at its first row. Where `stores_curves`, blocks also hold the memory curve of each part of a
+    step.
     """
     curve = part.curve
     for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):
@@ -1192,43 +1256,50 @@ class States:
         memory curve that it goes through. An instant that is beyond the end of a record by at most
         `slack`, as a share of the step, counts as that end. The memory curve M(eta) is the
         tangential force of the flat punches up to the load eta. M(P) - Q, zero but for round-off,
-        is stored as a check.
+        is stored as a check. `stores_curves` tells whether the lines themselves are stored.
         """
         if not len(step):
             return
         records = block.records
+
+        # the record that holds each instant
         record_number = _record_at(records, step, share_of_step - slack)
         # An instant that counts as the end of a record has the loads of that end.
         share_of_step = np.minimum(share_of_step, records.step_share_at_end[record_number])
         load, force = _loads_at(block.rows, step, share_of_step)
-        line = LineTable(*(column[record_number] for column in block.line_table))
+        line_at_instants = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
         slip_zone_load_at_begin = records.slip_zone_load_at_begin[record_number]
         slip_zone_growth = (records.slip_zone_load_at_end - records.slip_zone_load_at_begin)[
             record_number
         ]
+        # share of the record that is over
         share_of_record = _share_of_record(records, record_number, share_of_step)
         slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
         # The stick edge P_c is on the record's line.
-        least_slip_zone_load = np.maximum(load - line.top_load, 0.0)
-        largest_slip_zone_load = np.maximum(load - (line.top_load - line.load_length), 0.0)
+        least_slip_zone_load = np.maximum(load - line_at_instants.top_load, 0.0)
+        largest_slip_zone_load = np.maximum(
+            load - (line_at_instants.top_load - line_at_instants.load_length), 0.0
+        )
         slip_zone_load = np.where(
             direction != 0,
             np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
             0.0,
         )
-        force_at_stick_edge = line.top_force - line.slope * (
-            line.top_load - (load - slip_zone_load)
+        force_at_stick_edge = line_at_instants.top_force - line_at_instants.slope * (
+            line_at_instants.top_load - (load - slip_zone_load)
         )
         force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
+
+        # keep each line that is needed once
         line_number = np.zeros(len(step), dtype=np.intp)
-        lines_before = len(self._lines)
+        n_lines_before = len(self._lines)
         if self.stores_curves:
-            used_records, line_number = np.unique(record_number, return_inverse=True)
-            self._lines += [block.lines[k] for k in used_records.tolist()]
+            records_with_instants, line_number = np.unique(record_number, return_inverse=True)
+            self._lines += [block.lines[k] for k in records_with_instants.tolist()]
         self._columns.append(
             _StateColumns(
-                load, force, slip_zone_load, direction, line_number + lines_before, force_error
+                load, force, slip_zone_load, direction, line_number + n_lines_before, force_error
             )
         )
 
@@ -1236,8 +1307,10 @@ class States:
         """Friction states at all instants that were added, in the order of `time` (n,), and M(P) -
         Q of each, which is 0 but for round-off [force per thickness].
 
-        M(P) is the tangential force that the memory curve carries. `order` (n,) is, for each of the
-        times, the number of its instant in the order of the load path.
+        M(P) is the tangential force that the memory curve carries. A state is P, Q, the load
+        P - P_c of the slip zones, the direction of slip and the line of the memory curve at the
+        stick edge, P_c. `order` (n,) is, for each of the times, the number of its instant in the
+        order of the load path.
         """
         columns_of_blocks = zip(*self._columns, strict=True)
         states = _StateColumns._make(np.concatenate(column)[order] for column in columns_of_blocks)
@@ -1256,7 +1329,8 @@ class States:
 
 def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices:
     """Number of the record that holds each instant, (n,), given by the number of its step and the
-    share of the step that is over.
+    share of the step that is over. A step has one record or more, each up to its
+    `step_share_at_end`.
     """
     record_number = np.searchsorted(
         records.step_number + records.step_share_at_end, step + share_of_step, side="left"
@@ -1266,11 +1340,18 @@ def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """The share of each record (n,) that is over when `share_of_step` of its step is: (n,)."""
+    """The share of each record (n,) that is over when `share_of_step` of its load step is: (n,). A
+    step has one record or more, each up to its `step_share_at_end`; `record_number` (n,) selects
+    them.
+    """
     is_first = np.diff(records.step_number, prepend=-1) > 0
-    begin = np.where(is_first, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[record_number]
-    length = np.maximum(records.step_share_at_end[record_number] - begin, np.finfo(float).tiny)
-    return np.clip((share_of_step - begin) / length, 0.0, 1.0)
+    share_at_begin = np.where(is_first, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[
+        record_number
+    ]
+    share_length = np.maximum(
+        records.step_share_at_end[record_number] - share_at_begin, np.finfo(float).tiny
+    )
+    return np.clip((share_of_step - share_at_begin) / share_length, 0.0, 1.0)
 
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:
