@@ -80,15 +80,18 @@ class OneCurve:
 
     def values_over_time(self, time: Array, load: Array) -> dict[str, Array]:
         """Bulk stress of both bodies, tilt [rad], moment of the pressure, contact edges (n, 2) and
-        normal approach [length] at instants (n,), by name.
+        normal approach [length] at instants (n,) of a load path with bulk stress and tilt, by name.
 
-        `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows.
+        `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows from
+        the contact. Bulk stress and tilt are 0 if not prescribed.
 
         # notation: m, c centre and half-length of the contact
         """
         # An instant may be before the start by round-off.
         path_time = np.maximum(time, self.path.start)
         contact = self.contact
+        # `bulk` and `tilt_and_moment` are paths of two values over time: stresses of the lower and
+        # the upper body; tilt and moment.
         stress_of_lower, stress_of_upper = np.zeros((2, len(time)))
         if self.bulk is not None:
             stress_of_lower, stress_of_upper = self.bulk.at(path_time)
@@ -123,23 +126,29 @@ def strain_per_stress_of(materials: Materials) -> tuple[float, float]:
     ... )
     (1.0, -0.5)
     """
-    lower_compliance = (1 - materials.lower.poisson_ratio**2) / materials.lower.young_modulus
-    upper_compliance = (1 - materials.upper.poisson_ratio**2) / materials.upper.young_modulus
-    return lower_compliance, -upper_compliance
+    lower_strain_per_stress = (1 - materials.lower.poisson_ratio**2) / materials.lower.young_modulus
+    upper_strain_per_stress = (1 - materials.upper.poisson_ratio**2) / materials.upper.young_modulus
+    return lower_strain_per_stress, -upper_strain_per_stress
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     """Contact and loads of a path with bulk strain eps and tilt alpha whose frictional state is one
     memory curve: the tangential force, or the bulk strain, locked in up to each normal load. None
-    where no single curve holds it.
+    where it takes more than one curve.
 
     One curve is enough where alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa,
-    and contact intervals are nested. `path` is that of the scene by default. At constant P large
-    bulk strain has one curve as well, and so has bulk strain alone, as long as the stick zones
-    recede at both ends.
+    and contact intervals are nested. At constant P large bulk strain has one curve as well, and so
+    has bulk strain alone, as long as the stick zones recede at both ends.
 
     While P is applied at first, with no Q and no change of bulk strain, the tilt may vary freely:
     nothing is sheared, and nothing is locked in.
+
+    Parameters
+    ----------
+    scene
+        profile, material, friction and load path
+    path
+        load path to take in place of that of the scene; None: that of the scene
 
     # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt along the path
 
@@ -149,6 +158,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         For a profile that bends down somewhere, a contact that leaves the profile, a tilt or a
         moment that no contact carries.
     """
+    # A path has segments of P and Q, each with bulk stresses, tilt and moment if there are any.
     path = path or scene.load.path()
     segments = (*path.initial_loading, *path.cycle)
     loading_count = len(path.initial_loading)
@@ -157,6 +167,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
     strain_per_stress = strain_per_stress_of(scene.material)
+    # Samples of P, Q, eps, alpha, (4, n) of each segment; the contact gives the tilt under a
+    # moment.
     contact_under_moment = None
     if path.moment_is_given:
         contact_under_moment = _contact_of_any_load(convex_shape, compliance, datum_length)
@@ -184,6 +196,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     may_slip_opposite_ways = bool(
         is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
+    # Round-off sizes: smaller changes of strain and shear count as none.
     strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
     has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
     is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
@@ -198,6 +211,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         largest_change = float(np.max(np.abs(eps - first_strain)))
         equivalent_shear = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
 
+    # Do alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q hold? `slope` is kappa.
     relation = _AffineRelation.fitted_to_samples(p, equivalent_shear, eps, alpha, load_sizes)
     if not relation.holds:
         return None
@@ -216,6 +230,8 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     if contact is None:
         return None
 
+    # The path of the curve has P and Q only; if strain alone shears, a load stands for Q once P is
+    # applied.
     n_segments_with_q = first_shearing_segment if is_strain_alone else len(segments)
     segments_of_curve: list[LoadSegment] = [
         replace(segment, bulk=None, tilt_and_moment=None)
@@ -244,8 +260,17 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
 def _contact_of_any_load(
     shape: ConvexProfile, compliance: float, datum_length: float
 ) -> TiltedProfile:
-    """The contact of a convex profile without a prescribed tilt under any load, which gives the
-    tilt under a load and a moment; `compliance` is A = 2/E*.
+    """Contact of a convex profile without a prescribed tilt, under any load, to be asked for the
+    tilt under a load and a moment.
+
+    Parameters
+    ----------
+    shape
+        the profile
+    compliance
+        A = 2/E* [1/stress]
+    datum_length
+        distance at which displacements count as 0 [length]
     """
     intervals = NestedIntervals(
         shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=math.inf
@@ -270,7 +295,7 @@ def _contact_with_one_curve(
     Parameters
     ----------
     intervals
-        contact intervals under the loads of the path
+        contact intervals under the loads of the path, up to its largest P
     datum_length
         distance at which displacements count as 0 [length]
     friction
@@ -295,6 +320,8 @@ def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSiz
     change of bulk strain; the number of segments where none does.
 
     `samples_of_loading` are P, Q, eps and alpha of each segment, (4, n).
+
+    `load_sizes` says up to which size Q and a change of strain are round-off.
     """
     for number, samples in enumerate(samples_of_loading):
         if not _presses_only(samples, load_sizes):
@@ -330,8 +357,8 @@ class _AffineRelation(NamedTuple):
         thickness)], fitted to samples (n,) of a load path, and whether both hold to round-off.
 
         kappa is that of eps over Q where Q changes, else of alpha over P. A deviation from the
-        lines that no edge of contact would feel, but above the last digits of the load itself, is
-        stated as neglected.
+        lines that is round-off beside what moves an edge of contact, but above the round-off of the
+        strain or tilt itself, is stated as neglected.
 
         Parameters
         ----------
@@ -342,18 +369,21 @@ class _AffineRelation(NamedTuple):
         alpha
             tilt [rad]; NaN where it is not known
         load_sizes
-            below which size a change of each is round-off, and what slips or lifts an edge
+            sizes below which a change of shear, strain or tilt is round-off; `slipping_strain`
+            makes an edge of contact slip, `lifting_tilt` makes it lift
         """
         is_tilt_known = np.isfinite(alpha)
         p_with_tilt = p[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
         if np.ptp(q) > load_sizes.shear_roundoff:
+            # At most the round-off of the strain may be a change of it.
             slope = _least_squares_slope(q, eps, load_sizes.strain_roundoff)
         else:
             slope = _least_squares_slope(p_with_tilt, known_tilt, load_sizes.tilt_roundoff)
         tilt_without_load = 0.0
         if np.any(is_tilt_known):
             tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
+        # Largest deviations from both lines, and what round-off allows.
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
         tilt_deviation = float(np.max(tilt_deviations, initial=0.0))
@@ -388,7 +418,7 @@ def _opposite_slip_contact(
     Parameters
     ----------
     intervals
-        contact intervals of the parabola
+        contact intervals of the parabola, up to the largest P of the path
     datum_length
         distance at which displacements count as 0 [length]
     friction
@@ -405,6 +435,7 @@ def _opposite_slip_contact(
         largest_tangential_load=largest_shear,
         tangential_fraction=0.0 if is_strain_alone else 1.0,
     )
+    # is_nested: whether stick zones, and contacts, lie within one another up to the largest load.
     try:
         return contact if contact.is_nested(intervals.largest_load) else None
     except (ArithmeticError, UnresolvedError):
@@ -446,15 +477,17 @@ class LoadSizes:
         largest P of a load path, and the round-off of bulk strain, tilt and Q along it.
 
         `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
-        known. `shape` is the profile, `compliance` A = 2/E*, `friction` f.
+        known. `shape` is the profile, `compliance` A = 2/E*, `friction` f. Round-off is 1e-11 of
+        the largest value of each, or of what makes an edge slip or lift if that is larger.
 
         # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
         """
         p, q, eps, alpha = samples
         is_tilt_known = np.isfinite(alpha)
-        at_largest_load = int(np.argmax(p))
-        largest_load = float(p[at_largest_load])
-        tilt = alpha[at_largest_load] if is_tilt_known[at_largest_load] else 0.0
+        sample_of_largest_load = int(np.argmax(p))
+        largest_load = float(p[sample_of_largest_load])
+        tilt = alpha[sample_of_largest_load] if is_tilt_known[sample_of_largest_load] else 0.0
+        # Half-width a at the largest P; A P/(pi a) lifts an edge, f times it makes it slip.
         _, contact_half_width = shape.contact_centre_and_half_width(compliance * largest_load, tilt)
         half_width = float(contact_half_width)
         lifting_tilt = 0.0
@@ -479,6 +512,7 @@ def cycle_samples(scene: Scene) -> Array:
     A tilt that is not prescribed follows from the moment.
     """
     path = scene.load.path()
+    # The contact gives the tilt where the path prescribes the moment.
     contact_under_moment = None
     if path.moment_is_given:
         contact_under_moment = _contact_of_any_load(
@@ -486,6 +520,7 @@ def cycle_samples(scene: Scene) -> Array:
             2 / composite_modulus(scene.material),
             scene.profile.datum_length,
         )
+    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
     strain_per_stress = strain_per_stress_of(scene.material)
     return np.concatenate(
         [
@@ -503,13 +538,14 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
     The other initial loading presses to the first P of the cycle, then shears to its first Q. What
     changes in a steady cycle of like bodies does not depend on how it was reached, and so neither W
-    nor W(x) does (Andersson, Barber and Ponter, 2014). The traction locked in the permanent stick
-    zone does.
+    nor W(x) depends on it (Andersson, Barber and Ponter, 2014). The traction locked in the
+    permanent stick zone depends on it.
     """
     path = scene.load.path()
     strain_per_stress = strain_per_stress_of(scene.material)
     if not path.cycle:
         return None
+    # Q and bulk strain over the cycle; tilt and moment are not needed for their relation.
     _, tangential_loads, bulk_strains, _ = np.concatenate(
         [
             _load_samples_of_segment(
@@ -519,6 +555,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         ],
         axis=1,
     )
+    # First press to P within half of the time before the cycle, then shear to Q.
     path_start = path.start
     cycle_start = path.cycle_start
     middle_time = (path_start + cycle_start) / 2
@@ -584,7 +621,7 @@ def _segment_with_strain_for_shear(
     Parameters
     ----------
     segment
-        the segment of the path, with its bulk stresses
+        the segment of the path, with its bulk stresses as `bulk` (None without any)
     strain_per_stress
         bulk strain eps by a unit bulk stress of the lower and of the upper body [1/stress]
     strain_without_load
@@ -594,6 +631,7 @@ def _segment_with_strain_for_shear(
     """
 
     def load_of(stresses: Sequence[float]) -> float:
+        """Load that stands for bulk stresses of the lower and the upper body."""
         return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / slope
 
     normal_load = float(segment.loads(segment.start)[0])
@@ -614,10 +652,11 @@ def _segment_with_strain_for_shear(
     # A segment of bulk stresses stores that of the lower body where others have P, that of the
     # upper body where they have Q.
     harmonics_of_bodies = (bulk.normal, bulk.tangential)
+    # Complex amplitudes of the harmonics of both bodies, then of the load.
     phasors = np.zeros((2, max(map(len, harmonics_of_bodies))), dtype=complex)
     for phasors_of_body, harmonics in zip(phasors, harmonics_of_bodies, strict=True):
         phasors_of_body[: len(harmonics)] = [
-            size * cmath.exp(-1j * phase) for size, phase in harmonics
+            amplitude * cmath.exp(-1j * phase) for amplitude, phase in harmonics
         ]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
     return HarmonicSegment(
@@ -654,11 +693,16 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     bulk strain that causes it, and the largest moderate one. None without bulk stress.
 
     e = eps R/(f a) of a parabola, NaN of other profiles and without friction. eps is half the range
-    of bulk strain in the cycle, or along a path without one; a is that of the largest P without
-    tilt.
-    With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0) (Nowell and Hills 1987). It
-    is a measure, and no bound: with P, Q or bulk out of phase the ends may slip opposite ways
-    although bulk is moderate.
+    of bulk strain in the cycle, or along a path without one. a is that of the largest P without
+    tilt. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0), p0 the largest
+    pressure (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk stress out of
+    phase the ends may slip opposite ways although bulk stress is moderate.
+
+    Returns
+    -------
+    Eccentricity | None
+        e, the amplitude eps, and the largest moderate one, (A/(pi a)) Q with half the range of Q;
+        moderate: both ends of contact slip one way, in phase and at constant P
 
     # notation: p, q, eps samples (n,) of P, Q and bulk strain
 
@@ -673,6 +717,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     segments = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
+    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
     strain_per_stress = strain_per_stress_of(scene.material)
     p, q, eps, _ = np.concatenate(
         [
@@ -683,6 +728,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
         ],
         axis=1,
     )
+    # Half-width a at the largest P.
     modulus = composite_modulus(scene.material)
     largest_load = float(np.max(p))
     if profile.symmetric:
@@ -702,10 +748,10 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
 
 
 def followed_path(scene: Scene) -> LoadPath:
-    """The load path, P and Q, of a scene whose frictional state is one memory curve, the tangential
-    force locked in up to each normal load.
+    """Load path of P and Q alone of a scene whose frictional state is one memory curve, the
+    tangential force locked in up to each normal load.
 
-    It is the scene's own path, without bulk stress and tilt; these are part of the contact then.
+    It is the scene's path without bulk stress and tilt, which only move the contact intervals.
 
     Raises
     ------
@@ -743,8 +789,11 @@ class PathLoads:
     contact: TiltedProfile
 
     def _segment_at(self, time: float) -> tuple[LoadSegment, float]:
-        """The segment of the load path at a time, and the duration of all cycles completed before,
-        by which the time is later than in the segment.
+        """Segment of the load path at a time, and the duration of all cycles completed before that
+        time, by which it is later than the same instant of the first cycle.
+
+        The path has an initial loading, then a cycle that repeats with `period`, None if it does
+        not. A time after the end of a path is in its last segment.
         """
         path = self.path
         completed_cycles = 0.0
@@ -764,13 +813,15 @@ class PathLoads:
         eps is by how much the bulk stresses stretch the lower surface more than the upper one. A
         tilt that is not prescribed follows from the moment.
         """
+        # The segment, and the duration of the cycles before: times go back by it to the first
+        # cycle.
         segment, completed_cycles = self._segment_at(float(np.mean(time)))
         time_in_path = time - completed_cycles
         p, q = segment.loads(time_in_path)
         stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_path)
         tilt, moment = _companion_loads(segment.tilt_and_moment, time_in_path)
-        lower_compliance, upper_compliance = self.strain_per_stress
-        eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
+        lower_strain_per_stress, upper_strain_per_stress = self.strain_per_stress
+        eps = lower_strain_per_stress * stress_of_lower + upper_strain_per_stress * stress_of_upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_is_given:
             tilt = self.contact.tilt_under(p, moment)
@@ -780,15 +831,17 @@ class PathLoads:
         """Bulk stress of the lower and of the upper body [stress], (2, n), for any times (n,)."""
         stresses = np.zeros((2, len(time)))
         for number, instant in enumerate(time.tolist()):
+            # Times of a segment are those of the first cycle.
             segment, completed_cycles = self._segment_at(instant)
             if segment.bulk is not None:
                 stresses[:, number] = segment.bulk.loads(instant - completed_cycles)
         return stresses
 
     def turning_times(self, segment: LoadSegment) -> list[float]:
-        """Times at which a segment of the load path ends, and at which P, Q, bulk strain, tilt or
-        moment turn in it; one time for all that turn together.
+        """Times in a segment of the load path at which P, Q, bulk strain, tilt or moment turn, and
+        the end of the segment; one time for all that turn together, within 1e-6 of the duration.
         """
+        # turning_points(c): times at which the weighted sum c of the two loads of a segment turns.
         times = segment.turning_points(NORMAL_LOAD)
         times += segment.turning_points(TANGENTIAL_LOAD)
         if segment.bulk is not None:
@@ -801,8 +854,8 @@ class PathLoads:
             times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
         different_times = [segment.end]
         for time in times:
-            distance = min(abs(time - known_time) for known_time in different_times)
-            if distance > 1e-6 * (segment.end - segment.start):
+            time_to_nearest = min(abs(time - known_time) for known_time in different_times)
+            if time_to_nearest > 1e-6 * (segment.end - segment.start):
                 different_times.append(time)
         return different_times
 
@@ -828,6 +881,9 @@ def _load_samples_of_segment(
         tilt is prescribed
     strain_per_stress
         eps by a unit bulk stress of the lower and of the upper body [1/stress]
+    segment
+        segment of P and Q, with those of bulk stresses, `bulk`, and of tilt and moment, None each
+        without any
 
     # notation: p, q values of P and Q
     """
@@ -836,12 +892,13 @@ def _load_samples_of_segment(
         for history in (segment, segment.bulk, segment.tilt_and_moment)
         if history is not None
     ]
+    # Straight segments need both ends and the middle, curved ones 40 instants and more.
     n_instants = 3
     if not all(history.is_straight for history in histories):
         most_turning_points = max(history.most_turning_points for history in histories)
         n_instants = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
     even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_instants)
-    # The turning points too: the extreme loads and strains are among them.
+    # Turning points of P, Q and bulk strain too: the extreme loads and strains are among them.
     turning_times = segment.turning_points(NORMAL_LOAD) + segment.turning_points(TANGENTIAL_LOAD)
     if segment.bulk is not None:
         turning_times += segment.bulk.turning_points(Combination(*strain_per_stress))
@@ -852,8 +909,8 @@ def _load_samples_of_segment(
     if contact_under_moment is not None and np.any(moment):
         tilt_under_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
         tilt = np.where(p > 0, tilt_under_moment, np.nan)
-    lower_compliance, upper_compliance = strain_per_stress
-    eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
+    lower_strain_per_stress, upper_strain_per_stress = strain_per_stress
+    eps = lower_strain_per_stress * stress_of_lower + upper_strain_per_stress * stress_of_upper
     return np.stack([p, q, eps, tilt])
 
 
@@ -872,24 +929,25 @@ def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array,
 
 def _least_squares_slope(load: Array, values: Array, rounding: float = 0.0) -> float:
     """Least-squares slope of values over a load, (n,) each; 0 where the load is constant to
-    round-off, or the values are to their `rounding`.
+    round-off, or the values change by no more than their round-off `rounding`.
     """
     if not len(load) or np.ptp(values) <= rounding:
         return 0.0
     if np.ptp(load) <= _ROUND_OFF_SHARE * np.max(np.abs(load)):
         return 0.0
     deviations = load - np.mean(load)
-    square = float(deviations @ deviations)
-    return float(deviations @ values) / square if square > 0 else 0.0
+    sum_of_squares = float(deviations @ deviations)
+    return float(deviations @ values) / sum_of_squares if sum_of_squares > 0 else 0.0
 
 
 def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """Loads of a scene over time, P, Q, bulk strain and tilt, and its profile as a contact under
-    any tilt, up to the largest P of the path.
+    """Loads of a scene over time (P, Q, bulk strain and tilt), and its profile as a contact under
+    any tilt, for normal loads up to the largest P of the path.
     """
     shape = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf
+    # The largest P is at the end of a segment or at a turning point of P within one.
     for segment in (*path.initial_loading, *path.cycle):
         for time in (segment.end, *segment.turning_points(NORMAL_LOAD)):
             normal_load, _ = segment.loads(time)

@@ -57,8 +57,9 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
 
 
 def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
-    """Relative uncertainty of the change of a value by each curvature term of the elastic response
-    of finite bodies, by the names of the groups in `CURVATURES`.
+    """Relative uncertainty of the change of a value by the curvatures of finite bodies: a fraction
+    for those under P and a fraction for those under Q, by the names "curvature under P" and
+    "curvature under Q".
 
     A curvature is not one of the profile but a term of the bodies' elastic response: N per P is
     that of the gap, T per Q that of the tangential displacement. N and N_4 are `normal_curvature`
@@ -67,6 +68,8 @@ def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) ->
     The uncertainty is the relative one of the curvature itself, plus the order after the fourth,
     0.02 r + 0.1 r^2 with r = |N_4 a^2/N|, or |T_4 a^2/T|. a is the `half_width` of contact
     [length]. The two factors are fitted to 133 random bodies. 0 for a curvature that is 0.
+
+    CURVATURES lists for each name the attributes of `effects`, the leading curvature first.
 
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)
@@ -87,14 +90,16 @@ def uncertain_fraction_of_tilt_and_strain(change_by_curvatures: float, ratio: fl
     """Relative uncertainty of the change of the dissipation by tilt and bulk strain: their next
     order, and their product with the curvatures.
 
-    `change_by_curvatures` is the relative change of the dissipation by the curvatures, `ratio` that
-    of the fourth order over the curvatures, of `ratio_of_next_order`.
+    `change_by_curvatures` is the relative change of the dissipation by the curvatures. `ratio` is
+    that of the fourth order to the curvatures, the larger of |N_4 a^2/N| and |T_4 a^2/T|.
     """
     return _NEXT_ORDER_OF_TILT_AND_STRAIN * ratio + _FACTOR_ON_PRODUCT * abs(change_by_curvatures)
 
 
 def with_one_group_alone(effects: BodyEffects, name_of_group: str) -> BodyEffects:
-    """The effects without tilt and bulk strain, and with one group of `CURVATURES` alone."""
+    """Effects of finite bodies without tilt and bulk strain, and with the curvatures of one name
+    alone: "curvature under P" or "curvature under Q", the names of `CURVATURES`.
+    """
     other_effects: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     for name_of_other_group, names in CURVATURES.items():
         if name_of_other_group != name_of_group:
@@ -116,8 +121,11 @@ def has_next_order(effects: BodyEffects) -> bool:
 def _uncertain_fraction_of_curvature(
     effects: BodyEffects, curvature: str, half_width: float
 ) -> float:
-    """Relative uncertainty of the change by one curvature of that name, its own and that by the
-    order after the fourth; 0 where the curvature is 0.
+    """Relative uncertainty of the change of a value by one curvature of finite bodies, N or T; 0
+    where the curvature is 0.
+
+    It is that of the curvature itself plus that by the order after the fourth, 0.02 r + 0.1 r^2, r
+    = |N_4 a^2/N|. `curvature` is its name among the attributes of `effects`, `half_width` is a.
     """
     estimate: Estimate = getattr(effects, curvature)
     if not estimate.value:

@@ -118,8 +118,9 @@ class SecondOrderWork:
         uncertainty [energy per thickness]; o = (alpha_P, alpha_Q, e_P, e_Q), (4,).
 
         The uncertainty is the quadrature error plus that of the next order. The latter is half of
-        `largest_one_sided_ratio` times the sum of the absolute terms. Fitted to 500 random ellipses
-        and polygons on grids: the true error was a third of it at most, but once 0.99.
+        r times the sum of the absolute terms of the quadratic form. r is the ratio above 1 of which
+        one side of the contact slips alone. Fitted to 500 random ellipses and polygons on grids:
+        the true error was a third of it at most, but once 0.99.
 
         Raises
         ------
@@ -135,6 +136,7 @@ class SecondOrderWork:
             raise DeclinedError(
                 "tilt and strain go so fast that one side of the contact slips alone"
             )
+        # coarse_matrix: by half as many quadrature points.
         work = float(o @ self.matrix @ o)
         quadrature_error = abs(work - float(o @ self.coarse_matrix @ o))
         sum_of_absolute_terms = float(np.abs(o) @ np.abs(self.matrix) @ np.abs(o))
@@ -142,12 +144,17 @@ class SecondOrderWork:
         return Estimate(work, quadrature_error + next_order_error)
 
     def largest_one_sided_ratio(self, tilt_and_strain_per_load: ArrayLike) -> float:
-        """Largest over spans of the median in time of |c . o|, c of `one_sided_ratios`: above 1,
-        one side of the contact slips alone through half of a span. 0 if no span has coefficients.
+        """How nearly tilt and strain o make one side of the contact slip alone: the largest ratio
+        |c . o| over the spans of slip and stick, each by its median in time.
+
+        Above 1, one side slips alone through half of a span. c are the arrays of coefficients (n,
+        4) in `one_sided_ratios`, o = (alpha_P, alpha_Q, e_P, e_Q). 0 if no span has coefficients.
         """
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
-        medians = [float(np.median(np.abs(c @ o))) for c in self.one_sided_ratios]
-        return max(medians, default=0.0)
+        median_ratios = [
+            float(np.median(np.abs(coefficients @ o))) for coefficients in self.one_sided_ratios
+        ]
+        return max(median_ratios, default=0.0)
 
 
 class DeclinedError(Exception):
@@ -185,6 +192,8 @@ class SecondOrderAnswer:
         Each time is looked up in the span of stick or slip that it falls in; later ones are moved
         back by whole periods.
         """
+        # Spans of full stick or of slip in one direction; `delay`: whole periods by which a span is
+        # later than its load segment; begin and end are instants on that segment.
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
         start = spans[0].begin.time + spans[0].delay
@@ -198,6 +207,7 @@ class SecondOrderAnswer:
         stick_centres = np.zeros(len(time))
         for index in np.unique(span_index):
             span = spans[index]
+            # Coefficients (n, 4) of the centres, to be multiplied by (alpha_P, alpha_Q, e_P, e_Q).
             is_inside = span_index == index
             times_in_segment = np.clip(
                 path_time[is_inside] - span.delay, span.begin.time, span.end.time
@@ -212,12 +222,12 @@ class SecondOrderAnswer:
 
 def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, to the
-    second order in both; with the history by which `SecondOrderAnswer.centres` finds the centres of
-    contact and stick.
+    second order in both; with the history of stick and slip, which gives the centres of contact and
+    stick.
 
-    Tilt and strain make tractions that are odd in x, so that work has no first
-    order in them. It is a quadratic form of the tilt and the strain per load, which are among the
-    `effects`. Stick and slip are those of half-planes along the load path.
+    Tilt and strain make tractions that are odd in x, so that work has no first order in them. It is
+    a quadratic form of the tilt and the strain per load, which are among the `effects`. Stick and
+    slip are those of half-planes along the load path.
 
     Raises
     ------
@@ -239,13 +249,16 @@ def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer
     # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
+    # TILT_AND_STRAIN_NAMES: alpha_P, alpha_Q, e_P, e_Q among the attributes of the effects.
     estimates = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
     tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
     uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
     for spans, span_before, next_span in _cycles_with_neighbours(history):
+        # Spans of stick or slip in the cycle, and the spans next to it.
         quadratic_form = second_order_work(spans, profile.radius, modulus, span_before, next_span)
         work = quadratic_form.added_work(tilt_and_strain_per_load)
+        # By the uncertainties of the effects themselves: derivative of the quadratic form.
         absolute_values = np.abs(tilt_and_strain_per_load)
         error_by_effects = 2 * float(
             absolute_values @ np.abs(quadratic_form.matrix) @ uncertainties
@@ -261,6 +274,9 @@ def _cycles_with_neighbours(
     and slip, the span before them and the span after them, None where there is none.
 
     The steady cycle comes before and after itself.
+
+    `history.loading` are the spans of the initial loading, `history.cycles` those of each cycle.
+    `history.steady_from` is the index of the first cycle that repeats itself, if `history.repeats`.
     """
     earlier_spans = history.loading
     for cycle_index, spans in enumerate(history.cycles):
@@ -297,7 +313,13 @@ def second_order_work(
         R of the parabola, E*
     span_before, next_span
         the spans before and after these; of a steady cycle its own last and first
+
+    Returns
+    -------
+    SecondOrderWork
+        both matrices (4, 4), work = o . matrix o; the criteria; the reason where there is no matrix
     """
+    # _GAUSS_POINTS: 24 quadrature points of a span; _PANELS_OF_STROKE_END: 80.
     strokes = _Strokes(tuple(spans), radius, span_before, next_span)
     try:
         strokes.require_no_limit_in_stick()
@@ -306,8 +328,11 @@ def second_order_work(
     except DeclinedError as reason:
         unknown_matrix = np.full((4, 4), np.nan)
         return SecondOrderWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
+    # Coefficients (n, 4) of o: where their product with o exceeds 1, one side slips alone.
     one_sided_ratios = [
-        ratios for span in spans for ratios in _one_sided_slip_ratios(span, radius, modulus)
+        ratios_of_span
+        for span in spans
+        for ratios_of_span in _one_sided_slip_ratios(span, radius, modulus)
     ]
     return SecondOrderWork(fine_matrix, coarse_matrix, tuple(one_sided_ratios))
 
@@ -318,6 +343,9 @@ def centre_coefficients(span: Span, radius: float, time: Array) -> tuple[Array, 
 
     The four are tilt and bulk strain per normal and per tangential load. In full stick both centres
     are one; the second is NaN where all of the contact slips. `radius` is R of the parabola.
+
+    A span is in full stick (direction 0) or slips in one direction. `span.sticking_piece` is the
+    piece of the memory curve on which the stick edge lies, None in full slip.
     """
     normal_load, tangential_load = span.segment.loads(time)
     contact_coefficients = -radius * _tilt_coefficients(normal_load, tangential_load)
@@ -347,14 +375,29 @@ class _Strokes:
 
         It is the sum over all spans of slip, the kinks of the memory curve M(eta) that their stick
         edges pass, and the smooth ends of strokes. M(eta) is the tangential force of the flat
-        punches up to the load eta. `n_points` are the quadrature nodes of a span, `n_panels` the
-        panels of the loads that a stroke's end leaves. DeclinedError where no matrix holds.
+        punches up to the load eta.
+
+        A smooth end, where the rates of the loads do not jump, leaves tangential loads in the slip
+        zone; the stick edge of a later stroke passes them.
+
+        Parameters
+        ----------
+        n_points
+            number of quadrature nodes of a span
+        n_panels
+            number of panels into which the slip zone at a smooth end is divided
+
+        Raises
+        ------
+        DeclinedError
+            Where no matrix holds.
         """
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
         for span_before, span, next_span in zip(
             spans_with_neighbours[:-2], self.spans, spans_with_neighbours[2:], strict=True
         ):
+            # +1 forward slip, -1 reverse slip, 0 full stick.
             if not span.direction:
                 continue
             if span_before is not None:
@@ -369,6 +412,9 @@ class _Strokes:
     def require_no_limit_in_stick(self) -> None:
         """Raise DeclinedError where P changes in full stick along the Coulomb limit, dQ = +-f dP:
         tilt and strain make one side of the contact slip.
+
+        It concerns spans of full stick, direction 0, whose `sticking_piece` of the memory curve has
+        the slope of the limit.
         """
         for span in self.spans:
             piece = span.sticking_piece
@@ -400,6 +446,8 @@ def _equivalent_tilt_coefficients(
     e_P, e_Q); s is the `direction` of slip.
 
     f p - s q is the pressure of a frictionless contact under the load f P - s Q and this tilt.
+
+    alpha is the tilt, eps the bulk strain: alpha = alpha_P P + alpha_Q Q, eps = e_P P + e_Q Q.
     """
     return friction * _tilt_coefficients(
         normal_load, tangential_load
@@ -450,8 +498,9 @@ class _StickEdge:
 def _stick_edge_at(
     span: Span, piece: Piece, time: Array, slip_zone_load: Array, radius: float
 ) -> _StickEdge:
-    """The stick edge at times (n,) of a span of slip, where its load P_c = P - `slip_zone_load`
-    lies on a `piece` of the memory curve, loads (n,).
+    """Steepness of the memory curve at the stick edge, and shift of the centre of stick, at times
+    (n,) of a span of slip; the load at the edge, P_c = P - `slip_zone_load` (n,), lies on a
+    `piece` of the memory curve.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. It was
     set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
@@ -461,6 +510,7 @@ def _stick_edge_at(
     load = span.segment.loads(time)[0]
     memory_slope = piece.slope_at(load - slip_zone_load)
     steepness = span.friction - span.direction * memory_slope
+    # combination_change: change of P, or of Q, since the instant `anchor` at which slip ended.
     if _is_set_by_slip(piece, span.friction):
         loads_since_set = (
             combination_change(piece.anchor, span.segment, NORMAL_LOAD, time),
@@ -496,14 +546,16 @@ def _loads_when_set(piece: Piece, friction: float, eta: Array) -> tuple[Array, A
 
 def _slope_derivative(piece: Piece, eta: Array) -> Array:
     """Derivative d2M/d eta2 of the slope M' of a `piece` of the memory curve, at loads eta (n,)
-    [1/force per thickness].
+    [thickness per force].
 
     It is constant on a straight or parabolic piece. On an arc M' = dQ/dP of the load path, and it
     is found by central differences in time. The memory curve M(eta) is the tangential force of the
     flat punches up to the load eta.
     """
     if piece.arc is None:
+        # bend: half of d2M/d eta2.
         return np.full(np.shape(eta), 2 * piece.bend)
+    # The load segment that was passed in stick; arc: times of both ends of the arc on it.
     segment = piece.anchor.segment
     time = time_of_load_on_arc(piece, eta)
     time_step = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
@@ -543,6 +595,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     if piece_at_edge is None:
         raise DeclinedError("the contact slides as a whole")
     time, weights = _gauss_times(span, n_points)
+    # P - P_c; then steepness mu, D and v at the stick edge, (n,) or coefficients (n, 4).
     slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
     minus_equivalent_load = slip_combination(span.direction, span.friction)  # s Q - f P = -N
@@ -599,12 +652,14 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return zero_matrix
+    # bottom_load and top_load: loads eta at both ends of a piece.
     tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
     if inner_piece.top_load > outer_piece.bottom_load + tolerance:
         return zero_matrix  # both spans are on one piece
     if inner_piece.top_load - inner_piece.bottom_load <= tolerance:
         return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
     # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
+    # At the instant at which the edge passes the kink, (1,).
     time = np.array([span.begin.time])
     slip_zone_load = span.begin.normal_load - np.array([outer_piece.bottom_load])
     eta = np.array([outer_piece.bottom_load])
@@ -615,6 +670,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
         centre_when_set = -radius * _tilt_coefficients(*_loads_when_set(piece, span.friction, eta))
         stick_centres.append(centre_when_set + stick_edge.centre_shift)
         steepness_of_sides.append(float(stick_edge.steepness[0]))
+    # mu_o and mu_i, then mu_o - mu_i and mu_o mu_i.
     outer_steepness, inner_steepness = steepness_of_sides
     steepness_jump = outer_steepness - inner_steepness
     steepness_product = outer_steepness * inner_steepness
@@ -629,15 +685,17 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
     """Refuse a path on which slip resumes at the Coulomb limit that an earlier stroke in its
     direction left, if P and Q differ from those at its end, or if that end was smooth.
 
-    Tilt and strain then differ from those of the earlier stroke, or a load left there is passed,
-    and no matrix holds. `span_before` ends where the `span` of slip begins; `radius` is R of the
-    parabola.
+    Tilt and strain then differ from those of the earlier stroke, or a tangential load left at its
+    smooth end is passed. The second order of the work then has no quadratic form. `span_before`
+    ends where the `span` of slip begins; `radius` is R of the parabola. At a smooth end the rates
+    of the loads do not jump.
 
     Raises
     ------
     DeclinedError
-        In both cases.
+        If the loads differ, or the end was smooth.
     """
+    # Pieces of the memory curve M(eta) at the end of the span before, from the outside inwards.
     friction = span.friction
     begin = span.begin
     top_of_sticking_piece = span.sticking_piece.top_load if span.sticking_piece is not None else 0.0
@@ -648,6 +706,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
         is_point = piece.top_load - piece.bottom_load <= load_tolerance
         if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
+        # anchor: instant at which the earlier stroke ended and left this piece.
         normal_change = begin.normal_load - piece.anchor.normal_load
         tangential_change = begin.tangential_load - piece.anchor.tangential_load
         earlier_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
@@ -677,13 +736,24 @@ class _SmoothEnd:
     tilt_rate_form: Array
 
     def loads_left(self, n_panels: int) -> tuple[Array, Array]:
-        """Loads eta (n,), and the tangential load that the end leaves on flat punches next to each,
-        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P. DeclinedError where
-        almost nothing sticks, c/a below 1e-3.
+        """Loads eta (n,), and the tangential load that the smooth end of a stroke leaves on the
+        flat punches next to each, over R a_s'^2/N'', (n,).
+
+        It is T P/eta d eta, with a tabulated function T of eta. `n_panels` divide P_c < eta < P,
+        where `load` is P and `stick_edge_load` P_c.
+
+        Raises
+        ------
+        DeclinedError
+            Where almost nothing sticks, c/a below 1e-3.
+
+        # notation: a, c half-widths of contact and stick, N'' second rate of f P - s Q, a_s' rate
+        #           of f alpha - s eps, s direction of slip
         """
         stick_ratio = float(np.sqrt(self.stick_edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
             raise DeclinedError("all but the middle of the contact slides")
+        # Panels of the half-width c' of the punches between c and a, over a, and T on each.
         panels = loads_left_at_stroke_end(stick_ratio, n_panels)
         eta = self.load * panels.punch_half_width**2
         # d eta/eta is 2 dc'/c'
@@ -697,37 +767,44 @@ def _smooth_end(
     span; None where the stroke ends at a vertex of the load path, or nothing has slipped.
 
     At a smooth end the rate of s Q - f P vanishes and changes its sign, so that slip stops without
-    a jump of the rates of the loads. `stick_edge_load` is P_c there; `radius` is R
-    of the parabola.
+    a jump of the rates of the loads. `stick_edge_load` is P_c there, the load at the stick edge;
+    `radius` is R of the parabola. s is the `direction` of the span.
     """
     segment = span.segment
-    combination = slip_combination(span.direction, span.friction)
+    slip_load = slip_combination(span.direction, span.friction)
     middle_time = (span.begin.time + span.end.time) / 2
+    # Rates of s Q - f P; `time` is taken as the end of the stroke.
     rate_at_begin, rate_in_middle, rate_at_end = (
-        abs(float(segment.rate_of(combination, rate_time)))
+        abs(float(segment.rate_of(slip_load, rate_time)))
         for rate_time in (span.begin.time, middle_time, time)
     )
     largest_rate = max(rate_at_begin, rate_in_middle, rate_at_end)
-    load = float(segment.loads(time)[0])
-    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= load * (
+    load_at_end = float(segment.loads(time)[0])
+    if rate_at_end > _RATE_SHARE_AT_REST * largest_rate or stick_edge_load >= load_at_end * (
         1 - _EQUALITY_TOLERANCE
     ):
         return None
     time_step = _DERIVATIVE_STEP * (segment.end - segment.start)
-    rate_after = float(segment.rate_of(combination, time + time_step))
-    rate_before = float(segment.rate_of(combination, time - time_step))
+    rate_after = float(segment.rate_of(slip_load, time + time_step))
+    rate_before = float(segment.rate_of(slip_load, time - time_step))
     second_rate = (rate_before - rate_after) / (2 * time_step)  # N'', of N = f P - s Q
     if second_rate <= 0:
         return None
+    # a_s' = f alpha' - s eps', as coefficients (4,) of (alpha_P, alpha_Q, e_P, e_Q).
     tilt_rate = _equivalent_tilt_coefficients(span.friction, span.direction, *segment.rates(time))
-    return _SmoothEnd(load, stick_edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate))
+    return _SmoothEnd(
+        load_at_end, stick_edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate)
+    )
 
 
 def _smooth_end_at_anchor(
     piece: Piece, direction: int, friction: float, radius: float
 ) -> _SmoothEnd | None:
-    """The smooth end of the stroke that left a `piece` of the memory curve at the Coulomb limit;
-    None where that stroke ended at a vertex of the load path.
+    """The smooth end of the stroke of slip that left a `piece` of the memory curve at the Coulomb
+    limit; None where that stroke ended at a vertex of the load path.
+
+    At a smooth end the rates of the loads do not jump. `piece.anchor` is the instant at which the
+    stroke ended, `piece.bottom_load` the load at its stick edge; `direction` is that of its slip.
     """
     anchor = piece.anchor
     start = instant(anchor.segment, anchor.segment.start)
@@ -737,8 +814,8 @@ def _smooth_end_at_anchor(
 
 def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
-    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero where there is no such
-    end (`_smooth_end`).
+    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero where the end is not
+    smooth. At a smooth end the rates of the loads do not jump.
 
     alpha_P, alpha_Q are tilts of the faces by unit loads P and Q, e_P, e_Q their strains. The two
     sides of the slip zone stop one after the other, which leaves tangential loads dT on flat
@@ -749,6 +826,7 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     smooth_end = _smooth_end(span, span.end.time, stick_edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
+    # Both over R a_s'^2/N'', which tilt_rate_form is as a quadratic form of tilt and strain.
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     integral = float(np.sum(load_left_at_eta * (smooth_end.load - eta)))
     return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
@@ -768,19 +846,21 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     smooth_end = _smooth_end_at_anchor(piece, -span.direction, span.friction, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
+    # Loads eta of punches, and the tangential load left next to each, over R a_s'^2/N'', which
+    # tilt_rate_form is as a quadratic form of tilt and strain.
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
     # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
-    combination = slip_combination(span.direction, span.friction)
+    slip_load = slip_combination(span.direction, span.friction)
     change_to_begin = float(
-        combination_change(piece.anchor, span.segment, combination, span.begin.time)
+        combination_change(piece.anchor, span.segment, slip_load, span.begin.time)
     )
     change_to_eta = slip_combination_on_piece(piece, span.direction, span.friction, eta)
     passing_time = span.segment.time_of(
-        combination, change_to_eta - change_to_begin, span.begin.time, span.end.time
+        slip_load, change_to_eta - change_to_begin, span.begin.time, span.end.time
     )
     load = span.segment.loads(passing_time)[0]
     integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
@@ -790,8 +870,8 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     """Arrays (n, 4) of coefficients c of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
-    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick. None of a
-    span of stick in which P does not grow.
+    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick. Nothing is
+    yielded for a span of stick in which P does not grow.
 
     1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
        zone.
@@ -807,25 +887,27 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     load_rates = span.segment.rates(time)
     if not span.direction and np.all(load_rates[0] <= 0):
         return  # at rest, or unloaded along the memory curve itself
+    # Hertz' law: a^2 = 4 P R/(pi E*).
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
     directions = (span.direction,) if span.direction else (1, -1)
     ratio_of_edge_functions = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
         slip_zone_load = span.slip_zone_load(time)
-        width_ratio = np.sqrt(
+        # c/a = sqrt(P_c/P) of a parabola, kept off 0 and 1.
+        stick_ratio = np.sqrt(
             np.clip(1 - slip_zone_load / load, _LEAST_STICK_RATIO**2, 1 - _EQUALITY_TOLERANCE)
         )
         ratio_of_edge_functions = (
-            half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
+            half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
         )
         stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
         centre_distance = stick_edge.centre_distance(radius)
-        yield centre_distance / (half_width * (1 - width_ratio))[:, None]
+        yield centre_distance / (half_width * (1 - stick_ratio))[:, None]
     for direction in directions:
-        combination = slip_combination(direction, span.friction)
-        combination_rate = np.abs(span.segment.rate_of(combination, time))  # |N'|
+        slip_load = slip_combination(direction, span.friction)
+        slip_load_rate = np.abs(span.segment.rate_of(slip_load, time))  # |N'|
         edge_function_over_rate = ratio_of_edge_functions / np.maximum(
-            combination_rate, np.finfo(float).tiny
+            slip_load_rate, np.finfo(float).tiny
         )
         tilt_rate = _equivalent_tilt_coefficients(span.friction, direction, *load_rates)
         yield np.pi * modulus / 2 * edge_function_over_rate[:, None] * tilt_rate

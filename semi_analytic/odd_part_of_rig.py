@@ -46,30 +46,34 @@ def second_order_answer_of_rig(
     """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
     the second order in both, and the centres of contact and stick.
 
-    Tilt and strain are the bodies' odd effects: they make tractions that are odd in x. The answer
-    is that of `odd_memory.second_order_answer` under the loads of the cycle.
+    Tilt and strain make tractions that are odd in x. The displacements that the rig prescribes are
+    replaced by the loads P and Q that followed from them.
 
     Parameters
     ----------
     effects
         tilt and strain per load
     driven_path
-        loads and gross sliding that follow from the prescribed displacements, one row for each
-        instant
+        `followed_path.normal_load` (n,) is P and `slide_distance` (n,) is the gross sliding of the
+        step that ends at each instant, along the prescribed displacements
     last_cycle
-        rows of the steady cycle
+        rows (instants) of the steady cycle
+    scene
+        scene with the rig; its profile must be a parabola
 
     Raises
     ------
     DeclinedError
         Where the bodies slide as a whole, or part; where the loads of the cycle are constant, or
-        one side of the contact slips alone under them (`second_order_answer` has the other cases).
+        one side of the contact slips alone under them; and where the second order does not hold for
+        another reason.
     """
     if np.any(driven_path.followed_path.normal_load[last_cycle] <= 0):
         raise DeclinedError("the bodies part")
     # The slide of a row is that of the step before it: the first row's is not of this cycle.
     if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         raise DeclinedError("the bodies slide as a whole")
+    # A path of few segments or harmonics takes the place of the many instants.
     return second_order_answer(loads_of_cycle(scene, driven_path, last_cycle), effects)
 
 
@@ -85,9 +89,11 @@ def loads_of_cycle(
     Parameters
     ----------
     driven_path, last_cycle
-        the followed path, and its rows (instants) in the last cycle
+        the followed path with P and Q at each instant, and its rows (instants) in the last cycle
     most_steps
         largest number of straight steps
+    scene
+        scene of the rig; `scene.load` holds the prescribed displacements
 
     Raises
     ------
@@ -97,6 +103,7 @@ def loads_of_cycle(
     normal_load = driven_path.followed_path.normal_load[last_cycle]
     tangential_load = driven_path.followed_path.tangential_load[last_cycle]
     time = driven_path.time[last_cycle]
+    # Constant P is one that varies by no more than 1e-9 of itself.
     load_of_cycle: HarmonicLoad | PolygonLoad
     if np.ptp(normal_load) <= _EQUALITY_TOLERANCE * float(np.max(normal_load)):
         load_of_cycle = _polygon_of_turning_points(normal_load, tangential_load)
@@ -111,6 +118,7 @@ def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> Po
     """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q,
     the largest Q first. DeclinedError where Q does not turn round.
     """
+    # Steps in which Q changes, and whether the next such step goes the other way.
     step_of_load = np.diff(tangential_load)
     moving_steps = np.flatnonzero(step_of_load)
     next_moving_steps = np.roll(moving_steps, -1)
@@ -130,6 +138,7 @@ def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -
 
     Amplitudes of one load below 1e-7 of the largest are set to 0.
     """
+    # 256 instants; 24 harmonics are kept.
     equal_times = (
         time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS_OF_TRANSFORM) / _INSTANTS_OF_TRANSFORM
     )
@@ -155,8 +164,8 @@ def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -
 
 
 def _straight_steps(normal_load: Array, tangential_load: Array, steps: int) -> PolygonLoad:
-    """The cycle of P and Q (n,) as at most `steps` straight steps between some of its instants,
-    evenly chosen.
+    """The cycle of P and Q at n instants, (n,) each, as at most `steps` straight steps between some
+    of these instants, chosen at equal distances in number.
     """
     rows = np.unique(np.linspace(0, len(normal_load) - 1, steps + 1).astype(int))
     points = list(zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True))

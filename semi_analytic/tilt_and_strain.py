@@ -55,6 +55,9 @@ class FollowingLoads(PathLoads):
     def loads_in_segment(self, time: Array) -> Array:
         """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
         segment of the load path, as rows of (4, n).
+
+        Strain and tilt are those that the finite bodies have under P and Q: a number of `effects`
+        per load times that load. Bulk stress and tilt of the scene itself are not taken.
         """
         normal_load, tangential_load, _, _ = super().loads_in_segment(time)
         effects = self.effects
@@ -65,8 +68,8 @@ class FollowingLoads(PathLoads):
         return np.stack([normal_load, tangential_load, strain, tilt])
 
     def turning_times(self, segment: LoadSegment) -> list[float]:
-        """Times at which a segment of the load path ends, and at which P, Q, bulk strain or tilt
-        turn in it; one time for all that turn together.
+        """Times in a segment of the load path at which P, Q, bulk strain or tilt turn, and the end
+        of the segment; one time for all that turn together, within 1e-6 of the duration.
 
         Strain and tilt are sums of a multiple of P and one of Q: they may turn where neither does.
         """
@@ -82,8 +85,8 @@ class FollowingLoads(PathLoads):
             for time in segment.turning_points(
                 Combination(effect_of_normal_load.value, effect_of_shear_load.value)
             ):
-                distance = min(abs(time - known_time) for known_time in different_times)
-                if distance > 1e-6 * (segment.end - segment.start):
+                time_to_nearest = min(abs(time - known_time) for known_time in different_times)
+                if time_to_nearest > 1e-6 * (segment.end - segment.start):
                     different_times.append(time)
         return different_times
 
@@ -93,19 +96,28 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     bodies add: W with them over W without, minus 1.
 
     W is that of the last cycle, or of the whole path where it has no cycle. It is expanded to the
-    second order in tilt and strain per load where that is as good as grids, in some 30 ms. Else it
-    is solved on grids, in a second or two. The uncertainty is that of the next order or of the
-    grid, plus that of the numbers in `effects`. Both are 0 where these have no tilt nor strain.
+    second order in tilt and strain per load where that is as accurate as grids, in some 30 ms. Else
+    it is solved on grids, in a second or two. The uncertainty is that of the next order or of the
+    grid, plus that of the numbers in `effects`. Change and uncertainty are 0 where `effects` have
+    neither tilt nor strain.
+
+    Parameters
+    ----------
+    scene
+        profile, material, friction and load path
+    effects
+        tilt and bulk strain of the bodies per P and per Q, with their uncertainties
 
     Raises
     ------
     InputError
         For a scene that states bulk stress or tilt itself, unlike materials, loads under which
-        half-planes do no friction work; and where the second order does not do, for a path of more
-        than 60 segments, a profile that bends down somewhere, a grid that does not converge.
+        half-planes do no friction work. Where grids are needed, also for a path of more than 60
+        segments, a profile that bends down somewhere, a grid that does not converge.
     """
     if checked_effects(effects) is None:
         return ZERO_ESTIMATE
+    # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt under P and Q, strain under P and Q.
     if not any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return ZERO_ESTIMATE
     if scene.unsymmetric:
@@ -162,9 +174,15 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     """Relative change of the friction work W of half-planes by the tilt and bulk strain of finite
     bodies: W with them over W without, minus 1, both solved step by step on the same grids.
 
-    W is that of the last cycle followed, and must not be 0 without tilt and strain. `effects` hold
-    tilt and strain per load, with their uncertainties. InputError for a path of more than 60
-    segments.
+    W is that of the last cycle followed, and must not be 0 without tilt and strain. InputError for
+    a path of more than 60 segments.
+
+    Parameters
+    ----------
+    scene
+        profile, material, friction and load path
+    effects
+        tilt and bulk strain per load, with their uncertainties
     """
     path = scene.load.path()
     segment_count = len(path.initial_loading) + len(path.cycle)
@@ -173,8 +191,10 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
             f"load: grids take a path of {_MOST_SEGMENTS_ON_GRIDS} segments at most, not"
             f" {segment_count}; take a part of the path"
         )
+    # P and Q of the scene over time, and its contact under any load and tilt.
     path_loads, contact = path_loads_and_contact(scene)
     loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
+    # TILT_AND_STRAIN_NAMES: attributes with tilt under P and Q, strain under P and Q.
     no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
     effects_without = replace(effects, **no_tilt_nor_strain)
     loads_with_and_without = [
@@ -191,6 +211,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         for loads in loads_with_and_without
     )
     change = work_with / work_without - 1
+    # Sum of the relative uncertainties of those numbers that are not 0.
     relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
         for name in TILT_AND_STRAIN_NAMES
@@ -202,8 +223,12 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
 
 def _last_works_on_grids(scene: Scene, loads: PathLoads, range_of_x: tuple[float, float]) -> Array:
     """Friction work W of the last cycle followed under `loads`, or of a path without cycle, by each
-    grid (g,) [energy per thickness]. The grids cover the range of x in which there is contact.
+    of g grids that are moved by fractions of a cell, (g,) [energy per thickness].
+
+    `loads` are P, Q, bulk strain and tilt over time. The grids cover `range_of_x`, in which there
+    is contact somewhere along the path.
     """
+    # Works (g, c) of all cycles, until one repeats the one before; 80 cells across the contact.
     works_of_cycles = cycle_works(
         loads,
         range_of_x,
