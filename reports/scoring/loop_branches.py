@@ -97,6 +97,9 @@ def find_branches(
     crossings. Rows of less than two cycles are laid end to end twice, so that each turning point
     has a crossing on both of its sides.
 
+    Returns `phase` (n,), the number of cycles since a lowest Q, with the share of the branch that Q
+    has passed; `is_rising` (n,); the highest and the lowest turning point; and the noise of Q.
+
     Parameters
     ----------
     displacement, load, time
@@ -111,21 +114,25 @@ def find_branches(
     InputError
         Where Q does not go up and down, or where the rows cover less than a cycle.
     """
+    # standard deviation of Q that neighbouring rows show, at least that of the last digit
     noise = max(row_noise(load), resolution / math.sqrt(12))
     range_of_load = _least_and_largest_load(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
+    # rows_before, rows_after: of each crossing; period: of one cycle, where the rows are repeated
     record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
     )
     _refuse_few_rows(record, source)
+
+    # turning points, and how long after the centre of two crossings they come
     highest_turn, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
     lowest_turn, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
     turn_times = _times_of_turns(
         crossing_times, record.rises_at_crossing, highest_after_centre, lowest_after_centre
     )
     # Q falls at the first crossing, and so the turning point before it is a highest one
-    first_turn_is_top = not bool(record.rises_at_crossing[0])
+    first_turn_is_highest = not bool(record.rises_at_crossing[0])
     if record.is_repeated:
         # The two turning points in the middle of a record that was repeated are known best: they
         # are taken again in the two periods before and after. The list now begins with the second
@@ -133,17 +140,19 @@ def find_branches(
         turn_times = np.concatenate(
             [turn_times[1:3] + n_periods * record.period for n_periods in range(-2, 3)]
         )
-        first_turn_is_top = not first_turn_is_top
+        first_turn_is_highest = not first_turn_is_highest
+
+    # branch of each row, and how much of it has passed
     branch_number = np.asarray(np.searchsorted(turn_times, time, side="right") - 1)
-    begins_at_top = (branch_number % 2 == 0) == first_turn_is_top
-    load_at_begin = np.where(begins_at_top, highest_turn.load, lowest_turn.load)
+    begins_at_highest = (branch_number % 2 == 0) == first_turn_is_highest
+    load_at_begin = np.where(begins_at_highest, highest_turn.load, lowest_turn.load)
     change_since_begin = np.abs(load - load_at_begin)
     share_of_branch = np.clip(change_since_begin / (highest_turn.load - lowest_turn.load), 0.0, 1.0)
     # an even number at each lowest turning point; which of them is 0 does not matter
-    branches_since_bottom = branch_number + share_of_branch + (1 if first_turn_is_top else 0)
+    branches_since_lowest = branch_number + share_of_branch + (1 if first_turn_is_highest else 0)
     return Branches(
-        phase=branches_since_bottom / 2,
-        is_rising=~begins_at_top,
+        phase=branches_since_lowest / 2,
+        is_rising=~begins_at_highest,
         highest=highest_turn,
         lowest=lowest_turn,
         load_noise=noise,
@@ -198,9 +207,11 @@ def _record_of_two_cycles(
     range_of_load: tuple[float, float],
     source: str,
 ) -> _CyclicRows:
-    """The rows as they are where they have three crossings of the middle of Q's range; else their
-    first cycle, laid end to end twice. InputError naming the file, `source`, where they cover less
-    than one cycle.
+    """The rows of a measured loop as they are, where they have three crossings of the middle of Q's
+    range; else their first cycle, laid end to end twice. With them the crossings: last row before
+    and first row after each, and whether Q rises there; and the period of a repeated cycle.
+
+    InputError naming the file, `source`, where the rows cover less than one cycle.
 
     Parameters
     ----------
@@ -214,9 +225,11 @@ def _record_of_two_cycles(
     rows_before, rows_after, rises_at_crossing = _crossings_of_middle(load, *range_of_load)
     if len(rows_before) >= 3:
         return _CyclicRows(load, time, rows_before, rows_after, rises_at_crossing)
+    # the row that comes nearest to the first one, a cycle later; None without one
     closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, noise)
     if closing_row is None:
         least_load, largest_load = range_of_load
+        # up and down: twice the range makes a cycle
         travel_of_load = np.sum(np.abs(np.diff(_loads_at_turns(load, rows_before, rows_after))))
         covered_cycles = float(travel_of_load / (2 * (largest_load - least_load)))
         raise InputError(
@@ -229,7 +242,10 @@ def _record_of_two_cycles(
 
 
 def _refuse_few_rows(record: _CyclicRows, source: str) -> None:
-    """InputError where fewer than `_FEWEST_ROWS_OF_CYCLE` rows make a cycle, in the mean."""
+    """InputError where fewer than eight rows make a cycle of a measured loop, in the mean, or where
+    there are fewer than three crossings of the middle of Q. `record.rows_before` and `rows_after`
+    are the last row before and the first row after each crossing.
+    """
     n_half_cycles = len(record.rows_before) - 1
     rows_between = record.rows_after[-1] - record.rows_before[0]
     is_too_short = len(record.rows_before) < 3
@@ -249,7 +265,8 @@ def _mean_turning_point(
     Parameters
     ----------
     record
-        Q and time of the rows, with the crossings of the middle of Q's range
+        Q and time of the rows; whether Q rises at each of its crossings of the middle of Q's range;
+        `is_repeated`, whether these are one measured cycle and its copy
     crossing_times
         (k,) times at which Q passes the middle of its range
     noise
@@ -261,19 +278,21 @@ def _mean_turning_point(
     return _turning_point(
         record.load,
         record.time,
+        # middle and duration of the times between crossings that hold such a turning point
         centres[has_turning_point],
         np.diff(crossing_times)[has_turning_point],
         is_top,
         noise,
+        # copies of each measured turning point
         2 if record.is_repeated else 1,
     )
 
 
 def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:
-    """The rows of one cycle, laid end to end twice: Q and time of these rows (n,) each, and the
-    period.
+    """The rows of one cycle of a measured loop, laid end to end twice: Q and time of these rows
+    (n,) each, and the period.
 
-    Where the row that closes the cycle repeats the first one, the period ends at its time, and the
+    Where the last row of the cycle repeats the first one, the period ends at its time, and the
     second cycle begins with the second row; else the period is longer by a step of time.
 
     Parameters
@@ -286,8 +305,8 @@ def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array
     last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
         np.median(np.abs(np.diff(load)))
     )
-    step = 0.0 if last_repeats_first else float(np.median(np.diff(time)))
-    period = float(time[closing_row]) - float(time[0]) + step
+    time_step = 0.0 if last_repeats_first else float(np.median(np.diff(time)))
+    period = float(time[closing_row]) - float(time[0]) + time_step
     first_row = 1 if last_repeats_first else 0
     cyclic_load = np.concatenate([load[: closing_row + 1], load[first_row : closing_row + 1]])
     cyclic_time = np.concatenate(
@@ -303,7 +322,8 @@ def _times_of_turns(
     lowest_after_centre: float,
 ) -> Array:
     """Times of the turning points of Q, ascending, (k + 1,): one between each two crossings, one
-    before the first crossing, and one behind the last.
+    before the first crossing, and one behind the last. A crossing is where Q passes the middle of
+    its range.
 
     Parameters
     ----------
@@ -352,7 +372,8 @@ def _crossings_of_middle(
     """Crossings of the middle of the range of Q, (k,) each: index of the last row in one half of
     the range and of the first row in the other half, and whether Q rises from one to the other.
 
-    Rows between a lower and an upper level belong to no half, so that noise makes no crossing.
+    Rows between a quarter and three quarters of the range belong to no half, so that noise makes no
+    crossing.
 
     Parameters
     ----------
@@ -375,8 +396,8 @@ def _crossings_of_middle(
 
 
 def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
-    """Size of each cycle of a quantity such as U: its standard deviation over time, (k,), in the
-    units of `values`.
+    """Size of each cycle of a quantity of a measured loop, such as U: its standard deviation over
+    time, (k,), in the units of `values`.
 
     A cycle runs from one time at which Q passes the middle of its range to the next but one; each
     begins half a cycle after the one before.
@@ -386,10 +407,11 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     values
         (n,) the quantity at the rows
     load, time, noise
-        Q (n,), its time, and its sigma
+        tangential load Q (n,), its time, and the standard deviation of its noise
     """
     least_load, largest_load = _least_and_largest_load(load, noise)
     middle_load = (least_load + largest_load) / 2
+    # last row before and first row after each crossing
     rows_before, rows_after, _ = _crossings_of_middle(load, least_load, largest_load)
     crossing_times = _crossing_times(load, time, rows_before, rows_after, middle_load)
     instants_of_cycles = [
@@ -402,11 +424,17 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
 
 
 def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
-    """First Q, the extreme Q of each stretch between crossings of its middle, last Q."""
+    """Q at the begin, at each turning point and at the end of the rows: first Q, the extreme Q of
+    the rows between each two crossings of its middle, last Q. `begins` and `ends` are the last row
+    before and the first row after each crossing.
+    """
     edges = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
-    stretches = [load[first:last] for first, last in pairwise(edges) if last > first]
-    extremes = [float(part[np.argmax(np.abs(part - middle))]) for part in stretches]
+    pieces_between_crossings = [load[first:last] for first, last in pairwise(edges) if last > first]
+    extremes = [
+        float(loads_between[np.argmax(np.abs(loads_between - middle))])
+        for loads_between in pieces_between_crossings
+    ]
     return np.array([load[0], *extremes, load[-1]])
 
 
@@ -417,8 +445,8 @@ def _closing_row(
     rises_at_crossing: NDArray[np.bool_],
     noise: float,
 ) -> int | None:
-    """Index of the row that closes a measured loop: the one nearest to the first row, a cycle later
-    on the same branch. None where no row comes that near again.
+    """Index of the row that closes a cycle of a measured loop: the one nearest to the first row, a
+    cycle later on the same branch. None where no row comes that near again.
 
     Parameters
     ----------
@@ -440,6 +468,7 @@ def _closing_row(
     else:
         leaves_middle_at_begin = np.min(loads_of_first_run) < load[0] - 4 * noise
     is_rising_at_begin = bool(leaves_middle_at_begin) == is_high_at_begin
+
     # The branch of the first row begins again at the first lowest Q behind a highest one, or the
     # other way round.
     index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
@@ -456,6 +485,8 @@ def _closing_row(
     else:
         rows_to_next_turn = int(np.argmin(loads_behind_turn))
     row_beyond_branch = turning_row + rows_to_next_turn + 1
+
+    # rows of that branch that lie near to the first row
     load_from_first = load[turning_row:row_beyond_branch] - load[0]
     displacement_from_first = displacement[turning_row:row_beyond_branch] - displacement[0]
     largest_load_step = float(np.max(np.abs(np.diff(load))))
@@ -485,8 +516,8 @@ def _crossing_times(
     rows_after: NDArray[np.intp],
     middle_load: float,
 ) -> Array:
-    """Times at which Q passes the middle of its range, (k,): by the straight line fitted to the
-    rows of each crossing, from the last one on one side to the first one beyond.
+    """Times at which the tangential load Q passes the middle of its range, (k,): by the straight
+    line fitted to the rows of each crossing, from the last one on one side to the first one beyond.
 
     Parameters
     ----------
@@ -495,20 +526,20 @@ def _crossing_times(
     time
         (n,) their times
     rows_before, rows_after
-        (k,) first and last row of each crossing
+        (k,) first and last row of each crossing: Q of the rows between lies near the middle
     middle_load
         the middle of Q's range
     """
-    times = []
+    crossing_times = []
     for row_before, row_after in zip(rows_before.tolist(), rows_after.tolist(), strict=True):
         rows = slice(row_before, row_after + 1)
         mean_time = float(np.mean(time[rows]))
         slope, mean_load = np.polyfit(time[rows] - mean_time, tangential_load[rows], 1)
         crossing_time = mean_time + (middle_load - mean_load) / slope if slope else mean_time
-        times.append(
+        crossing_times.append(
             min(max(float(crossing_time), float(time[row_before])), float(time[row_after]))
         )
-    return np.array(times)
+    return np.array(crossing_times)
 
 
 def _turning_point(
@@ -527,14 +558,15 @@ def _turning_point(
     A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
     point describe a wave that is round there as well as one with a vertex. They are fitted to the
     rows in a window around it, which grows as long as they describe the rows to within the noise.
-    Where no window has such a fit the highest row counts.
+    The error is that by noise, and the change since the window before. Where no window has such a
+    fit the highest row counts.
 
     Parameters
     ----------
     load, time
         (n,) Q and time of the rows
     centres, lengths
-        (k,) middle and length of the time between the two crossings beside each turning point
+        (k,) middle and duration of the time between the two crossings beside each turning point
     is_top
         whether Q is largest there
     noise
@@ -545,12 +577,13 @@ def _turning_point(
     """
     sign = 1.0 if is_top else -1.0
     height = sign * load  # Q, or -Q where the lowest Q is sought
-    half_length = float(np.median(lengths)) / 2
-    rows_before_begin = np.searchsorted(time, centres - half_length)
-    rows_before_end = np.searchsorted(time, centres + half_length)
-    rows_in_half_length = float(np.mean(rows_before_end - rows_before_begin)) / 2
+    half_duration = float(np.median(lengths)) / 2
+    rows_before_begin = np.searchsorted(time, centres - half_duration)
+    rows_before_end = np.searchsorted(time, centres + half_duration)
+    rows_in_half_duration = float(np.mean(rows_before_end - rows_before_begin)) / 2
     # from the nearest centre: -1 and 1 at the crossings
-    scaled_time = _time_from_nearest(centres, time) / half_length
+    # (n,) time since the nearest centre, negative before it
+    scaled_time = _time_from_nearest(centres, time) / half_duration
 
     # First guess of the turning point: the middle of the rows that are nearly as high as any.
     is_between_crossings = np.abs(scaled_time) < 1
@@ -559,12 +592,14 @@ def _turning_point(
     is_near_top = is_between_crossings & (height >= least_height)
     guessed_time = float(np.median(scaled_time[is_near_top]))
 
+    # Fits in longer and longer windows: from 3 rows on each side of the guessed time on.
     fits: list[_FitOfTop] = []
     rows_in_half_window = float(_FEWEST_ROWS_OF_HALF_WINDOW)
-    while rows_in_half_window < max(rows_in_half_length, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5):
-        half_window = (rows_in_half_window + 0.5) / rows_in_half_length
+    while rows_in_half_window < max(rows_in_half_duration, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5):
+        half_window = (rows_in_half_window + 0.5) / rows_in_half_duration
         is_in_window = np.abs(scaled_time - guessed_time) <= half_window
         time_in_window = (scaled_time[is_in_window] - guessed_time) / half_window
+        # highest value, its time over half the window, and residual; None for too few rows
         parabolas = _highest_of_two_parabolas(time_in_window, height[is_in_window])
         if parabolas is not None:
             top_height, top_time_in_window, residual_rms = parabolas
@@ -576,16 +611,17 @@ def _turning_point(
         rows_in_half_window *= _GROWTH_OF_WINDOW
 
     if not fits:
-        error_of_row = float(noise + np.ptp(height) / rows_in_half_length)
-        return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_length
+        error_of_row = float(noise + np.ptp(height) / rows_in_half_duration)
+        return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_duration
     longest_fit = fits[-1]
     height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
     n_measured_turns = max(len(centres) // n_copies, 1)
     n_rows = longest_fit.rows_in_half_window * n_measured_turns
+    # variance of two joined parabolas at their joint: 4.5 times that of a row over their number
     error_by_noise = noise * math.sqrt(_VARIANCE_FACTOR_AT_JOINT / n_rows)
     error = math.hypot(error_by_noise, longest_fit.height - height_by_shorter_window)
     turning_point = TurningPoint(sign * longest_fit.height, error)
-    return turning_point, longest_fit.scaled_time * half_length
+    return turning_point, longest_fit.scaled_time * half_duration
 
 
 class _FitOfTop(NamedTuple):
@@ -614,19 +650,22 @@ def _time_from_nearest(centres: Array, time: Array) -> Array:
     """
     if len(centres) == 1:
         return np.asarray(time - centres[0])
-    number_after = np.clip(np.searchsorted(centres, time), 1, len(centres) - 1)
-    time_since_centre_before = time - centres[number_after - 1]
-    time_until_centre_after = centres[number_after] - time
-    nearest_number = np.where(
-        time_since_centre_before < time_until_centre_after, number_after - 1, number_after
+    index_after = np.clip(np.searchsorted(centres, time), 1, len(centres) - 1)
+    time_since_centre_before = time - centres[index_after - 1]
+    time_until_centre_after = centres[index_after] - time
+    nearest_index = np.where(
+        time_since_centre_before < time_until_centre_after, index_after - 1, index_after
     )
-    return np.asarray(time - centres[nearest_number])
+    return np.asarray(time - centres[nearest_index])
 
 
 def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
-    """Highest value, its x, and the root mean square of the residuals, of two parabolas that meet
-    at one point, fitted to the points (x, y), (n,) each, with x from −1 to 1. None for fewer than
-    seven points.
+    """Highest value of two parabolas that meet at one point, fitted to the points (x, y), (n,)
+    each, with x from −1 to 1; then the x of this value, and the root mean square of the residuals.
+    None for fewer than seven points.
+
+    The joint of both is sought among 25 places between −0.5 and 0.5, and the highest value between
+    −0.7 and 0.7.
     """
     degrees_of_freedom = len(x) - 6
     if degrees_of_freedom < 1:
@@ -635,6 +674,8 @@ def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] 
     for joint in np.linspace(-0.5, 0.5, _N_JOINTS):
         x_left_of_joint = np.minimum(x - joint, 0.0)
         x_right_of_joint = np.maximum(x - joint, 0.0)
+        # unknowns: value at the joint, then slope and curvature on the left and on the right of
+        # it
         columns = np.column_stack(
             [
                 np.ones_like(x),
@@ -650,6 +691,7 @@ def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] 
         if sum_of_squares < best_fit[0]:
             best_fit = (sum_of_squares, float(joint), coefficients)
     sum_of_squares, joint, coefficients = best_fit
+    # highest value of the best fit
     x_fine = np.linspace(-0.7, 0.7, 281)
     x_left_of_joint = np.minimum(x_fine - joint, 0.0)
     x_right_of_joint = np.maximum(x_fine - joint, 0.0)

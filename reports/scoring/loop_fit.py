@@ -97,7 +97,10 @@ class LoopRows:
 
     @property
     def term_sizes(self) -> Array:
-        """Typical sizes of Q_max, Q_min, C and U0, (4,): steps of a fit are counted in them."""
+        """Typical sizes, (4,), of the four terms that are fitted beside f, in which steps of the
+        fit are counted: highest and lowest Q of the loop [force / thickness], compliance C of the
+        rig [1/stress] and origin U0 of the displacement [length].
+        """
         range_of_load = float(np.ptp(self.load))
         range_of_displacement = float(np.ptp(self.displacement))
         return np.array(
@@ -112,8 +115,9 @@ class LoopRows:
     def fitted_rig(
         self, displacement: Array, rows: NDArray[np.bool_] | None = None
     ) -> tuple[float, float]:
-        """The rig that fits the rows best: C [1/stress] and U0 [length] of U = U_theory + C Q + U0,
-        by linear least squares. C is the stated one where there is one.
+        """The rig that fits the rows of a measured loop best: compliance C [1/stress] and origin U0
+        [length] of U = U_theory + C Q + U0, by linear least squares. C is the stated one,
+        `self.compliance`, where that is not None.
 
         Parameters
         ----------
@@ -121,12 +125,15 @@ class LoopRows:
             (n,) U of theory at the rows
         rows
             (n,) which of the rows count; all of them by default
+
+        # notation: Q load, U relative tangential displacement
         """
         is_used = np.ones(len(displacement), dtype=bool) if rows is None else rows
         rig_displacement = (self.displacement - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
             return self.compliance, float(np.mean(rig_displacement - self.compliance * load))
+        # unknowns: C and U0
         columns = np.column_stack([load, np.ones_like(rig_displacement)])
         compliance, origin = np.linalg.lstsq(columns, rig_displacement, rcond=None)[0]
         return float(compliance), float(origin)
@@ -176,7 +183,7 @@ class NearestPoints:
 
     place : (n,) index of an instant of the loop, with a fraction
     distance : (n,) in sigma, positive on the left of the loop's direction
-    displacement_part, load_part : (n,) components of the unit vector from the loop to the row
+    displacement_part, load_part : (n,) components of the unit normal to the left of the loop
     """
 
     place: Array
@@ -220,16 +227,18 @@ class LoopsOverFriction:
         return self.sliding_friction * self.load_scale(highest, lowest)
 
     def first_frictions(self, highest: float, lowest: float) -> Array:
-        """(k,) f to try first, ascending, for turning points of the file's Q: values for each of
-        which one solution of theory is enough.
+        """(k,) values of the friction coefficient f to try first, ascending from 1.04 to 40 times
+        that of gross sliding between the turning points `highest` and `lowest` of the file's Q.
+        Their roots sqrt(ln(f/f of sliding)) are multiples of 0.02 (`_ROOT_STEP`), at which loops of
+        theory are cached: one solution of theory is enough for each.
         """
-        roots = np.linspace(
+        roots_of_log = np.linspace(
             math.sqrt(_LEAST_LOG_OF_TRIALS),
             math.sqrt(math.log(_LARGEST_FRICTION_RATIO)),
             _N_TRIAL_FRICTIONS,
         )
-        roots = _ROOT_STEP * np.round(roots / _ROOT_STEP)
-        return self.friction_at_gross_sliding(highest, lowest) * np.exp(roots**2)
+        roots_of_log = _ROOT_STEP * np.round(roots_of_log / _ROOT_STEP)
+        return self.friction_at_gross_sliding(highest, lowest) * np.exp(roots_of_log**2)
 
     def _displacement_at_step(self, step: int) -> Array:
         """U (m,) of the scene with f = sliding exp(root^2), the root being `step` times
@@ -243,7 +252,10 @@ class LoopsOverFriction:
         return self.displacement_by_step[step]
 
     def displacement(self, friction: float) -> Array:
-        """U (m,) of the scene with this f [length]."""
+        """U (m,) of the scene with the friction coefficient f [length]: interpolated by a cubic
+        between loops of theory at steps of sqrt(ln(f/f of gross sliding)).
+        """
+        # that root, in steps
         root = self._root_in_steps(friction)
         step = round(root)
         if abs(root - step) < 1e-9:
@@ -252,7 +264,10 @@ class LoopsOverFriction:
         return np.asarray(weights @ self._displacements_around(root))
 
     def displacement_by_log_friction(self, friction: float) -> Array:
-        """Derivative (m,) of U by ln f [length]."""
+        """Derivative (m,) of U of the scene by ln f [length], f being the friction coefficient: by
+        a cubic in the root sqrt(ln(f/f of gross sliding)), which is counted in steps of 0.02
+        (`_ROOT_STEP`). With the root r in steps, ln f changes by 2 step^2 r dr.
+        """
         # The root has no derivative at gross sliding itself: that just above is taken.
         root = max(self._root_in_steps(friction), 1e-3)
         _, weights_of_derivative = _cubic_weights(root - math.floor(root))
@@ -273,9 +288,11 @@ class LoopsOverFriction:
         )
 
     def ends_of_branch(self, *, rising: bool) -> tuple[int, int]:
-        """Numbers of the first and the last instant of a branch of the cycle; beyond the end of the
+        """Numbers of the first and the last instant of a branch of the scene's cycle, on which Q
+        rises from its lowest to its highest value, or falls (`rising` False). Beyond the end of the
         cycle they count on.
         """
+        # the last instant of `self.load` is the first of the next cycle
         n_instants = len(self.load) - 1
         lowest_instant = int(np.argmin(self.load[:-1]))
         highest_instant = int(np.argmax(self.load[:-1]))
@@ -286,33 +303,38 @@ class LoopsOverFriction:
     @functools.cached_property
     def instants_by_branch(self) -> dict[bool, list[Indices]]:
         """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
-        of the falling one (False), may lie.
+        of the falling one (False), may lie: for each branch a list of up to three arrays.
 
         They are those of the branch itself, and those of the other branch before and behind it in
-        which Q is near to the turning point (`_SHARE_BESIDE_TURN`): noise can lay a row beyond it.
+        which Q is within 5 % of its range from the turning point (`_SHARE_BESIDE_TURN`): noise can
+        lay a row beyond it.
         """
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
-        parts = {}
+        instants_of_branches = {}
         for rising in (True, False):
+            # first and last instant of the branch
             begin, end = self.ends_of_branch(rising=rising)
             instants_before = (begin - np.arange(1, n_instants // 2)) % n_instants
             instants_behind = (end + np.arange(1, n_instants // 2)) % n_instants
+            # how many instants of the other branch lie near to the turning point
             first_near_begin = begin - self._count_of_instants_near_turn(
                 load_of_cycle[instants_before]
             )
             last_near_end = end + self._count_of_instants_near_turn(load_of_cycle[instants_behind])
             spans_of_instants = ((begin, end), (first_near_begin, begin), (end, last_near_end))
-            parts[rising] = [
+            instants_of_branches[rising] = [
                 np.arange(first_instant, last_instant + 1)
                 for first_instant, last_instant in spans_of_instants
                 if last_instant > first_instant
             ]
-        return parts
+        return instants_of_branches
 
     def _count_of_instants_near_turn(self, loads_from_turn: Array) -> int:
-        """How many instants pass, from a turning point on, before Q is no longer near to an end of
-        its range. `loads_from_turn` is Q at the instants, from the turning point away.
+        """How many instants of the scene's cycle pass, from a turning point of Q on, before Q is
+        farther than 5 % of its range (`_SHARE_BESIDE_TURN`) from both ends of this range.
+        `loads_from_turn` (k,) is Q at these instants, from the turning point away; all count
+        where Q never is.
         """
         margin = _SHARE_BESIDE_TURN * self.range_of_load
         distance_to_end = np.minimum(
@@ -325,7 +347,7 @@ class LoopsOverFriction:
         self, rows: LoopRows, friction: float, highest_load: float, lowest_load: float
     ) -> tuple[float, float]:
         """C [1/stress] and U0 [length] of the rig from which a fit begins, U = r U_theory + C Q +
-        U0.
+        U0, with r the factor of the file's Q over the scene's.
 
         Each row is compared with theory's loop at the same Q, on the same branch. Rows near the
         turning points, where the branch is not certain, are left out as long as more than eight
@@ -333,11 +355,14 @@ class LoopsOverFriction:
 
         Parameters
         ----------
+        rows
+            U and Q of the measured rows, and whether each lies on the rising branch
         friction
             f of the file, whose Q is r times that of the scene
         highest_load, lowest_load
             Q at the upper and at the lower turning point of the rows
         """
+        # r; self.load (m,): Q of the scene at instants of its cycle
         scale = self.load_scale(highest_load, lowest_load)
         displacement_of_scene = self.displacement(friction / scale)
         fraction_of_range = (rows.load - lowest_load) / (highest_load - lowest_load)
@@ -346,6 +371,7 @@ class LoopsOverFriction:
         displacement_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
             is_on_branch = rows.branches.is_rising == rising
+            # first and last instant of the branch
             begin, end = self.ends_of_branch(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
             instants_by_load = instants if rising else instants[::-1]
@@ -358,33 +384,39 @@ class LoopsOverFriction:
         is_in_middle = (fraction_of_range > _MIDDLE_OF_RANGE[0]) & (
             fraction_of_range < _MIDDLE_OF_RANGE[1]
         )
+        # least squares of U - r U_theory over C Q + U0
         rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
         return rows.fitted_rig(scale * displacement_at_rows, rows_that_count)
 
     def nearest_points(
         self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> NearestPoints:
-        """The point of theory's loop that is nearest to each row, on the branch of the row or just
-        beyond its turning points: place (instant of the loop, with a fraction), distance and unit
-        vector, in sigma of U and of Q.
+        """The point of theory's loop that is nearest to each of n measured rows, on the branch of
+        the row or just beyond its turning points: place (instant of the loop, with a fraction),
+        distance, positive on the left of the loop, and unit normal to the left, in sigma of U and
+        of Q, (n,) each.
 
         Parameters
         ----------
+        rows
+            U and Q of the rows, and whether each lies on the rising branch
         friction
             f of the loop
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
         noise
-            sigma of U and of Q, by which both are divided
+            sigma, standard deviation of the noise of U and of Q, by which both are divided
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
+        # factor r of the file's Q over the scene's; self.load (m,): Q of the scene through a
+        # cycle
         scale = self.load_scale(highest_load, lowest_load)
         load_of_loop = lowest_load + scale * (self.load - self.load.min())
         displacement_of_loop = (
             scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
         )
         n_instants = len(self.load) - 1
-        # for each row: place, distance, unit vector in U and in Q
+        # for each row: place, distance, unit normal in U and in Q
         nearest = np.empty((4, len(rows.load)))
         nearest[1] = math.inf
         row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
@@ -393,10 +425,13 @@ class LoopsOverFriction:
         )
         for is_branch_rising in (True, False):
             rows_of_branch = np.flatnonzero(rows.branches.is_rising == is_branch_rising)
+            # the branch itself, and pieces of the other one beside its turning points
             for instants in self.instants_by_branch[is_branch_rising]:
                 polyline = loop_points[:, instants % n_instants]
                 for begin in range(0, len(rows_of_branch), _ROWS_AT_ONCE):
                     rows_of_block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
+                    # nearest points of one block of rows on one piece; _ROWS_AT_ONCE bounds the
+                    # memory
                     candidate = nearest_on_polyline(row_points[:, rows_of_block], polyline)
                     candidate[0] += instants[0]
                     is_nearer = np.abs(candidate[1]) < np.abs(nearest[1, rows_of_block])
@@ -410,8 +445,8 @@ class LoopsOverFriction:
     def distances_with_derivatives(
         self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> tuple[Array, Array]:
-        """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
-        highest Q, lowest Q, C and U0 (n, 5).
+        """Distances of measured rows from theory's loop of Q over U in sigma (n,), and their
+        derivatives by ln f, highest Q, lowest Q, C and U0 (n, 5).
 
         Parameters
         ----------
@@ -420,15 +455,21 @@ class LoopsOverFriction:
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
         noise
-            sigma of U and of Q
+            sigma, standard deviation of the noise of U and of Q
+
+        # notation: C compliance of the rig, f friction coefficient, r factor of the file's Q over
+        #           the scene's, tau place in the cycle, U0 origin of U; loop U = r U(tau; f/r) +
+        #           C Q + U0
         """
         highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
         scale = self.load_scale(highest_load, lowest_load)
+        # place, distance and unit normal (displacement_part, load_part) of each row
         nearest_points = self.nearest_points(rows, friction, terms, noise)
         # place of the nearest point in the scene's cycle, as a number of instants
         place = np.mod(nearest_points.place, len(self.load) - 1)
         instants = np.arange(len(self.load))
+        # self.load (m,): Q of the scene at the instants
         load_above_lowest = np.interp(place, instants, self.load - self.load.min())
         fraction_of_range = load_above_lowest / self.range_of_load
         displacement_at_place = np.interp(place, instants, self.displacement(friction / scale))
@@ -451,6 +492,7 @@ class LoopsOverFriction:
         load_derivatives = np.zeros_like(displacement_derivatives)
         load_derivatives[:, 1] = fraction_of_range
         load_derivatives[:, 2] = 1 - fraction_of_range
+        # a signed distance falls by what the nearest point moves along the unit normal
         derivatives = (
             -nearest_points.displacement_part[:, None]
             * displacement_derivatives
@@ -472,12 +514,12 @@ def _cubic_weights(x: float) -> tuple[Array, Array]:
     nodes = np.array([-1.0, 0.0, 1.0, 2.0])
     weights = np.empty(4)
     weights_of_derivative = np.empty(4)
-    for number in range(4):
-        other_nodes = np.delete(nodes, number)
-        divisor = np.prod(nodes[number] - other_nodes)
+    for node_number in range(4):
+        other_nodes = np.delete(nodes, node_number)
+        divisor = np.prod(nodes[node_number] - other_nodes)
         x_from_first, x_from_second, x_from_third = x - other_nodes
-        weights[number] = x_from_first * x_from_second * x_from_third / divisor
-        weights_of_derivative[number] = (
+        weights[node_number] = x_from_first * x_from_second * x_from_third / divisor
+        weights_of_derivative[node_number] = (
             x_from_first * x_from_second
             + x_from_second * x_from_third
             + x_from_third * x_from_first
@@ -489,9 +531,9 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     """The point of a polyline that is nearest to each of n points.
 
     Returns (4, n): the place on the polyline (index of its segment plus the fraction of it that is
-    passed); the distance, positive on the left of the polyline; and the unit normal, to the left.
-    The nearest of every sixteenth corner comes first, then the nearest corner around it. The
-    polyline does not fold back.
+    passed); the distance, positive on the left of the polyline; and two components of the unit
+    normal, to the left. The nearest of every sixteenth corner (`_STRIDE_OF_CORNERS`) is searched
+    first, then the nearest corner around it. The polyline does not fold back.
 
     Parameters
     ----------
@@ -507,6 +549,7 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     >>> np.round(nearest_on_polyline(points, polyline), 12).tolist()
     [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
     """
+    # nearest corner of the polyline to each point: among coarse ones, then around the best
     last_corner = polyline.shape[1] - 1
     coarse_corners = np.minimum(
         np.arange(0, last_corner + _STRIDE_OF_CORNERS, _STRIDE_OF_CORNERS), last_corner
@@ -534,6 +577,7 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     vector_to_point = vector_from_start - fraction_of_segment * segment_vector
     index_of_segment = np.argmin(np.sum(vector_to_point**2, axis=0), axis=1)
 
+    # of the nearer of the two segments
     point_numbers = np.arange(points.shape[1])
     fraction_of_segment = fraction_of_segment[point_numbers, index_of_segment]
     segment_vector = segment_vector[:, point_numbers, index_of_segment]
@@ -541,10 +585,11 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     distance = np.hypot(vector_to_point[0], vector_to_point[1])
     cross_product = segment_vector[0] * vector_to_point[1] - segment_vector[1] * vector_to_point[0]
     distance = np.where(cross_product < 0, -distance, distance)
+
     # Normal of the segment, to its left. Beyond a corner it has the direction from there to the
     # point, or the opposite one where the point lies on the right.
-    length = np.sqrt(length_squared[point_numbers, index_of_segment])
-    normal_of_segment = np.array([-segment_vector[1], segment_vector[0]]) / length
+    segment_length = np.sqrt(length_squared[point_numbers, index_of_segment])
+    normal_of_segment = np.array([-segment_vector[1], segment_vector[0]]) / segment_length
     is_at_corner = ((fraction_of_segment == 0) | (fraction_of_segment == 1)) & (distance != 0)
     normal = np.where(
         is_at_corner, vector_to_point / np.where(is_at_corner, distance, 1.0), normal_of_segment
@@ -576,30 +621,39 @@ class _Search:
     sliding_friction: float  # f of gross sliding between the turning points of the rows
 
     def residuals(self, friction: float, terms: Array) -> Array:
-        """Distances of the rows from theory's loop, then of the two turning points from those that
-        the rows of Q show, each over its sigma: (n + 2,). `terms` are Q_max, Q_min, C and U0.
+        """Residuals of theory's loop of Q over U from n measured rows, each over its standard
+        deviation, (n + 2,): distances of the rows from the loop, then differences of its highest
+        and lowest Q from those that the rows of Q show. `terms` (4,) are highest Q, lowest Q,
+        compliance C of the rig and origin U0 of the displacement.
         """
         distances = self.model.distances(self.rows, friction, terms, self.noise)
         return np.concatenate([distances, self._residuals_of_turns(terms)])
 
     def _residuals_of_turns(self, terms: Array) -> Array:
-        """(2,) of Q_max and Q_min, over the standard errors of the turning points."""
-        top = self.rows.branches.highest
-        bottom = self.rows.branches.lowest
+        """Differences (2,) of highest and lowest Q of a loop from the turning points that the
+        measured rows show, over the standard errors of these. `terms` (4,) begins with highest and
+        lowest Q.
+        """
+        highest_turn = self.rows.branches.highest
+        lowest_turn = self.rows.branches.lowest
         return np.array(
             [
-                (terms[0] - top.load) / top.standard_error,
-                (terms[1] - bottom.load) / bottom.standard_error,
+                (terms[0] - highest_turn.load) / highest_turn.standard_error,
+                (terms[1] - lowest_turn.load) / lowest_turn.standard_error,
             ]
         )
 
     def _residuals_with_derivatives(
         self, friction: float, terms: Array, model: LoopsOverFriction
     ) -> tuple[Array, Array]:
-        """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
+        """Residuals of theory's loop from n measured rows over sigma, (n + 2,): distances of the
+        rows, then differences of highest and lowest Q; and their derivatives by ln f and the four
+        terms, (n + 2, 5). The terms are highest Q, lowest Q, rig compliance C and origin U0.
+        """
         distances, derivatives_of_distances = model.distances_with_derivatives(
             self.rows, friction, terms, self.noise
         )
+        # of the differences over the standard errors of both turning points
         derivatives_of_turns = np.zeros((2, 5))
         derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.standard_error
         derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest.standard_error
@@ -607,16 +661,18 @@ class _Search:
         return residuals, np.concatenate([derivatives_of_distances, derivatives_of_turns])
 
     def start_terms(self, friction: float) -> Array:
-        """Terms from which a fit at this f begins: Q_max, Q_min, C and U0, (4,)."""
+        """The four terms from which a fit at this friction coefficient begins: highest and lowest Q
+        of the measured loop, compliance C of the rig and origin U0 of the displacement, (4,).
+        """
         highest_load = self.rows.branches.highest.load
         lowest_load = self.rows.branches.lowest.load
         rig = self.model.start_of_rig(self.rows, friction, highest_load, lowest_load)
         return np.array([highest_load, lowest_load, *rig])
 
     def first_fit(self, trial_frictions: Array) -> tuple[float, Array]:
-        """f and the four terms of the best fit (highest Q, lowest Q, and C and U0 of the rig). It
-        is searched from those trial values of f at which the sum of squares is smaller than at both
-        neighbours.
+        """f and the four terms of the best fit to measured rows (highest Q, lowest Q, and C and U0
+        of the rig). Fits begin from up to three trial values of f, at which the sum of squares is
+        smaller than at both neighbours.
 
         A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
 
@@ -625,11 +681,12 @@ class _Search:
         trial_frictions
             (k,) values of f, ascending
         """
+        # of each trial, terms (4,) to begin with
         starts = [self.start_terms(friction) for friction in trial_frictions.tolist()]
         sums_of_squares = np.array(
             [
-                np.sum(self.residuals(friction, start) ** 2)
-                for friction, start in zip(trial_frictions.tolist(), starts, strict=True)
+                np.sum(self.residuals(friction, start_terms) ** 2)
+                for friction, start_terms in zip(trial_frictions.tolist(), starts, strict=True)
             ]
         )
         sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
@@ -637,9 +694,10 @@ class _Search:
             (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
         )
         lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MOST_MINIMA]
+        # least sum of squares, f and terms of each fit
         fits = [
-            self.best_fit(float(trial_frictions[number]), starts[number])
-            for number in lowest_minima.tolist()
+            self.best_fit(float(trial_frictions[trial_number]), starts[trial_number])
+            for trial_number in lowest_minima.tolist()
         ]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
@@ -659,8 +717,8 @@ class _Search:
         self, friction: float, start: Array, *, fits_friction: bool
     ) -> tuple[float, float, Array]:
         """Least sum of squares between measured rows and theory's loop, and the friction
-        coefficient f and terms that give it, by Levenberg and Marquardt's method from
-        `start_terms`.
+        coefficient f and terms that give it, by Levenberg and Marquardt's method from `friction`
+        and the terms `start`.
 
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
@@ -671,10 +729,12 @@ class _Search:
         is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
         typical_sizes = np.array([1.0, *self.rows.term_sizes])[is_free]
         start_parameters = np.array([math.log(friction), *start])
+        # bounds of ln f: 0.2 below that of gross sliding, and at 40 times it
         lowest_log = math.log(self.sliding_friction) - _LOG_BELOW_SLIDING
         highest_log = math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO)
 
         def friction_and_terms(steps: Array) -> tuple[float, Array]:
+            """f and the terms (4,) after `steps` of the free parameters, in their typical sizes."""
             log_friction_and_terms = start_parameters.copy()
             log_friction_and_terms[is_free] += steps * typical_sizes
             log_friction = min(max(log_friction_and_terms[0], lowest_log), highest_log)
@@ -701,17 +761,22 @@ class _Search:
         return 2 * float(minimum.cost), friction_of_answer, terms
 
     def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
-        """The same search with rows beside a turning point moved to the other branch, where
-        theory's loop is far nearer to them there. A turning point is known to within one row only.
+        """A search for the best fit with rows beside a turning point moved to the other branch,
+        where theory's loop is less than a quarter as far from them there. A turning point is known
+        to within one row only.
 
         `terms` (4,) are highest Q, lowest Q, C and U0.
         """
         branches = self.rows.branches
+        # (n,) whether each row lies on the rising branch
         is_rising = branches.is_rising
-        last_before_change = np.flatnonzero(is_rising[1:] != is_rising[:-1])
-        rows_at_turns = np.unique(np.concatenate([last_before_change, last_before_change + 1]))
+        last_rows_of_branches = np.flatnonzero(is_rising[1:] != is_rising[:-1])
+        rows_at_turns = np.unique(
+            np.concatenate([last_rows_of_branches, last_rows_of_branches + 1])
+        )
         rising_if_moved = is_rising.copy()
         rising_if_moved[rows_at_turns] = ~is_rising[rows_at_turns]
+        # the last two residuals are of the turning points
         distance_as_is = np.abs(self.residuals(friction, terms)[:-2])
         distance_if_moved = np.abs(
             self._search_with_branches(rising_if_moved).residuals(friction, terms)[:-2]
@@ -729,9 +794,9 @@ class _Search:
     def interval_end(
         self, log_friction: float, terms: Array, end_of_search: float, largest_sum: float
     ) -> float | None:
-        """One end of the 95 % interval of f, as ln f: where the least sum of squares rises above
-        `largest_sum` on the way from the best f to the end of the search. None where it stays
-        below.
+        """One end of the 95 % interval of the friction coefficient f, as ln f: where the least sum
+        of squares rises above `largest_sum` on the way from the best f to the end of the search.
+        None where it stays below.
 
         Parameters
         ----------
@@ -745,10 +810,12 @@ class _Search:
         latest_terms = terms
 
         def excess_over_largest(log_trial: float) -> float:
+            """Least sum of squares at ln f = `log_trial`, minus the largest one admitted."""
             nonlocal latest_terms
             sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
             return sum_of_squares - largest_sum
 
+        # of the search
         direction = 1.0 if end_of_search > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
         excess_at_best = excess_over_largest(log_friction)
@@ -757,20 +824,25 @@ class _Search:
             excess_over_largest(log_friction + direction * step) - excess_at_best, 1e-300
         )
         step *= math.sqrt(max(-excess_at_best / rise_at_step, 1e-8))
-        log_within = log_friction
+
+        # steps outwards, each 1.3 times the one before
+        log_friction_within = log_friction
         for _ in range(_MOST_STEPS_OUTWARDS):
-            log_beyond = log_friction + direction * min(step, abs(end_of_search - log_friction))
-            if excess_over_largest(log_beyond) > 0:
+            log_friction_beyond = log_friction + direction * min(
+                step, abs(end_of_search - log_friction)
+            )
+            if excess_over_largest(log_friction_beyond) > 0:
+                # the end lies between the last two ln f, which six halvings bring together
                 for _ in range(_N_HALVINGS):
-                    log_middle = (log_within + log_beyond) / 2
-                    if excess_over_largest(log_middle) > 0:
-                        log_beyond = log_middle
+                    log_friction_between = (log_friction_within + log_friction_beyond) / 2
+                    if excess_over_largest(log_friction_between) > 0:
+                        log_friction_beyond = log_friction_between
                     else:
-                        log_within = log_middle
-                return log_beyond
-            if log_beyond == end_of_search:
+                        log_friction_within = log_friction_between
+                return log_friction_beyond
+            if log_friction_beyond == end_of_search:
                 return None
-            log_within = log_beyond
+            log_friction_within = log_friction_beyond
             step *= 1.3
         return None
 
@@ -786,10 +858,14 @@ def fit_loop(
     displacement, with the 95 % interval of f. The noise of U and of Q is estimated from the rows,
     and again from the residuals of each fit.
 
+    The upper end of the interval is None where the sum of squares never rises far enough; the lower
+    one is at least f of gross sliding.
+
     Parameters
     ----------
     rows
-        U, Q and branch of each row, and C where it is stated
+        U and Q of each row; `branches`, with the highest and the lowest turning point of Q and the
+        noise of Q; `compliance`, C where it is stated, else None
     model
         theory's loops for any f
     resolution
@@ -801,6 +877,8 @@ def fit_loop(
     top_load = rows.branches.highest.load
     bottom_load = rows.branches.lowest.load
     sliding_friction = model.friction_at_gross_sliding(top_load, bottom_load)
+    # noise of the last digits, at least 1e-9 of the largest U or Q
+    # row_noise: standard deviation that neighbouring rows show
     least_noise = RowNoise(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
@@ -818,6 +896,7 @@ def fit_loop(
     degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
     for _ in range(_MOST_REWEIGHTINGS):
         _, friction, terms = search.best_fit(friction, terms)
+        # rows beside a turning point go to the other branch where that is far nearer
         search = search.search_with_rows_at_turns_moved(friction, terms)
         sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
@@ -830,10 +909,13 @@ def fit_loop(
         search = replace(search, noise=noise)
         if np.max(np.abs(noise_changes)) < 0.05:
             break
+
+    # best fit, and the sum of squares that its interval admits
     least_sum, friction, terms = search.best_fit(friction, terms)
     friction = max(friction, sliding_friction * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
     misfit = misfit_of(distances, search.noise.displacement)
+    # widening: factor of an interval where neighbouring rows lie on one side of the loop
     largest_sum = least_sum + _CHI_SQUARED * misfit.widening**2 * max(
         least_sum / degrees_of_freedom, 1.0
     )

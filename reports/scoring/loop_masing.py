@@ -80,14 +80,18 @@ class MeasuredRows:
 
     @functools.cached_property
     def mean_times_of_turns(self) -> tuple[float, float]:
-        """Mean `share_of_time` of the highest and of the lowest turning points; 0 without any."""
-        phase = np.maximum.accumulate(self.branches.phase)  # in cycles from a lowest point
+        """Mean time of the highest and of the lowest turning points of the measured loop, over the
+        time of the whole record, from -1/2 to 1/2; 0 without any such point.
+        """
+        # (n,) cycles since a lowest point: whole there, and half-way between at a highest one
+        phase = np.maximum.accumulate(self.branches.phase)
         mean_times = []
         for phase_of_turn in (0.5, 0.0):
             first_cycle = math.ceil(phase[0] - phase_of_turn)
             cycles = np.arange(first_cycle, phase[-1] - phase_of_turn + 1e-9)
-            times = np.interp(cycles + phase_of_turn, phase, self.share_of_time)
-            mean_times.append(float(np.mean(times)) if len(times) else 0.0)
+            # self.share_of_time: (n,) time of the rows over the record, from -1/2 to 1/2
+            shares_of_time = np.interp(cycles + phase_of_turn, phase, self.share_of_time)
+            mean_times.append(float(np.mean(shares_of_time)) if len(shares_of_time) else 0.0)
         return mean_times[0], mean_times[1]
 
     @property
@@ -97,7 +101,11 @@ class MeasuredRows:
 
     @property
     def parameter_sizes(self) -> Array:
-        """Typical sizes of the parameters of a loop (7,), by which steps of a fit are scaled."""
+        """Typical sizes of the seven parameters of a loop, (7,), by which steps of a fit are
+        scaled: of ln f, middle and range of Q, compliance of the rig, origin and drift of U, gross
+        slide.
+        """
+        # of the rows, highest minus lowest
         range_of_displacement, range_of_load = self.ranges
         return np.array(
             [
@@ -148,7 +156,9 @@ class MemoryCurve:
     spline_slope: Any
 
     def value(self, argument: Array) -> Array:
-        """v [length] at `argument` = h/f [force per thickness]."""
+        """Memory curve v(h/f) [length] at `argument` = h/f [force per thickness]. Below 0 and
+        beyond the last sample, just below gross sliding, it goes on as a straight line.
+        """
         argument_on_spline = np.clip(argument, 0.0, self.largest_argument)
         value_below_zero = np.minimum(argument, 0.0) * self.spline_slope(0.0)
         argument_beyond = np.maximum(argument - self.largest_argument, 0.0)
@@ -161,14 +171,18 @@ class MemoryCurve:
 
 
 def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
-    """The memory curve v(h/f) of a scene at constant P, from one solve: U falls by 2 f v(h/f) when
-    Q falls by 2 h from a turning point (Masing's rule). It is taken from the falling branch of a
-    loop that nearly slides as a whole, on which h/f runs from 0 to nearly P.
+    """The memory curve v(h/f) of a scene at constant P, from one solve of half-plane theory: U
+    falls by 2 f v(h/f) when Q falls by 2 h from a turning point (Masing's rule). It is taken from
+    the falling branch of a loop that nearly slides as a whole, on which h/f runs from 0 to nearly
+    P.
 
     Parameters
     ----------
     sliding_friction_per_load
-        f at which the scene just slides as a whole, over the range of its Q [1/load]
+        f at which the scene just slides as a whole, over the range of its Q [1/load]; it is
+        stored with the curve
+
+    # notation: f coefficient of friction, P and Q loads, U relative tangential displacement
     """
     from scipy.interpolate import CubicSpline
 
@@ -176,10 +190,12 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     path_of_scene = scene.load.path()
     normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
     normal_load = float(np.asarray(normal_loads)[0])
+    # of h/f: a millionth of P below gross sliding
     largest_argument = normal_load * (1 - _RELATIVE_GAP_TO_SLIDING)
     largest_load = friction * largest_argument
     polygon_of_loads = {
         "kind": "polygon",
+        # vertices (P, Q)
         "initial_loading": [(normal_load, 0.0), (normal_load, largest_load)],
         "cycle": [(normal_load, -largest_load)],
     }
@@ -188,6 +204,7 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     assert path.period is not None
     # samples closer and closer towards gross sliding, where the slope grows
     share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _N_SAMPLES_OF_CURVE)) ** 3
+    # second cycle, whose first half is the falling branch
     times = path.cycle_start + path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
         nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
@@ -224,8 +241,13 @@ class MasingLoop:
         return bool(self.parameters[SLIDE] > 0)
 
     def _fraction_of_load_range(self, place: Array) -> Array:
-        """Fraction of the range of Q that the rising branch has passed at places (n,): 0 at the
-        lower turning point, 1 at the upper one and on the slide. It is 1 − (1 − place)^3 between.
+        """Fraction of the range of Q that the rising branch of the loop has passed at places (n,),
+        (n,). A place is a parameter along the branch: 0 at the lower turning point, 1 at the end of
+        partial slip, 2 at the end of gross sliding. The fraction is 1 − (1 − place)^3 from 0 to 1,
+        and 1 on the slide.
+
+        Below place 0 it is continued as a straight line; above 2 as well where the loop has no
+        slide.
         """
         fraction_on_branch = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
         fraction_of_range = fraction_on_branch + 3 * np.minimum(place, 0.0)
@@ -241,7 +263,11 @@ class MasingLoop:
         a nearest point: along U where the contact slides, else along the memory curve v.
 
             U = 2 f v(h/f) - f v(R/2f) + slide + C Q,   h half of the rise of Q since the lower turn
+
+        # notation: C compliance of the rig, f friction coefficient, R range of Q, v memory curve of
+        #           theory, `self.curve.value`
         """
+        # fraction of R that is passed: 0 at the lower turning point, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
         half_range = self.parameters[RANGE] / 2
@@ -251,6 +277,7 @@ class MasingLoop:
         )
         displacement_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         if self._has_slide:
+            # any rate will do, here the range of U in partial slip per unit of place
             displacement_past_end = 2 * displacement_at_turn * np.maximum(place - 2, 0.0)
             displacement_of_slide = displacement_of_slide + displacement_past_end
         load = (2 * fraction_of_range - 1) * half_range
@@ -264,9 +291,12 @@ class MasingLoop:
         return displacement, load
 
     def closed_curve(self, share_of_cycle: Array) -> tuple[Array, Array]:
-        """U and Q from the middle of the loop at shares of a cycle (n,), from the highest Q on."""
+        """U and Q around the whole loop, (n,) each, counted from its middle, at shares of a cycle
+        (n,) from 0 to 1: the falling branch first, from the highest Q on.
+        """
         is_falling = share_of_cycle < 0.5
         share_of_branch = 2 * np.where(is_falling, share_of_cycle, share_of_cycle - 0.5)
+        # of the rising branch, at places 0 to 2 along it
         displacement, load = self.points(np.clip(2 * share_of_branch, 0.0, 2.0))
         # the falling branch is the rising one turned about the middle
         sign_of_branch = np.where(is_falling, -1.0, 1.0)
@@ -285,11 +315,12 @@ class MasingLoop:
 
     @property
     def area(self) -> float:
-        """W, the closed integral of Q dU [energy per thickness], by 2,000 and by 4,000 chords: the
-        error, which falls with the square of their number, is extrapolated.
+        """Area W of the loop, the closed integral of Q dU [energy per thickness], by 2,000 and by
+        4,000 chords: the error, which falls with the square of their number, is extrapolated.
         """
         areas = []
         for n_points in (2001, 4001):
+            # around the loop, at shares of the cycle from 0 to 1
             displacement, load = self.closed_curve(np.linspace(0.0, 1.0, n_points))
             areas.append(float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(displacement))))
         return areas[1] + (areas[1] - areas[0]) / 3
@@ -303,25 +334,34 @@ class MasingLoop:
 
     @property
     def area_by_parameters(self) -> Array:
-        """Derivatives of W by the parameters (7,), by central differences; W does not depend on
-        Q_mid, U_mid and D.
+        """Derivatives of the area W of the loop, the closed integral of Q dU, by its seven
+        parameters (7,), by central differences. W does not depend on the middle of Q, the origin of
+        U and the drift of U. `LOG_F`, `RANGE`, `COMPLIANCE` and `SLIDE` are indices of ln f, range
+        of Q, compliance of the rig and gross slide.
         """
         gradient = np.zeros(7)
         for k in (LOG_F, RANGE, COMPLIANCE, SLIDE):
-            step = np.zeros(7)
-            step[k] = _RELATIVE_STEP * max(abs(float(self.parameters[k])), _RELATIVE_STEP)
-            area_above = MasingLoop(self.curve, self.parameters + step).area
-            area_below = MasingLoop(self.curve, self.parameters - step).area
-            gradient[k] = (area_above - area_below) / (2 * step[k])
+            parameter_step = np.zeros(7)
+            # _RELATIVE_STEP: 1e-4
+            parameter_step[k] = _RELATIVE_STEP * max(abs(float(self.parameters[k])), _RELATIVE_STEP)
+            area_above = MasingLoop(self.curve, self.parameters + parameter_step).area
+            area_below = MasingLoop(self.curve, self.parameters - parameter_step).area
+            gradient[k] = (area_above - area_below) / (2 * parameter_step[k])
         return gradient
 
     def gross_loop_with_friction(self, friction: float) -> MasingLoop | None:
-        """The gross loop with another coefficient of friction, over the same range of U: what the
-        contact does not slip it slides. None where this range is too short for a slide.
+        """A gross loop with another coefficient of friction f over the same range of U: the contact
+        slides the part of this range that it does not slip. None where this range is too short for
+        a slide.
+
+        The range of Q is R = 2 f P. `LOG_F`, `RANGE` and `SLIDE` are indices of ln f, R and slide
+        among the seven parameters of a loop.
         """
+        # places 0 to 2 lie along the rising branch; 2 is the upper turning point
         place_of_end = np.array([2.0])
         parameters = self.parameters.copy()
         parameters[LOG_F] = math.log(friction)
+        # sliding_friction_per_load: f at which the contact just slides as a whole, over R
         parameters[RANGE] = friction / self.curve.sliding_friction_per_load
         displacement_at_end, _ = self.points(place_of_end)
         displacement_with_same_slide, _ = MasingLoop(self.curve, parameters).points(place_of_end)
@@ -331,14 +371,20 @@ class MasingLoop:
         return MasingLoop(self.curve, parameters) if parameters[SLIDE] > 0 else None
 
     def tangents(self, place: Array) -> tuple[Array, Array]:
-        """Components in U and in Q of a tangent to the rising branch at places (n,), (n,) each:
-        (dU/dQ, 1) in partial slip, (1, 0) on the slide.
+        """Components in U and in Q of a tangent to the rising branch of the loop at places (n,),
+        (n,) each: (dU/dQ, 1) in partial slip, (1, 0) on the slide.
+
+        `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide.
         """
         is_in_partial_slip = (place < 1) | (not self._has_slide)
-        rate = self.curve.slope(
+        # slope of the memory curve v at h/f, h half of the rise of Q since the lower turning
+        # point
+        theory_slope = self.curve.slope(
             self._fraction_of_load_range(place) * self.parameters[RANGE] / 2 / self.friction
         )
-        tangent_displacement = np.where(is_in_partial_slip, rate + self.parameters[COMPLIANCE], 1.0)
+        tangent_displacement = np.where(
+            is_in_partial_slip, theory_slope + self.parameters[COMPLIANCE], 1.0
+        )
         return tangent_displacement, is_in_partial_slip.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
@@ -351,8 +397,11 @@ class MasingLoop:
 
             U = 2 f v(h/f) - f v(R/2f) + slide + C Q.
 
-        `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide.
+        `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide. v is
+        the memory curve of theory, `self.curve.value`, with slope v', `self.curve.slope`. `LOG_F`,
+        `RANGE`, `COMPLIANCE` and `SLIDE` are indices of parameters.
         """
+        # fraction of R that the branch has passed: 0 at the lower turn, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
         half_range = self.parameters[RANGE] / 2
@@ -361,6 +410,7 @@ class MasingLoop:
         load_over_friction = fraction_of_range * half_range / friction
         slope_at_turn = self.curve.slope(load_over_friction_at_turn)
         slope_at_place = self.curve.slope(load_over_friction)
+
         displacement_derivatives = np.zeros((len(place), 7))
         load_derivatives = np.zeros((len(place), 7))
         # d(f v(h/f))/df = v - (h/f) v'
@@ -400,7 +450,8 @@ def distances_from_loop(
     Parameters
     ----------
     rows
-        U, Q, time and branch of each row
+        U, Q and branch of each row; `share_of_time`, its time over that of the record, from -1/2 to
+        1/2; `rows_beside_turns`, indices of the two rows at each turning point
     curve
         memory curve of theory, from which the loop is built
     parameters
@@ -408,12 +459,21 @@ def distances_from_loop(
         slide
     sigma
         standard deviation of the noise of U and of Q, by which both are divided
+
+    Returns
+    -------
+    Distances
+        distance (n,), positive where U of the row is the larger; its derivatives (n, 7); unit
+        normal (n, 2) of the loop; place of the nearest point, 0 to 1 on the rising and 1 to 2 on
+        the falling branch
     """
     loop = MasingLoop(curve, parameters)
+    # U and Q of the rows, from the middle of the loop
     displacement = (
         rows.displacement - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
     )
     load = rows.load - parameters[MIDDLE]
+    # corners (2, m) of a polygon along the rising branch
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
@@ -421,6 +481,8 @@ def distances_from_loop(
     from_branch_of_rows = _distances_from_branch(
         loop, corners_of_branch, displacement, load, branch_sign, sigma
     )
+
+    # the other branch, for rows beside a turning point
     rows_beside_turns = rows.rows_beside_turns
     from_other_branch = _distances_from_branch(
         loop,
@@ -437,6 +499,7 @@ def distances_from_loop(
     from_branch_of_rows[:, rows_of_other_branch] = from_other_branch[:, is_other_nearer]
     branch_sign[rows_of_other_branch] *= -1
 
+    # place: along the branch, 0 to 1 in partial slip and 1 to 2 on the slide
     distance, normal_displacement, normal_load, place = from_branch_of_rows
     displacement_derivatives, load_derivatives = loop.derivatives(place)
     displacement_derivatives *= branch_sign[:, None]
@@ -464,9 +527,10 @@ def _distances_from_branch(
     branch_sign: Array,
     sigma: RowNoise,
 ) -> Array:
-    """Distances of rows from one branch of the loop, (4, n): the distance in sigma, positive where
-    U of the row is larger; the components in U and in Q of the unit normal at the nearest point of
-    the branch; and the place of this point, a parameter along the branch (`MasingLoop.points`).
+    """Distances of measured rows from one branch of a loop of Q over U, (4, n): the distance in
+    sigma, positive where U of the row is larger; the components in U and in Q of the unit normal at
+    the nearest point of the branch; and the place of this point, a parameter along the branch: 0 to
+    1 in partial slip, 1 to 2 on the slide.
 
     The nearest point of a polygon gives the place. The distance is that from the tangent of the
     true branch there; where the branch has none (a kink or an end), from the point itself.
@@ -474,7 +538,8 @@ def _distances_from_branch(
     Parameters
     ----------
     polygon
-        (2, m) U and Q of the corners of the rising branch, over sigma, at `_PLACES_OF_CORNERS`
+        (2, m) U and Q of the corners of the rising branch, over sigma. Neighbours are 1/160 of a
+        place apart (`_CORNERS_PER_PART`); 18 lie before place 0 and 18 behind place 2
     displacement, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
@@ -486,6 +551,7 @@ def _distances_from_branch(
     row_points = np.array(
         [branch_sign * displacement / sigma.displacement, branch_sign * load / sigma.load]
     )
+    # index of the chord plus the fraction of it that is passed
     place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
     place = (place_on_polygon - _CORNERS_BEYOND_TURN) / _CORNERS_PER_PART
     # The branch has no tangent where the slide begins (a kink), nor at the two ends of the polygon,

@@ -204,15 +204,19 @@ class _Search:
         return self.rows.parameter_sizes
 
     def residuals(self, parameters: Array) -> tuple[Array, Array]:
-        """Residuals of a loop with seven `parameters` (7,), each over its sigma, (n + 3,):
-        distances of the n rows, misfit of both turning points, and the drift. With them their
-        derivatives by the parameters, (n + 3, 7).
+        """Residuals of a loop of Q over U from measured rows, each over its standard deviation,
+        (n + 3,): distances of the n rows, misfit of both turning points, and the drift. With them
+        their derivatives by the loop's seven `parameters` (7,), (n + 3, 7).
 
         The parameters are ln f, middle and range of Q, compliance C of the rig, origin of U, drift
-        of U, gross slide.
+        of U, gross slide. `DRIFT_RATE` is the index of the drift.
+
+        # notation: f coefficient of friction, Q tangential load, U relative displacement
         """
+        # signed distances (n,) over sigma, and their derivatives (n, 7)
         distances = distances_from_loop(self.rows, self.curve, parameters, self.sigma)
         misfit_of_turns, derivatives_of_turns = self._misfit_of_turning_points(parameters)
+        # a gauge drifts by up to 2 % of the range of U: _SIGMA_OF_DRIFT is 0.0115 of that range
         inverse_sigma_of_drift = 1 / (_SIGMA_OF_DRIFT * float(np.ptp(self.rows.displacement)))
         derivatives_of_drift = np.zeros((1, 7))
         derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
@@ -228,21 +232,26 @@ class _Search:
         )
 
     def _misfit_of_turning_points(self, parameters: Array) -> tuple[Array, Array]:
-        """Misfit of the two turning points of a loop to those of the rows, over its standard error,
-        (2,), the highest first; and its derivatives by the loop's seven `parameters`, (2, 7).
+        """Misfit of the two turning points of a loop of Q over U to those of the measured rows,
+        over its standard error, (2,), the highest first; and its derivatives by the loop's seven
+        `parameters`, (2, 7).
 
         A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
-        misfit is the height of the loop minus that of the rows.
+        misfit is the height of the loop minus that of the rows. `MIDDLE`, `ORIGIN` and `DRIFT_RATE`
+        are the indices of the middle of Q, the origin of U and the drift of U.
         """
         rows = self.rows
+        # self.curve: memory curve of theory, from which the branches of the loop are built
         loop = MasingLoop(self.curve, parameters)
         # the rising branch ends at place 2; the falling one is the same, turned about the middle
         place_of_turn = np.array([2.0])
+        # U and Q there, from the middle of the loop, and their derivatives (1, 7)
         displacement_at_end, load_at_end = loop.points(place_of_turn)
         displacement_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
         range_of_displacement, range_of_load = rows.ranges
         misfit = np.zeros(2)
         derivatives = np.zeros((2, 7))
+        # mean_time: mean time of these turning points over that of the record, from -1/2 to 1/2
         turns_of_rows = (rows.branches.highest, rows.branches.lowest)
         for k, (turn_of_rows, sign_of_turn, mean_time) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.mean_times_of_turns, strict=True)
@@ -261,6 +270,7 @@ class _Search:
             height_of_loop = (
                 displacement_of_loop / range_of_displacement + load_of_loop / range_of_load
             )
+            # _LEAST_ERROR_OF_TURN: 0.002, since a parabola describes a branch no better
             error_of_height = max(turn_of_rows.standard_error, _LEAST_ERROR_OF_TURN)
             # the branches were found in heights: `load` of their turning points is a height
             height_of_rows = turn_of_rows.load
@@ -283,8 +293,9 @@ class _Search:
         is_gross: bool,
         held_parameters: frozenset[int] = frozenset(),
     ) -> _LeastSquaresFit:
-        """Fit the seven parameters of a loop by least squares: ln f, middle and range of Q,
-        compliance C of the rig, origin of U, drift of U, gross slide.
+        """Fit the seven parameters of a loop of Q over U to measured rows by least squares: ln f,
+        middle and range R of Q, compliance C of the rig, origin of U, drift of U, gross slide.
+        Returns the least sum of squares, with the parameters (7,) that give it.
 
         Parameters
         ----------
@@ -292,22 +303,26 @@ class _Search:
             (7,) from which the fit begins
         is_gross
             whether the contact slides as a whole at the ends of the loop: the range of Q then
-            follows from f, and the slide is fitted
+            follows from f, R = 2 f P, and the slide is fitted
         held_parameters
             indices of further parameters that keep their start value
         """
         from scipy.optimize import least_squares
 
-        fitted_parameters = _fitted_parameters(self.rows, is_gross=is_gross)
-        free_parameters = np.array([k for k in fitted_parameters if k not in held_parameters])
+        # indices: all but the slide of a partial loop, the range of a gross one, and a stated
+        # compliance
+        fitted_indices = _fitted_parameters(self.rows, is_gross=is_gross)
+        free_indices = np.array([k for k in fitted_indices if k not in held_parameters])
         typical_sizes = self.parameter_sizes
 
         def parameters_at(steps: Array) -> Array:
             """All seven parameters: the free ones are moved by `steps`, in units of their sizes."""
             parameters = start_parameters.copy()
-            parameters[free_parameters] += steps * typical_sizes[free_parameters]
+            parameters[free_indices] += steps * typical_sizes[free_indices]
             parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
             if is_gross:
+                # sliding_friction_per_load: f at which the contact just slides as a whole, over
+                # the range of Q
                 parameters[RANGE] = (
                     math.exp(parameters[LOG_F]) / self.curve.sliding_friction_per_load
                 )
@@ -328,13 +343,13 @@ class _Search:
                 cached_answer.clear()
                 cached_answer[steps_as_bytes] = (
                     residuals,
-                    derivatives[:, free_parameters] * typical_sizes[free_parameters],
+                    derivatives[:, free_indices] * typical_sizes[free_indices],
                 )
             return cached_answer[steps_as_bytes]
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps)[0],
-            np.zeros(len(free_parameters)),
+            np.zeros(len(free_indices)),
             jac=lambda steps: residuals_and_derivatives(steps)[1],
             method="lm",
             xtol=1e-8,
@@ -344,8 +359,8 @@ class _Search:
         return _LeastSquaresFit(2 * float(minimum.cost), parameters_at(minimum.x))
 
     def start_parameters(self, log_friction: float, slide_fraction: float) -> Array:
-        """Parameters (7,) from which a fit begins: ln f, middle and range of Q, compliance C of the
-        rig, origin of U, drift of U (0), gross slide.
+        """Parameters (7,) of a loop of Q over U from which a fit to measured rows begins: ln f,
+        middle and range of Q, compliance C of the rig, origin of U, drift of U (0), gross slide.
 
         C is such that theory's U plus C Q ranges as far as U of the rows. f of a gross loop, in
         which the contact slides as a whole, follows from the range of Q: it is 2 f P.
@@ -361,12 +376,17 @@ class _Search:
         high_load, low_load = np.quantile(rows.load, [0.98, 0.02])
         range_of_load = float(high_load - low_load)
         if slide_fraction > 0:
+            # sliding_friction_per_load: f at which the contact just slides as a whole, over the
+            # range of Q
             log_friction = math.log(self.curve.sliding_friction_per_load * range_of_load)
         friction = math.exp(log_friction)
         range_of_displacement = float(np.ptp(np.quantile(rows.displacement, [0.01, 0.99])))
+        # memory curve v, `self.curve.value`: U of theory ranges over 2 f v(R/2f) while Q ranges
+        # over R
         range_of_theory_displacement = (
             2 * friction * float(self.curve.value(np.array(range_of_load / 2 / friction)))
         )
+        # the stated C, or None
         compliance = rows.compliance
         if compliance is None:
             compliance = (
@@ -386,21 +406,24 @@ class _Search:
         )
 
     def best_fits(self) -> _FitsOfBothKinds:
-        """The best partial loop for the rows, and the best gross one (the contact slides as a whole
-        at its ends).
+        """The best loop for measured rows of Q over U that slips partially, and the best gross one,
+        where the contact slides as a whole at its ends: each with its least sum of squares and its
+        seven parameters.
 
-        The sum of squares is taken at many trials of f, or of the slide of a gross loop. Fits begin
-        from its lowest local minima among them.
+        The sum of squares is taken at 24 trials of f, and at 5 of the slide of a gross loop. Fits
+        begin from its two lowest local minima among them.
         """
         high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
+        # f at which the contact just slides as a whole under this range of Q
         log_least_friction = math.log(
             self.curve.sliding_friction_per_load * float(high_load - low_load)
         )
-        # trials closer and closer towards gross sliding
+        # trials closer and closer towards gross sliding: from 1.002 to 40 times that f
         roots = np.linspace(
             math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_TRIAL_RATIO)), _N_TRIALS
         )
         log_frictions = log_least_friction + roots**2
+        # start parameters (7,) of each trial: ln f and fraction of the range of U that is slide
         partial_starts = [
             self.start_parameters(log_friction, 0.0) for log_friction in log_frictions.tolist()
         ]
@@ -409,6 +432,7 @@ class _Search:
         for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
             sums_of_squares = np.array([self.sum_of_squares(start) for start in starts])
             sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
+            # trials with no smaller sum on either side
             minimum_indices = np.flatnonzero(
                 (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
             )
@@ -426,12 +450,17 @@ class _Search:
         )
 
     def _fit_near(self, start_parameters: Array, *, is_gross: bool) -> _LeastSquaresFit:
-        """The best loop of one kind, sought from parameters (7,) on. Where it would be of the other
-        kind, it is the best loop between both: gross with a slide of 0.
+        """The best loop of one kind for measured rows, sought from `start_parameters` (7,) on:
+        partial, or gross (the contact slides as a whole at its ends).
+
+        Where the best partial loop would slide as a whole, or the slide of the best gross loop is
+        negative, it is the best loop at the limit between both kinds: gross with a slide of 0.
+        `LOG_F`, `RANGE` and `SLIDE` are indices of ln f, range of Q and slide.
         """
         fit = self.least_squares_fit(start_parameters, is_gross=is_gross)
         if not is_gross and self._is_sliding_as_whole(fit.parameters):
             parameters = fit.parameters.copy()
+            # just sliding: f is this constant of the scene times the range of Q
             parameters[LOG_F] = math.log(self.curve.sliding_friction_per_load * parameters[RANGE])
             return self._fit_without_slide(parameters)
         if is_gross and fit.parameters[SLIDE] < 0:
@@ -441,8 +470,9 @@ class _Search:
     def _fit_without_slide(
         self, start_parameters: Array, held_parameters: frozenset[int] = frozenset()
     ) -> _LeastSquaresFit:
-        """The best loop between both kinds, gross with a slide of 0, sought from parameters (7,)
-        on; `held_parameters` are indices of those that keep their start value.
+        """The best loop at the limit between partial slip and gross sliding, for measured rows:
+        gross with a slide of 0, sought from parameters (7,) on. `held_parameters` are indices of
+        those that keep their start value; `SLIDE` is that of the slide.
         """
         parameters = start_parameters.copy()
         parameters[SLIDE] = 0.0
@@ -459,11 +489,13 @@ class _Search:
     def fit_at_friction(
         self, log_friction: float, start_parameters: Array, *, is_gross: bool
     ) -> _LeastSquaresFit:
-        """The best loop of one kind at a given coefficient of friction f, `log_friction` = ln f:
-        gross (the contact slides as a whole at its ends), or partial. It is sought from
-        `start_parameters` (7,) on.
+        """The best loop of one kind for measured rows at a given coefficient of friction f,
+        `log_friction` = ln f: gross (the contact slides as a whole at its ends), or partial. It is
+        sought from `start_parameters` (7,) on: ln f, middle and range of Q, compliance of the rig,
+        origin and drift of U, slide.
 
-        The sum of squares of a partial loop is infinite where its contact would slide as a whole.
+        Where the slide of a gross loop would be negative it is held at 0. The sum of squares of a
+        partial loop is infinite where its contact would slide as a whole.
         """
         index_of_friction = frozenset([LOG_F])
         parameters = start_parameters.copy()
@@ -517,6 +549,7 @@ class _Search:
                     parameters_by_kind[is_gross] = fit.parameters
                 admitted_rise = excess
                 if is_gross != is_gross_better:
+                    # chi squared of three degrees over that of one: 2.03
                     admitted_rise = _EXCESS_OF_OTHER_KIND * excess
                 rise = max(fit.sum_of_squares - fits.better_fit.sum_of_squares, 0.0)
                 relative_rise = rise / admitted_rise
@@ -527,6 +560,7 @@ class _Search:
                     break
             return math.sqrt(least_relative_rise)
 
+        # x from the best ln f on, in the direction, where the function reaches 1
         log_friction_at_end = where_function_reaches_one(
             root_of_relative_rise, float(fits.better_fit.parameters[LOG_F]), direction, first_step
         )
@@ -544,10 +578,10 @@ def where_function_reaches_one(
     function: Callable[[float], float], x_at_zero: float, direction: float, first_step: float
 ) -> float | None:
     """The x at which a function that grows from 0 at `x_at_zero` reaches 1, to 1 % of the distance
-    between both: by steps outwards, then by false position between the last two.
+    between both: by steps outwards, then by false position between the last two trial x.
 
     None where it stays below 1 as far as ln 60 from `x_at_zero` (x is ln f: 60 times as much
-    friction), or for so many steps that it hardly grows.
+    friction), or where it still does after 30 steps outwards.
 
     Parameters
     ----------
@@ -568,6 +602,8 @@ def where_function_reaches_one(
     distance_within = 0.0
     value_within = 0.0
     step = first_step
+
+    # steps outwards, until the function is above 1
     for _ in range(_MOST_STEPS):
         distance_beyond = distance_within + min(step, 0.5)
         value_beyond = function(x_at_zero + direction * distance_beyond)
@@ -580,6 +616,8 @@ def where_function_reaches_one(
         value_within = value_beyond
     else:
         return None
+
+    # false position between both distances, at most 12 times
     for _ in range(_MOST_NARROWINGS):
         if distance_beyond - distance_within < 0.01 * distance_beyond:
             break
@@ -606,16 +644,17 @@ def _likeliest_noise(
     log_noise_ratio: float,
     scatter_of_log_ratio: float,
 ) -> RowNoise:
-    """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
-    loop most likely, and their own ratio too (it scatters about the one that neighbouring rows
-    show).
+    """Standard deviations of the noise of U and of Q in measured rows: those that make the
+    distances of the rows from a fitted loop most likely, and the ratio of the two as well. The
+    ratio scatters about the one that neighbouring rows show.
 
     Parameters
     ----------
     distances
-        distances of the rows, over the given `sigma`, with the unit normals of the loop
+        of the n rows from the loop: `signed_distance` (n,), over the given `sigma`, and
+        `unit_normal` (n, 2) of the loop at the nearest point, in sigma of U and of Q
     sigma
-        standard deviations so far
+        standard deviations of U and of Q so far
     least_noise
         least standard deviations of U and Q, by the digits of the rows
     degrees_of_freedom
@@ -625,7 +664,7 @@ def _likeliest_noise(
     """
     from scipy.optimize import minimize
 
-    # a factor is that by which sigma of U or of Q changes
+    # log_factors: ln of the factors by which sigma of U and sigma of Q change
     expected_log_ratio = log_noise_ratio - math.log(sigma.displacement / sigma.load)
     # a fitted loop lies nearer to the rows than the true one
     squared_distances = (
@@ -687,26 +726,32 @@ class BestLoop:
 
     @property
     def depends_on_last_digits(self) -> bool:
-        """Whether no noise moves the last digit of a plateau: its rows lie beside it together."""
+        """Whether f of the best loop hangs on the last digit of Q: the contact slides as a whole,
+        and no noise moves the last digit of a plateau of Q.
+        """
         error_by_digits = _error_by_digits(self.search.rows, self.search.curve, self.search.sigma)
         return self.is_gross and error_by_digits > 0
 
     def change_with(self, row_variable: Array) -> ExplainedChange:
-        """How the parameters of the loop change with a number of each row (n,), such as its time.
+        """How the fitted parameters of the loop change with a variable of the rows (n,), such as
+        their time: the change that explains most of the distances of the rows from the loop.
 
-        U at the middle is left out: its change with time is drift.
+        Origin and drift of U are left out: the change of U with time is drift.
         """
         is_varied = np.isin(self._fitted_indices, [ORIGIN, DRIFT_RATE], invert=True)
         variable_from_mean = row_variable - np.mean(row_variable)
+        # (n, k) derivatives of the distances by the k fitted parameters
         derivatives = self._derivatives_by_parameters
         added_derivatives = derivatives[:, is_varied] * variable_from_mean[:, None]
         return explained_change(self.distances.signed_distance, derivatives, added_derivatives)
 
     def change_of_size_with(self, row_variable: Array) -> ExplainedChange:
-        """How U and Q of the loop grow with a number of each row (n,), over themselves: the two
-        added values of the change are the growth of U and of Q per unit of it.
+        """How U and Q of the loop grow with a variable of the rows (n,), such as their time. The
+        two `added_values` of the answer are the relative growth of U and of Q per unit of the
+        variable.
         """
         variable_from_mean = row_variable - np.mean(row_variable)
+        # derivatives (n, 2) of the distances by the relative sizes of U and of Q
         added_derivatives = self._derivatives_by_size * variable_from_mean[:, None]
         return explained_change(
             self.distances.signed_distance, self._derivatives_by_parameters, added_derivatives
@@ -714,24 +759,29 @@ class BestLoop:
 
     def log_friction_change(self, growth: Array, row_variable: Array) -> float:
         """Change of ln f if all rows are made as large as the last ones. U and Q grow by `growth`
-        (2,), over themselves, per unit of the number of each row (n,), such as its time.
+        (2,), relative to themselves, per unit of a variable of the rows (n,), such as their time.
         """
         variable_to_end = row_variable - row_variable[-1]
+        # derivatives (n, 2) of the distances by the relative sizes of U and of Q
         change_of_distances = self._derivatives_by_size @ growth * variable_to_end
+        # (7, m) change of each parameter per unit of each residual; the n rows stand first
         influence = _parameter_changes_by_residuals(self.search, self.parameters, self.is_gross)
         return float(influence[LOG_F, : len(row_variable)] @ change_of_distances)
 
     def rise_along_slide(self) -> tuple[float, ExplainedChange]:
-        """By how much Q rises while the contact slides as a whole, over the range R of Q; with how
-        much of the distances such a rise explains.
+        """By how much Q rises while the contact slides as a whole, over the range R of Q; with the
+        part of the distances of the rows from the loop that such a rise explains.
         """
+        # (n,) of the rows: 0 to 1 on the rising branch, 1 to 2 on the falling one
         place_on_loop = self.distances.place_on_loop
         share_of_branch = np.mod(place_on_loop, 1.0)  # the second half of a branch is its slide
         share_of_slide = np.clip(2 * share_of_branch - 1, 0.0, 1.0)
         sign_of_branch = np.where(place_on_loop > 1, -1.0, 1.0)
         rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
+        # component in Q of the unit normal of the loop, in sigma
         load_normal = self.distances.unit_normal[:, 1]
         added_derivative = -load_normal * rise_of_load / self.search.sigma.load
+        # added_values of this change: the rise over R
         change = explained_change(
             self.distances.signed_distance,
             self._derivatives_by_parameters,
@@ -746,7 +796,9 @@ class BestLoop:
 
     @property
     def _derivatives_by_parameters(self) -> Array:
-        """Derivatives (n, k) of the distances by the k fitted parameters, over their sizes."""
+        """Derivatives (n, k) of the distances of the rows by the k fitted parameters, over their
+        typical sizes.
+        """
         derivatives = _scaled_derivatives(
             self.search, self.parameters, self.distances.derivatives, self.is_gross
         )
@@ -771,13 +823,16 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     Parameters
     ----------
     distances
-        of the rows from the loop, over `sigma`
+        of the n rows from the loop: `signed_distance` (n,) over `sigma`; `unit_normal` (n, 2) of
+        the loop, in sigma of U and of Q; `place_on_loop` (n,), 0 to 1 on the rising branch and 1 to
+        2 on the falling one
     sigma
         standard deviation of the noise of U and of Q
     least_noise
         standard deviations that the digits of the rows leave
     """
     variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(sigma)) ** 2
+    # _LARGEST_MEAN_SQUARE_BY_DIGITS: 1.3 variances of the last digits
     digits_explain_all = float(
         np.mean(distances.signed_distance**2)
     ) < _LARGEST_MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
@@ -789,6 +844,7 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     distance_to_inside = (
         np.where(distances.place_on_loop > 1, -1.0, 1.0) * distances.signed_distance
     )
+    # misfit_of: correlation of neighbours in this order of the rows
     misfit_in_time = misfit_of(distances.signed_distance, sigma.displacement, least_significance)
     misfit_on_loop = misfit_of(
         distance_to_inside[order_on_loop], sigma.displacement, least_significance
@@ -798,13 +854,22 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
-    """Find the loop that fits the rows best, of those that slip partially or slide as a whole
-    (gross), with the noise of U and Q. Loop and noise are found by turns until the noise no longer
-    changes.
+    """Find the loop that fits measured rows of Q over U best, of those that slip partially or slide
+    as a whole (gross), with the noise of U and Q. Loop and noise are found by turns until the noise
+    changes by less than 5 %.
 
-    `curve` is the memory curve of theory at constant P: U over half the change of Q since a turning
-    point, from which loops are built (Masing's rule).
+    Parameters
+    ----------
+    rows
+        U, Q, the steps `resolution` that their digits resolve, and the rig's compliance, None
+        where it is fitted
+    curve
+        memory curve of theory at constant P: U over half the change of Q since a turning point,
+        from which loops are built (Masing's rule)
+
+    # notation: sigma standard deviation of the noise of U and of Q
     """
+    # noise of the last digits, at least 1e-9 of the largest U or Q
     least_noise = RowNoise(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
@@ -813,14 +878,17 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
             )
         )
     )
+    # row_noise: what neighbouring rows differ by
     sigma = RowNoise(
         max(row_noise(rows.displacement), least_noise.displacement),
         max(row_noise(rows.load), least_noise.load),
     )
     search = _Search(rows, curve, sigma)
+    # all seven parameters count as fitted, but for a stated compliance
     degrees_of_freedom = len(rows.displacement) - 6 - (rows.compliance is None)
     fits = search.best_fits()
     log_noise_ratio = math.log(sigma.displacement / sigma.load)
+    # standard deviation of ln(sigma of U/sigma of Q): 1 to begin with
     scatter_of_log_ratio = _LARGEST_SCATTER_OF_NOISE_RATIO
     for times_reweighted in range(_MOST_REWEIGHTINGS):
         distances = distances_from_loop(rows, curve, fits.better_fit.parameters, search.sigma)
@@ -828,6 +896,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
             # Where the first fit leaves as much as neighbouring rows differ, they differ by noise
             # alone, and the ratio that they show is good.
             scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
+            # the ratio that neighbouring rows show scatters by chance too: by 2.3 over the root
+            # of n
             least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.displacement))
             scatter_of_log_ratio = min(
                 max(scatter_by_fit, least_scatter), _LARGEST_SCATTER_OF_NOISE_RATIO
@@ -862,8 +932,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
 def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     """The best fit of a measured loop with its 95 % interval of the coefficient of friction f: up
     to where the least sum of squares rises by what the F distribution admits. The interval is
-    widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`), and by
-    errors that more rows would not lessen.
+    widened where neighbouring rows lie on the same side of the loop, and by errors that more rows
+    would not lessen.
 
     A loop is gross where the contact slides as a whole at its ends, else partial. The highest f of
     the interval is None where the rows do not bound f from above: the sum of squares never rises so
@@ -873,7 +943,9 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     ----------
     best_loop
         the loop: its parameters, the fits of the best partial and the best gross loop with their
-        least sums of squares, and the search, which holds the rows and seeks other fits to them
+        least sums of squares, and the search, which holds the rows and seeks other fits to them;
+        `misfit.widening` is the factor by which the interval of f grows where neighbouring rows
+        have correlated distances
     error_of_theory
         error of a fitted f, over f, since theory's memory curve is interpolated between samples
     """
@@ -892,6 +964,7 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     )
     first_step = float(np.clip(2 * standard_errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best_loop.parameters[LOG_F])
+    # (7,) of the loop at an end of the interval, None where the sum never rises so far
     parameters_at_lower_end = search.interval_end(fits, -1.0, admitted_rise, first_step)
     parameters_at_upper_end = search.interval_end(fits, 1.0, admitted_rise, first_step)
     # error of f: the plateaus of a gross loop, at Q = f P, are rounded to the last digit of Q
@@ -928,47 +1001,77 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
 
 
 def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) -> float:
-    """Error of f (95 %) of a gross loop by the last digit of Q: all rows of a plateau have the same
-    digits where no noise moves them. 0 where noise does.
+    """Error of f (95 %) of a gross loop, whose contact slides as a whole, by the last digit of Q:
+    all rows of a plateau have the same digits where no noise moves them. 0 where noise does.
+
+    Parameters
+    ----------
+    rows
+        `resolution` holds the steps of U and of Q that the digits of the rows resolve
+    curve
+        `sliding_friction_per_load` is f at which the contact just slides as a whole, over the range
+        of Q
+    sigma
+        standard deviation of the noise of U and of Q
     """
-    step = rows.resolution[1]
-    if sigma.load**2 - step**2 / 12 > (_LEAST_NOISE_THAT_CHANGES_DIGITS * step) ** 2:
+    step_of_load = rows.resolution[1]
+    # noise beyond the step's own variance, of more than 0.4 of the step, changes digits
+    if (
+        sigma.load**2 - step_of_load**2 / 12
+        > (_LEAST_NOISE_THAT_CHANGES_DIGITS * step_of_load) ** 2
+    ):
         return 0.0
     # f = R/2P, and R is the difference of two plateaus that are rounded alike.
-    return 2 * _SHARE_OF_STEP * step * curve.sliding_friction_per_load
+    # _SHARE_OF_STEP: a plateau lies within 0.475 of a step in 95 %
+    return 2 * _SHARE_OF_STEP * step_of_load * curve.sliding_friction_per_load
 
 
 def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross: bool) -> Array:
-    """Change of the parameters per unit of each of the m residuals in linear least squares, (7, m);
-    0 for parameters that are not fitted.
+    """Change of the seven parameters of a fitted loop per unit of each of the m residuals, in
+    linear least squares, (7, m); 0 for parameters that are not fitted.
+
+    Parameters
+    ----------
+    search
+        the measured rows, and the residuals from a loop with their derivatives
+    parameters
+        (7,) of the loop: ln f, middle and range R of Q, rig compliance, origin and drift of U,
+        slide
+    is_gross
+        whether the contact slides as a whole at the ends of the loop
     """
-    fitted_parameters = _fitted_parameters(search.rows, is_gross=is_gross)
+    fitted_indices = _fitted_parameters(search.rows, is_gross=is_gross)
     _, derivatives = search.residuals(parameters)
+    # derivatives (m, 7) by the parameters over their typical sizes
     scaled_derivatives = _scaled_derivatives(search, parameters, derivatives, is_gross)
-    pseudo_inverse = np.linalg.pinv(scaled_derivatives[:, fitted_parameters])
-    sizes = search.parameter_sizes[fitted_parameters]
+    pseudo_inverse = np.linalg.pinv(scaled_derivatives[:, fitted_indices])
+    sizes = search.parameter_sizes[fitted_indices]
     influence = np.zeros((7, len(derivatives)))
-    influence[fitted_parameters] = -pseudo_inverse * sizes[:, None]
+    influence[fitted_indices] = -pseudo_inverse * sizes[:, None]
     if is_gross:  # the range R of Q follows from ln f: R = 2 f P
         influence[RANGE] = parameters[RANGE] * influence[LOG_F]
     return influence
 
 
 def _fitted_parameters(rows: MeasuredRows, *, is_gross: bool) -> list[int]:
-    """Indices of the parameters that are fitted: all but the slide of a partial loop, the range of
-    a gross one, which follows from f, and a compliance of the rig that is stated.
+    """Indices of those of the seven parameters of a loop that are fitted: all but the slide of a
+    partial loop, the range of Q of a gross one, which follows from f, and a compliance of the rig
+    that is stated (`rows.compliance`, else None).
     """
-    held_parameters = {RANGE} if is_gross else {SLIDE}
+    held_indices = {RANGE} if is_gross else {SLIDE}
     if rows.compliance is not None:
-        held_parameters.add(COMPLIANCE)
-    return [k for k in range(7) if k not in held_parameters]
+        held_indices.add(COMPLIANCE)
+    return [k for k in range(7) if k not in held_indices]
 
 
 def _scaled_derivatives(
     search: _Search, parameters: Array, derivatives: Array, is_gross: bool
 ) -> Array:
-    """Derivatives (n, 7) by the parameters over their typical sizes. In a gross loop the range of Q
-    follows from f: the derivative by ln f is that along both.
+    """Derivatives (n, 7) of residuals by the seven parameters of a loop over their typical sizes,
+    from the `derivatives` (n, 7) by the parameters themselves.
+
+    In a gross loop the range R of Q follows from f, R = 2 f P: the derivative by ln f is that along
+    both, with dR/d(ln f) = R.
     """
     total_derivatives = derivatives.copy()
     if is_gross:

@@ -92,14 +92,16 @@ _SHORTEST_FIRST_HALF_CYCLE = 0.1
 def fit_steady_rows(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """Choose the rows of a measured loop that repeat one steady cycle, and fit the friction
-    coefficient f to them.
+    """Choose the rows of a measured loop of Q over U that repeat one steady cycle, and fit the
+    friction coefficient f to them.
 
     Where P varies all rows are fitted. Where it is constant first half-cycles are left out until
     the remaining rows are steady, and a linear drift of U is taken out.
 
     Parameters
     ----------
+    loop
+        U, Q and time of the rows, and their file `source`
     rig_compliance
         C of the rig between the places where U is measured [1/stress]; None fits it
 
@@ -117,6 +119,7 @@ def fit_steady_rows(
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
+        # part of the rows' distances that is no scatter, over the mean opening of the loop in U
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
         if (
             share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
@@ -127,6 +130,7 @@ def fit_steady_rows(
             )
         return loop, _fit_with_sentence_on_widening(fit, share_of_opening)
 
+    # of U in a cycle, over its range; 0 where it may be that of a gauge
     drift = _drift_of_cycle(loop)
     if drift:
         raise InputError(
@@ -135,7 +139,9 @@ def fit_steady_rows(
             " cycles that are alike"
         )
     range_of_load = float(np.ptp(cycle_loads(scene)[1]))
+    # of theory: U over half the change of Q since a turning point, from which loops are built
     curve = memory_curve(scene, friction_at_gross_sliding(scene) / range_of_load)
+    # the rows without a run-in, their best loop, and tests of their steadiness
     candidate = _steadiest_rows(loop, curve, rig_compliance)
     if rig_compliance is None:
         _require_loop_of_theory(candidate, loop, scene)
@@ -148,6 +154,7 @@ def fit_steady_rows(
             f" {100 * candidate.share_of_opening:.2g} % of the loop's opening away from rows that"
             " lie beside each other: leave it out, and it is fitted",
         )
+    # wider where f still changes over the rows
     fit = _fit_with_interval_for_change(fit, candidate)
     return chosen_rows, _fit_with_sentence_on_widening(fit, candidate.share_of_opening)
 
@@ -160,7 +167,8 @@ def _fit_with_sentence(fit: FittedLoop, sentence: str) -> FittedLoop:
 def _steadiest_rows(
     loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
-    """The rows of a measured loop that repeat one cycle, with the loop of theory that fits them.
+    """The rows of a measured loop of Q over U that repeat one cycle, with the loop of theory that
+    fits them and tests of their steadiness.
 
     More and more half-cycles are left out at the begin until the remaining rows are steady. Where
     they never are, the trial that comes nearest to it is taken.
@@ -168,7 +176,8 @@ def _steadiest_rows(
     Parameters
     ----------
     curve
-        half-plane theory's displacement over load, from which every branch of the loop follows
+        memory curve of half-plane theory: U over half the change of Q since a turning point, from
+        which every branch of the loop follows
     rig_compliance
         C of the rig between the places where U is measured [1/stress]; None fits it
 
@@ -181,6 +190,7 @@ def _steadiest_rows(
     growth_words = ""
     difference_words = _differences_of_cycles_in_words(loop)
     for remaining_rows in _rows_without_run_in(loop):
+        # "grow" or "shrink" where the remaining cycles may do so as all cycles do; else ""
         growth_of_remaining = remaining_rows.lasting_growth
         if growth_of_remaining:
             growth_words = growth_of_remaining
@@ -193,6 +203,7 @@ def _steadiest_rows(
         candidates.append(candidate)
         if candidate.is_steady:
             break
+    # cycles grow or differ in every trial, or they grow and no trial was steady
     if not candidates or (growth_words and not candidates[-1].is_steady):
         reason = difference_words
         if growth_words not in reason:
@@ -206,6 +217,7 @@ def _steadiest_rows(
         )
     if candidates[-1].is_steady:
         return candidates[-1]
+    # part of the distances that is no scatter or that a change with time explains, over the opening
     return min(candidates, key=lambda candidate: candidate.unsteady_share_of_opening)
 
 
@@ -254,7 +266,10 @@ class _Candidate:
 
     @property
     def is_steady(self) -> bool:
-        """Whether nothing shows that the loop changes; its form is judged once, on these rows."""
+        """Whether no test shows that the loop changes: neither with time, nor in size, nor between
+        the first half-cycle and the later ones. Scatter alone must explain each with a chance of
+        more than 2 %.
+        """
         chances = (
             self.change_with_time.chance,
             self.change_of_first_half_cycle.chance,
@@ -264,25 +279,30 @@ class _Candidate:
 
     @property
     def unsteady_share_of_opening(self) -> float:
-        """Part of the distances, over the loop's opening, that is no scatter, or that a change with
-        time explains; the larger of both.
+        """Part of the distances of the rows from the loop, over the loop's mean opening in U, that
+        is no scatter, or that a change with time explains; the larger of both.
         """
+        # explained_rms: in sigma of the noise of U
         share_by_change = self.change_with_time.explained_rms * self.sigma_over_opening
         return max(self.share_of_opening, share_by_change)
 
     @property
     def rise_along_slide(self) -> float:
-        """By how much Q rises while the contact slides as a whole, over its range; 0 where it has a
-        plateau, or where scatter gives as much.
+        """By how much Q rises while the contact slides as a whole, over the range of Q; 0 where it
+        has a plateau, where the contact never slides so, or where scatter gives as much.
         """
         if not self.best_loop.is_gross:
             return 0.0
+        # change: its `chance` is that with which scatter alone explains the rise
         rise, change = self.best_loop.rise_along_slide()
         is_certain = change.chance < _LARGEST_CHANCE_OF_CHANGE
         return rise if is_certain and rise > _LEAST_RISE_WITHOUT_PLATEAU else 0.0
 
     def is_certain(self, change: ExplainedChange) -> bool:
-        """Whether a change of the loop is not by chance, and more than theory may miss."""
+        """Whether a change of the loop is not by chance (below 0.1 %), and more than theory may
+        miss: 1.5 % of the mean opening of the loop in U.
+        """
+        # explained_rms: distances that the change explains, in sigma of the noise of U
         share_of_opening = change.explained_rms * self.sigma_over_opening
         return (
             change.chance < _LARGEST_CHANCE_OF_CHANGE
@@ -295,18 +315,20 @@ def _tested_candidate(
 ) -> _Candidate:
     """Fit the loop of theory to the rows that are left without a run-in, and test whether these are
     steady: whether f, U or Q change with time, whether the first half-cycle differs, and whether
-    every second cycle does.
+    every second cycle does. Returns the rows, the best loop, and these tests.
 
     Parameters
     ----------
     remaining_rows
         the rows that are left, and which were left out
     curve
-        memory curve of theory, from which loops are built
+        memory curve of theory: U over half the change of Q since a turning point, from which loops
+        are built
     rig_compliance
         C of the rig [1/stress]; None fits it
     """
     loop = remaining_rows.rows
+    # branch of each row, and its phase: cycles that have passed
     branches = _branches_by_height(loop)
     rows_to_fit = MeasuredRows(
         displacement=loop.displacement,
@@ -324,6 +346,7 @@ def _tested_candidate(
     log_friction_change = 0.0
     # too few cycles show no change with time
     if branches.n_cycles >= _FEWEST_CYCLES:
+        # (n,), in cycles; NO_CHANGE holds for fewer than 2.4 cycles
         phase = np.maximum.accumulate(branches.phase)
         phase_of_turn = _phase_of_first_turn(phase)
         if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
@@ -338,6 +361,8 @@ def _tested_candidate(
         change_every_second_cycle = min(alternating_changes, key=lambda change: change.chance)
         change_of_size = fitted_loop.change_of_size_with(phase)
         log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
+
+    # misfit over the mean opening of the loop in U: the part of the distances that is no scatter
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
     sigma_over_opening = fitted_loop.search.sigma.displacement / _mean_opening(loop, branches.phase)
     # noise alone moves the nearest points of the loop by as much
@@ -367,11 +392,14 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     Parameters
     ----------
     candidate
-        the rows that were chosen, their fit, and the tests of their steadiness
+        the rows that were chosen, their best loop, and the changes of the loop that were tested:
+        every second cycle, with time, in size. `share_of_opening` is the part of the distances of
+        the rows that is no scatter; `unsteady_share_of_opening` includes what a change explains
     loop
         all measured rows
     """
     misfit = candidate.best_loop.misfit
+    # 1.5 % of the opening; 0.5 % where hardly any of the distances is scatter
     limit = _LARGEST_SHARE_OF_OPENING
     if (
         misfit.correlation > _CORRELATION_WITHOUT_SCATTER
@@ -384,6 +412,7 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     elif candidate.is_certain(candidate.change_with_time) or candidate.is_certain(
         candidate.change_of_size
     ):
+        # of U and of Q in per cent, over all cycles
         growth = 100 * candidate.change_of_size.added_values * candidate.branches.n_cycles
         reason = (
             f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
@@ -411,14 +440,16 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
 
 
 def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
-    """The fit of a measured loop with its interval of f widened by how much f still changes up to
-    the last row; as it is where no such change was found.
+    """Widen the 95 % interval of f of a fitted measured loop by how much f still changes up to the
+    last row. The fit stays as it is where the loop does not change in size and no run-in was left
+    out. The ends are `lowest_friction` and `highest_friction`, None without an upper end.
 
-    `candidate` is the fit with the tests of its rows' steadiness.
+    `candidate` holds the tests of the rows' steadiness: `change_of_size.chance` with which scatter
+    alone shows such a growth of U and Q, and the change of ln f that goes with it.
     """
     if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
-    # of the logarithm: a change by more than a factor e counts as one by e
+    # change of ln f: a change by more than a factor e counts as one by e
     log_change = candidate.log_friction_change
     friction_change = fit.friction * math.expm1(min(abs(log_change), 1.0))
     distance_down = math.hypot(fit.friction - fit.lowest_friction, friction_change)
@@ -469,20 +500,22 @@ class _RowsWithoutRunIn:
         if not self.half_cycles:
             return ""
         loop = self.all_rows
+        # by the trend of the size of U and Q over all rows, and over the later ones
         return lasting_growth(
             loop.displacement, loop.load, loop.time, self.first_row, _noise_of_load(loop)
         )
 
 
 def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
-    """The rows of a measured loop without a run-in, of which more and more first half-cycles are
-    left out, each with a sentence that states it. Where the loop has few cycles, all rows come
-    first.
+    """The rows of a measured loop without a run-in. More and more first half-cycles are left out,
+    each time with a sentence that states it. Where the loop has fewer than three cycles, all rows
+    come first. In all other cases at least 2.4 cycles are left.
     """
     phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
     if phase[-1] - phase[0] < _FEWEST_CYCLES_WITH_RUN_IN:
         yield _RowsWithoutRunIn(loop, first_row=0, half_cycles=0, sentence="")
     phase_of_turn = _phase_of_first_turn(phase)
+    # numbers of half-cycles from 0 to 16
     for half_cycles in _HALF_CYCLES_OF_RUN_IN:
         first_row = int(np.argmax(phase >= phase_of_turn + half_cycles / 2))
         if phase[-1] - phase[first_row] < _FEWEST_CYCLES or not first_row:
@@ -504,12 +537,14 @@ def _phase_of_first_turn(phase: Array) -> float:
 
 
 def _branches_by_height(loop: MeasuredLoop) -> Branches:
-    """Branches of the rows by the height U/(range of U) + Q/(range of Q): it has its turning points
-    where the branches have theirs, also where Q stays while the contact slides.
+    """Branches of the rows of a measured loop, rising or falling, by the height U/(range of U) +
+    Q/(range of Q). It has its turning points where the branches have theirs, also where Q stays
+    while the contact slides.
     """
     range_of_displacement = float(np.ptp(loop.displacement))
     range_of_load = float(np.ptp(loop.load))
     height = loop.displacement / range_of_displacement + loop.load / range_of_load
+    # steps that the digits of U and of Q resolve
     step_of_digits = loop.resolution[0] / range_of_displacement + loop.resolution[1] / range_of_load
     return find_branches(loop.displacement, height, loop.time, step_of_digits, loop.source)
 
@@ -542,9 +577,11 @@ def _noise_of_load(loop: MeasuredLoop) -> float:
 
 
 def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
-    """The fit with a sentence on how much wider its interval of f is since neighbouring rows lie on
-    the same side of it. `share_of_opening` is how far, over the loop's mean opening in U; below a
-    limit nothing is stated.
+    """The fit of a measured loop with a sentence on how much wider its interval of f is, since
+    neighbouring rows lie on the same side of the loop. `share_of_opening` is how far, over the mean
+    opening of the loop in U; below 0.1 % nothing is stated.
+
+    `fit.misfit` holds the correlation of neighbouring rows and the factor `widening`.
     """
     if fit.misfit.widening == 1.0 or share_of_opening < _LEAST_SHARE_STATED:
         return fit
@@ -557,12 +594,14 @@ def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> 
 
 
 def _drift_of_cycle(loop: MeasuredLoop) -> float:
-    """Drift of U in a cycle, over the range of U, where it is too large for the drift of a gauge;
-    else 0.
+    """Drift of U of a measured loop in a cycle, over the range of U, where it is too large for the
+    drift of a gauge (3 %, and what noise gives); else 0.
     """
+    # branch of each row by Q, and cycles that have passed
     branches = find_branches(
         loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
     )
+    # length per unit of time, None where too few rows have another a cycle later
     drift_rate = drift_of_displacement(loop.displacement, loop.load, loop.time, branches)
     if drift_rate is None:
         return 0.0
@@ -587,19 +626,23 @@ def _fit_at_constant_load(
     scene
         gives the tangential load Q over the cycle, to which the measured one is scaled
     curve
-        half-plane theory's displacement over load, from which every branch of the loop follows
+        memory curve of half-plane theory: U over half the change of Q since a turning point, from
+        which every branch of the loop follows
     """
     loop = candidate.rows
     branches = candidate.branches
     error_of_theory = _RELATIVE_ERROR_OF_MEMORY_CURVE
     if candidate.best_loop.is_gross:
         error_of_theory = _RELATIVE_ERROR_OF_SLIDING
+    # parameters of the loop with their errors, and the interval of f
     fit = fit_with_interval(candidate.best_loop, error_of_theory)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
+    # drift: of U over the whole record
     rows_without_drift = replace(
         loop, displacement=loop.displacement - fit.drift * (share_of_time - 0.5)
     )
     load_of_cycle = cycle_loads(scene)[1]
+    # factor of the file's Q over the scene's
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     which_rows = " that are left" if candidate.run_in_sentence else ""
     sentences = [
@@ -619,7 +662,9 @@ def _fit_at_constant_load(
         sentences.append(
             f"U drifts by {100 * drift_of_cycle:+.2g} % of its range in a cycle: taken out"
         )
-    # 0 to 1 on the rising branch, 1 to 2 on the falling one
+
+    # where on the scene's cycle each row lies: place_on_loop is 0 to 1 on the rising branch, 1 to 2
+    # on the falling one
     place_on_loop = fit.distances.place_on_loop
     if fit.is_gross:
         half_range = (fit.highest_load - fit.lowest_load) / 2
@@ -659,12 +704,14 @@ def _fit_where_load_varies(
     and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
     the rows. `rig_compliance` is C of the rig [1/stress]; None fits it too.
     """
+    # branch of each row, and the turning points of Q
     branches = find_branches(
         loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
     )
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
     load_of_cycle = cycle_loads(scene)[1]
     load_at_fine_instants = cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1]
+    # theory's U through a cycle, for any f
     loops_of_theory = LoopsOverFriction(
         load_at_fine_instants,
         friction_at_gross_sliding(scene),
@@ -672,7 +719,9 @@ def _fit_where_load_varies(
     )
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     sigma = RowNoise(fit.displacement_noise, fit.load_noise)
+    # nearest point of the loop to each row; place: as a number of instants
     nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
+    # factor of the file's Q over the scene's
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     sentences = [
         (
@@ -716,6 +765,7 @@ def _share_by_load(
         (n_instants,) Q of the scene through a cycle
     """
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    # the last instant is the first one again; N_INSTANTS is their number
     lowest_instant = int(np.argmin(load_of_cycle[:-1]))
     highest_instant = int(np.argmax(load_of_cycle[:-1]))
     share_of_cycle = np.empty(len(row_loads))

@@ -76,8 +76,9 @@ _LARGEST_STICK_ERROR_SHARE = 0.05
 def solution_of_surface(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """Turn an external result (`surface`) into a solution that can be compared with theory. With it
-    come sentences on what was guessed, and on signs that look wrong.
+    """Turn an external result (`surface`: tractions, and slip, times and loads or None) into a
+    solution that can be compared with theory. With it come sentences on what was guessed, and on
+    signs that look wrong.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left
     out of the comparison. States and edges are found from its own tractions and slip, and of a
@@ -86,7 +87,8 @@ def solution_of_surface(
     Parameters
     ----------
     mapping
-        stated units, signs and names of columns
+        stated units, signs and names of columns; `signs.shear` is the body on which the shear is
+        positive along +x, None where it is not stated
     theory
         half-plane theory of the scene's whole path
     sure_of_times
@@ -98,12 +100,14 @@ def solution_of_surface(
         For a history that is not the scene's.
     """
     scene = theory.scene
+    # history: times on the load path, P and Q there, and sentences on how they were found
     surface, history, guesses = _surface_on_path(
         surface, mapping, theory, sure_of_times=sure_of_times
     )
     if history.guess_in_words:
         guesses = (*guesses, history.guess_in_words)
-    if history.has_either_sign and mapping.signs.shear is None:  # nothing in the file can tell
+    # the shear fits the path with both signs, and nothing in the file decides
+    if history.has_either_sign and mapping.signs.shear is None:
         guesses = (
             *guesses,
             (
@@ -112,11 +116,13 @@ def solution_of_surface(
                 " and Q, say it for certain)"
             ),
         )
+    # field -> (number of instants, reason)
     missing_fields = _missing_fields(surface, history.time, _instants_of_cycle(scene, history.time))
     has_work = "dissipation" not in missing_fields
     solution_without_zones = _solution_without_zones(
         surface, mapping, scene, history, missing_fields
     )
+    # states, edges and work from its tractions and slip
     solution, method_in_words = _solution_with_zones(
         solution_without_zones, uses_slip=surface.slip is not None, adds_dissipation=has_work
     )
@@ -139,17 +145,20 @@ def _solution_without_zones(
     history: History,
     missing_fields: dict[str, tuple[int, str]],
 ) -> ContactSolution:
-    """An external result as a solution with its tractions, slip, times and loads alone. States are
-    all open yet; edges, and all that follows from them, are NaN.
+    """An external result as a solution with its tractions, slip, times and loads alone. All points
+    are marked as open; edges, and all that follows from them, are NaN.
 
     Loads that the result does not state are the scene's at its instants (`history`).
 
     Parameters
     ----------
-    mapping
-        stated columns, units and signs of the file
     surface
-        the external result, in the scene's units and signs
+        the external result, in the scene's units and signs: `source` is its file, `code` the
+        program that computed it, `read_as` how each column was read
+    mapping
+        stated columns, units and signs of the file, and the size of its elements
+    history
+        times of the result on the scene's load path, and the scene's P and Q there
     missing_fields
         what the result lacks: name -> (number of instants, reason)
     """
@@ -172,6 +181,7 @@ def _solution_without_zones(
         no_series,
     )
     settings: dict[str, Any] = {
+        # DERIVED: key for names of fields that were derived from others
         "source": surface.source,
         DERIVED: ["state", "contact_edges", "stick_edges", *names_of_scene],
     }
@@ -197,6 +207,7 @@ def _solution_without_zones(
         permanent_stick_half_width=np.nan,
         steady_from=None,
         record=Record(
+            # converged, how it ended, the same in a sentence, iterations of each instant
             True,
             "end of path",
             f"read from {surface.source}",
@@ -216,8 +227,13 @@ def _surface_on_path(
 
     Single values that stand out of all others (outliers) are left out while units and instants are
     found, and put back. `sure_of_times` says that the result's times are those of the load path.
-    `mapping` states columns, units and signs of the file.
+    `mapping` states columns, units and signs of the file; `theory` is half-plane theory of the
+    scene's whole path.
+
+    `surface.outliers` have `quantity` (the name of a field), indices `instant` and `point`,
+    `value`, and a `sentence` on each.
     """
+    # without outliers: an outlier becomes the mean of its neighbours in x
     fields = {"pressure": surface.pressure, "shear": surface.shear}
     if surface.slip is not None:
         fields["slip"] = surface.slip
@@ -249,16 +265,20 @@ def _surface_on_path(
 def _solution_with_zones(
     solution: ContactSolution, *, uses_slip: bool, adds_dissipation: bool
 ) -> tuple[ContactSolution, str]:
-    """A solution with what follows from its own tractions: states (open, stick, slip), edges,
-    permanent stick zone, moments. With it, in words, the rule by which states were found.
+    """A solution with what follows from its own tractions: states (open, stick, slip), edges of
+    contact and stick, permanent stick zone, moments. With it, in words, the rule by which states
+    were found.
 
     Parameters
     ----------
     uses_slip
-        whether its slip is used beside its tractions to find what slips
+        whether its slip is used beside its tractions to find which points slip
     adds_dissipation
         whether its dissipation is computed too, as the sum of q ds over its last cycle
+
+    # notation: q shear traction, s slip
     """
+    # a result without shear holds NaN
     has_shear = not np.isnan(solution.shear).all()
     state, contact_edges, stick_edges, method_in_words = zones_of_tractions(
         solution.x,
@@ -268,7 +288,8 @@ def _solution_with_zones(
         solution.scene.friction.coefficient,
         solution.time,
     )
-    steps_of_cycle = (
+    # indices of the instants of the last cycle; none where the result holds no whole cycle
+    instants_of_cycle = (
         solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
     )
     if not has_shear:
@@ -277,10 +298,11 @@ def _solution_with_zones(
             " sticking"
         )
         stick_edges = np.full_like(stick_edges, np.nan)
-    permanent_edges = np.full(2, np.nan)  # of what sticks through the whole cycle
-    if len(steps_of_cycle) and not np.isnan(stick_edges[steps_of_cycle]).any():
-        left_edge = stick_edges[steps_of_cycle, 0].max()
-        right_edge = stick_edges[steps_of_cycle, 1].min()
+    # ends of the zone that sticks through the whole cycle
+    permanent_edges = np.full(2, np.nan)
+    if len(instants_of_cycle) and not np.isnan(stick_edges[instants_of_cycle]).any():
+        left_edge = stick_edges[instants_of_cycle, 0].max()
+        right_edge = stick_edges[instants_of_cycle, 1].min()
         if right_edge > left_edge:
             permanent_edges = np.array([left_edge, right_edge])
     changes: dict[str, Any] = {
@@ -291,6 +313,7 @@ def _solution_with_zones(
         "stick_half_width": read_only_copy(np.diff(stick_edges, axis=1)[:, 0] / 2),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0]) / 2,
     }
+    # with bulk stress, tilt or unequal sides: moments about x = 0
     if solution.scene.unsymmetric:
         changes["moment"] = read_only_copy(
             np.trapezoid(solution.x * solution.pressure, solution.x, axis=1)
@@ -301,7 +324,7 @@ def _solution_with_zones(
             )
             changes["permanent_stick_edges"] = read_only_copy(permanent_edges)
     if adds_dissipation:
-        density = friction_work(solution.shear[steps_of_cycle], solution.slip[steps_of_cycle])
+        density = friction_work(solution.shear[instants_of_cycle], solution.slip[instants_of_cycle])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
             "dissipation": dissipation,
@@ -314,22 +337,27 @@ def _solution_with_zones(
 def reference_by_same_rule(
     reference: ContactSolution, result: ContactSolution, length: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """The reference with states, edges and dissipation found by the rules by which those of an
-    external result were found; and in sentences how far these rules err for the reference.
+    """Find states, edges and dissipation of the reference solution by the rules by which those of
+    an external result were found. Returns the reference with these, and in sentences how far the
+    rules err for it.
 
-    Errors of the rules so drop out of the comparison. Where the result states all of these itself,
-    the reference stays as it is. Its dissipation also stays where its instants are not those of the
-    result. `length` is the reference half-width a_ref.
+    Errors of the rules so drop out of the comparison. The reference stays as it is where the result
+    states all of these itself. Its dissipation also stays where its instants are not those of the
+    result, or where the result has none. Stick edges are NaN at instants where the rule fails.
+    `length` is the reference half-width a_ref.
     """
+    # names of the fields of the result that were derived from its other fields
     if "state" not in names_of_derived_fields(result):
         return reference, ()
+    # name of a field that the result lacks -> reason
     missing_fields = reason_by_missing_field(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
     reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work
     )
-    # Stick edges are judged at the instants at which the rule finds those of the reference; at all
-    # instants where these are no majority.
+
+    # Stick edges are judged at the instants at which the rule finds those of the reference, within
+    # 0.05 a_ref; at all instants where these are no majority.
     stick_error = reference.stick_edges - reference_by_rule.stick_edges
     has_stick_zone = ~np.isnan(reference.stick_edges[:, 0])
     rule_has_stick_zone = ~np.isnan(reference_by_rule.stick_edges[:, 0])
@@ -338,6 +366,8 @@ def reference_by_same_rule(
     is_judged &= largest_errors <= _LARGEST_STICK_ERROR_SHARE * length
     if 2 * is_judged.sum() <= len(is_judged):
         is_judged = np.ones_like(is_judged)
+
+    # errors of the rule, in words
     contact_error = reference.contact_edges - reference_by_rule.contact_edges
     largest_contact_error = float(np.nanmax(np.abs(contact_error), initial=0.0)) / length
     largest_stick_error = float(np.nanmax(np.abs(stick_error[is_judged]), initial=0.0)) / length
@@ -353,22 +383,24 @@ def reference_by_same_rule(
         )
     sentences = [f"{sentence}."]
     if has_work:
-        excess = 0.0
+        excess_percent = 0.0
         if reference.dissipation:
-            excess = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
+            excess_percent = 100 * (reference_by_rule.dissipation / reference.dissipation - 1)
         sentences.append(
             "Dissipation is compared by one rule, the sum of q ds over "
             f"{len(reference_by_rule.last_cycle)} instants and {len(reference_by_rule.x)} points; "
-            f"of the reference that rule gives {excess:+.2g} % more than its own."
+            f"of the reference that rule gives {excess_percent:+.2g} % more than its own."
         )
     judged_edges = np.where(is_judged[:, None], reference_by_rule.stick_edges, np.nan)
     return replace(reference_by_rule, stick_edges=read_only_copy(judged_edges)), tuple(sentences)
 
 
 def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
-    """Bulk stresses and tilt of a scene at the times of a result, name of the field -> (k,). A tilt
-    that follows from a moment is left out: the tractions say nothing of it.
+    """Bulk stresses of both bodies and tilt that a scene imposes at the times of a result (k,):
+    name of the field -> (k,). Empty where the scene has none of them by its kind. A tilt that
+    follows from a stated moment is left out: the tractions say nothing of it.
     """
+    # symmetric: no bulk stress, tilt or unequal sides
     if not scene.unsymmetric:
         return {}
     path = scene.load.path()
@@ -390,8 +422,9 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
 
 
 def _instants_of_cycle(scene: Scene, time: Array) -> int:
-    """How many of a result's instants make up the last whole cycle, 0 where they hold none. Of a
-    path that is not periodic: all, if they go from its start to its end.
+    """How many of a result's instants, at times (k,), make up the last whole cycle of the load
+    path; 0 where they hold none. Of a path that is not periodic: all, if they go from its start to
+    its end.
     """
     path = scene.load.path()
     if path.period is None:
@@ -399,14 +432,16 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
         tolerance = 1e-6 * (end - path.start)
         is_complete = time[0] <= path.start + tolerance and time[-1] >= end - tolerance
         return len(time) if is_complete else 0
-    steps, is_complete = last_whole_cycle(time, path.period, path.cycle_start)
-    return len(steps) if is_complete else 0
+    # indices of the instants of the cycle, and whether one lies at each of its ends
+    cycle_indices, is_complete = last_whole_cycle(time, path.period, path.cycle_start)
+    return len(cycle_indices) if is_complete else 0
 
 
 def _missing_fields(
     surface: SurfaceResult, time: Array, instants_of_cycle: int
 ) -> dict[str, tuple[int, str]]:
-    """What an external result (`surface`) lacks: name of the field -> (number of instants, reason).
+    """What an external result (`surface`, with None or NaN for what its file lacks) does not hold:
+    name of the field -> (number of instants, reason).
 
     Parameters
     ----------
@@ -416,6 +451,7 @@ def _missing_fields(
         how many of them make up the last whole cycle, 0 where they hold none
     """
     missing_names = ("tangential_displacement", "normal_approach", "loop_work")
+    # _NOT_IN_RESULT: "not in the result"
     reason_by_name = dict.fromkeys(missing_names, _NOT_IN_RESULT)
     if surface.slip is None:
         reason_by_name["slip"] = _NOT_IN_RESULT
@@ -424,6 +460,7 @@ def _missing_fields(
         for name in ("state", "stick_edges"):
             reason_by_name[name] = f"{_NOT_IN_RESULT}; it takes the shear"
     if not instants_of_cycle:
+        # WHOLE_CYCLE: name under which a missing last cycle is noted
         reason_by_name[WHOLE_CYCLE] = (
             f"{_NOT_IN_RESULT}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
         )
@@ -435,6 +472,7 @@ def _missing_fields(
         why_without_work = "; it takes slip"
     elif not instants_of_cycle:
         why_without_work = "; it takes a whole cycle, or a whole path from the unloaded start"
+    # the trapezoidal rule needs 8 instants
     elif instants_of_cycle < _FEWEST_INSTANTS:
         why_without_work = (
             f", for a cycle of {instants_of_cycle} instants is too coarse to work it out (less than"
@@ -485,16 +523,19 @@ def zones_of_tractions(
     x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array
 ) -> Zones:
     """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
-    points, (n_steps, n_points), and from slip where there is one.
+    points, (n_steps, n_points), and from slip where there is one; with the rule in words.
 
-    In full stick the stick edges are the contact edges, in full slip NaN; without a contact both
-    are NaN. Near an edge, p and
-    f p - |q| go like the root of the distance from it. So a contact edge lies where the straight
-    line of p^2 through the last two points in contact is 0, a stick edge where that of
-    (f p - |q|)^2 is, each no farther than the next point. The outermost points show the mesh: a
-    parabola of p^2 through those behind them gives the contact edge where it fits.
+    A point is in contact with more than a thousandth of the instant's largest pressure. In full
+    stick the stick edges are the contact edges, in full slip NaN; without a contact both are NaN.
+    Near an edge, p and f p - |q| go like the root of the distance from it. So a contact edge lies
+    where the straight line of p^2 through the last two points in contact is 0, a stick edge where
+    that of (f p - |q|)^2 is, each no farther than the next point. The outermost points show the
+    mesh: a parabola of p^2 through those behind them gives the contact edge where it fits.
+
+    # notation: f = `friction`, p pressure, q shear
     """
     is_touching = pressure > LEAST_TOUCHING_SHARE * pressure.max(axis=1, keepdims=True)
+    # slip_direction: sign of the slip, 1 forward
     is_slipping, slip_direction, rule_in_words = _slipping_points(
         pressure, shear, slip, is_touching, friction, time
     )
@@ -502,6 +543,8 @@ def zones_of_tractions(
     state[is_touching] = STICK
     state[is_slipping & (slip_direction > 0)] = SLIP_FORWARD
     state[is_slipping & ~(slip_direction > 0)] = SLIP_REVERSE
+
+    # edges at each instant, left and right
     is_sticking = is_touching & ~is_slipping
     margin_to_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
@@ -529,9 +572,11 @@ def _slipping_points(
     """Which points slip at each instant, the sign of their slip (1 forward), both (n_steps,
     n_points), and the rule in words.
 
-    A point slips on the Coulomb limit. Where its slip displacement is known, it must also move with
-    the shear by more than a share of the instant's largest step; without friction, movement alone
-    counts. The first instant has no step before it: there the limit alone decides.
+    A point slips where |q| reaches the Coulomb limit f p to 1 %. Where its slip displacement is
+    known, it must also move with the shear, by more than a thousandth of the largest movement since
+    the instant before; without friction, movement alone counts. No point slips at an instant at
+    which the fastest is slower than 2 % of the largest speed of all. The first instant has no
+    movement before it: there the limit alone decides.
 
     Parameters
     ----------
@@ -546,11 +591,13 @@ def _slipping_points(
     """
     is_slipping = is_touching & (np.abs(shear) >= (1 - _SHARE_BELOW_LIMIT) * friction * pressure)
     slip_direction = np.sign(shear)
+    # _IN_CONTACT: words on which points are in contact
     rule_in_words = _IN_CONTACT
-    sources = "tractions"
+    sources_in_words = "tractions"
     if friction:
         rule_in_words += f"; it slips where |q| is at least {1 - _SHARE_BELOW_LIMIT:g} f p"
     if slip is not None and len(slip) > 1:
+        # change of slip since the instant before, (n_steps - 1, n_points)
         movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
         largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -563,7 +610,7 @@ def _slipping_points(
         if friction:
             moves_with_shear = is_moving & (np.sign(movement) == slip_direction[1:])
             is_slipping = np.vstack([is_slipping[:1], is_slipping[1:] & moves_with_shear])
-            sources = "tractions and slip"
+            sources_in_words = "tractions and slip"
             rule_in_words += (
                 " and its slip has moved with the shear by more than"
                 f" {_LEAST_SHARE_OF_MOVEMENT:g} of the instant's largest step, unless no point"
@@ -577,15 +624,15 @@ def _slipping_points(
         rule_in_words += (
             "; for want of slip, a point that just came to rest still counts as slipping"
         )
-    rule_in_words = f"states and edges are worked out from its {sources}: {rule_in_words}"
+    rule_in_words = f"states and edges are worked out from its {sources_in_words}: {rule_in_words}"
     return is_slipping, slip_direction, rule_in_words
 
 
 def _ends_of_zone(
     x: Array, squared_traction: Array, is_in_zone: Mask, *, tries_parabola: bool = False
 ) -> tuple[float, float]:
-    """Left and right end of a zone of contact or stick on the surface. NaN for a zone without any
-    point.
+    """x of the left and of the right end of a zone of contact or stick on the surface. NaN for a
+    zone without any point.
 
     Each end is where the straight line through the squared traction at the two outermost points is
     0. With `tries_parabola` it is that of a parabola through more points, where this fits.
@@ -626,7 +673,8 @@ def _end_of_zone(
     direction
         −1 for the left end, 1 for the right one
     tries_parabola
-        whether a parabola through many points is tried: the profile has no corner at the end
+        whether a parabola through 6 to 12 points is tried too. Its zero counts where it lies within
+        0.4 spacings of that of the line
     """
     last_point = int(points[0] if direction < 0 else points[-1])
     next_point = last_point + direction
@@ -640,11 +688,14 @@ def _end_of_zone(
         or squared_traction[point_before] <= squared_traction[last_point]
     ):
         return float(x[last_point]) + direction * distance_to_next / 2
+    # straight line through the squared traction at the last two points of the zone
     spacing = abs(float(x[last_point] - x[point_before]))
     fall_of_last_spacing = squared_traction[point_before] - squared_traction[last_point]
     spacings_to_zero = float(squared_traction[last_point] / fall_of_last_spacing)
     distance_to_zero = min(spacings_to_zero * spacing, distance_to_next)
     zero_of_line = float(x[last_point]) + direction * distance_to_zero
+
+    # parabola through points farther in, behind the outermost three: no deeper than 5 % of the zone
     largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points[-1]] - x[points[0]])
     # fewer points where a corner of the profile is among them
     for divisor in (1, 2, 4) if tries_parabola else ():
@@ -656,8 +707,9 @@ def _end_of_zone(
             continue
         # in spacings, from the outermost of the fitted points
         first_x = x[fitted_points[0]]
-        depth = direction * (first_x - x[fitted_points]) / spacing
-        spacings_outward = _root_of_parabola(depth, squared_traction[fitted_points])
+        depths = direction * (first_x - x[fitted_points]) / spacing
+        # None where the parabola does not fit
+        spacings_outward = _root_of_parabola(depths, squared_traction[fitted_points])
         if spacings_outward is None:
             continue
         zero_of_parabola = float(first_x + direction * spacing * spacings_outward)
@@ -705,8 +757,9 @@ def _surface_in_scene_units(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
     """An external result in the scene's units and the project's signs, and a sentence for each
-    unit, sign or offset that had to be guessed. What the mapping states is never guessed. `theory`
-    is that of the scene's whole path.
+    unit, sign or offset that had to be guessed. `theory` is half-plane theory of the scene's whole
+    path. What the mapping states is never guessed; `signs.pressure` of it is None where the sign of
+    compression is not stated.
 
     Raises
     ------
@@ -724,9 +777,11 @@ def _surface_in_scene_units(
             " point is in compression: state the other sign, or leave it out"
         )
     surface, sentences = _surface_in_compression(surface, mapping)
+    # half-width, largest pressure, largest P: each beside a value of theory, for a unit factor
     for compared_value in _compared_values(surface, theory):
         surface, sentence = _surface_in_unit(compared_value, surface, mapping)
         sentences.append(sentence)
+    # x counted from the middle of the contact
     surface, sentence = _centred_surface(surface, mapping, theory)
     sentences.append(sentence)
     return surface, tuple(filter(None, sentences))
@@ -735,12 +790,13 @@ def _surface_in_scene_units(
 def _surface_in_compression(
     surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, list[str]]:
-    """An external result in which compression and pressing loads are positive: where its pressure,
-    or its normal load, is negative throughout it is turned, with a sentence on each. `mapping`
-    states columns, units and signs of the file.
+    """An external result in which compression and pressing loads are positive. Where its pressure,
+    or its normal load, is negative throughout the sign is turned, and a sentence says so. The sign
+    of the pressure is left where the mapping states it (`signs.pressure`, else None).
     """
     sentences = []
     pressure = surface.pressure
+    # LEAST_TOUCHING_SHARE: a thousandth of the largest pressure counts as none
     if mapping.signs.pressure is None and pressure.max() <= LEAST_TOUCHING_SHARE * -pressure.min():
         surface = replace(surface, pressure=read_only_copy(0.0 - pressure))
         sentences.append(
@@ -762,9 +818,12 @@ def _centred_surface(
     """An external result with its x shifted so that the centroid of its largest pressure lies where
     theory has it (x = 0 without a tilt), and a sentence that says so.
 
-    As it is, with an empty sentence, where it is centred already, where it is far wider than the
-    contact, or where the mapping states an offset other than 0.
+    As it is, with an empty sentence, where it is centred to half the half-width, where it is more
+    than twice as wide as theory's contact, or where the mapping states an offset other than 0.
+    `theory` holds half-widths and edges (n_steps, 2) of the contact through the whole path, and
+    `tilt`, None for a scene without.
     """
+    # leftmost and rightmost x with pressure at any instant
     left_end, right_end = _ends_of_contact(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
     leftmost_edge = np.nanmin(theory.contact_edges[:, 0])
@@ -774,6 +833,7 @@ def _centred_surface(
     is_wide = right_end - left_end > 4 * half_width
     if mapping.x_offset or not is_off_centre or is_wide:
         return surface, ""
+    # at the instant of the largest pressure
     pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
     load = np.trapezoid(pressure, surface.x)
     centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
@@ -820,7 +880,10 @@ class _ComparedValue:
 
     @property
     def unit_factor(self) -> float:
-        """The first of the usual factors that brings the result near theory; 1 if none does."""
+        """Factor of a unit by which the external result is to be multiplied: the first of 1, 1e3,
+        1e-3, 1e6, 1e-6, 1e9 and 1e-9 that brings the compared value to 0.03 to 10 times that of
+        theory; 1 if none does.
+        """
         for factor in (1.0, *_UNIT_FACTORS):
             if (
                 _LEAST_RATIO_TO_THEORY
@@ -837,8 +900,10 @@ def _compared_values(surface: SurfaceResult, theory: ContactSolution) -> tuple[_
     guessed.
 
     Beside the largest pressure stands theory's mean pressure: units differ by far more than these
-    two do, and the mean needs no field.
+    two do, and the mean needs no field. A result that states no P has the load 0. `theory` holds
+    half-widths of contact and P through the scene's whole path.
     """
+    # leftmost and rightmost x with pressure at any instant
     left_end, right_end = _ends_of_contact(surface)
     half_width_of_theory = float(np.nanmax(theory.contact_half_width))
     largest_load_of_theory = float(np.max(theory.normal_load))
@@ -880,7 +945,16 @@ def _surface_in_unit(
     suggests, and a sentence that says so.
 
     As it is, with an empty sentence, where the mapping states the factor or none is needed.
-    `compared_value` names the fields, with the size of the result and that of theory.
+
+    Parameters
+    ----------
+    compared_value
+        names of the fields of this unit; a value of the result, such as its largest pressure, and
+        theory's; `unit_factor`, a power of 1000 that brings the two together, 1 where none is
+        needed; and words on each
+    mapping
+        stated factors of lengths, stresses and loads, `factor_name` of them this one; None where
+        not stated
     """
     fields = {name: getattr(surface, name) for name in compared_value.field_names}
     present_fields = {name: values for name, values in fields.items() if values is not None}
@@ -914,6 +988,7 @@ def _sentences_on_odd_signs(
     tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
     the result's instants.
     """
+    # tension of more than a thousandth of the largest pressure
     if surface.pressure.min() < -LEAST_TOUCHING_SHARE * surface.pressure.max():
         row, column = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)
         least_pressure = surface.pressure[row, column]
@@ -921,6 +996,7 @@ def _sentences_on_odd_signs(
             f"the pressure is tension at some points, down to {least_pressure:.4g} at"
             f" x = {surface.x[column]:.4g} of instant {row + 1}; it is scored as it is"
         )
+    # integral of the shear over x at each instant
     _, resultant_shear = resultants(surface)
     largest_product = float(np.linalg.norm(resultant_shear) * np.linalg.norm(tangential_load))
     if float(resultant_shear @ tangential_load) < -0.5 * largest_product:
@@ -928,10 +1004,12 @@ def _sentences_on_odd_signs(
             "the shear is opposite to Q in the mean: it looks like the shear on the upper body; it"
             ' is scored as it is (signs.shear = "on upper" turns it)'
         )
+
+    # work of friction from one instant to the next
     if surface.slip is not None and scene.friction.coefficient and len(surface.slip) > 1:
         mean_shear = (surface.shear[1:] + surface.shear[:-1]) / 2
-        works_of_steps = mean_shear * np.diff(surface.slip, axis=0)
-        if float(np.sum(works_of_steps)) < -0.5 * float(np.sum(np.abs(works_of_steps))):
+        work_by_interval = mean_shear * np.diff(surface.slip, axis=0)
+        if float(np.sum(work_by_interval)) < -0.5 * float(np.sum(np.abs(work_by_interval))):
             yield (
                 "the slip goes against the shear, so that friction would feed energy in: it looks"
                 ' like lower over upper; it is scored as it is (signs.slip = "lower over upper"'
