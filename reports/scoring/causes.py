@@ -90,6 +90,7 @@ def _compared_load_width_and_centre(discrepancy: Discrepancy) -> tuple[float, fl
     moments = []  # of the result, of the reference
     for tractions in (discrepancy.result_tractions, discrepancy.reference_tractions):
         pressure = tractions[PRESSURE]
+        # weight (k, n): of each instant and point in the sums
         weighted_pressure = discrepancy.weight * np.maximum(pressure, 0.0)
         sum_of_pressure = float(weighted_pressure.sum())
         if not sum_of_pressure:
@@ -111,6 +112,9 @@ def _size_away_from_zero(value: float) -> float:
 
 
 def _start_sizes_of_stiffness(discrepancy: Discrepancy) -> Sequence[float]:
+    """Size from which the search for a wrong factor of E* starts, in a tuple: its logarithm by the
+    ratio of the widths of contact, which go as 1/sqrt(E*).
+    """
     _, width_ratio, _ = _compared_load_width_and_centre(discrepancy)
     return (_size_away_from_zero(-2 * np.log(width_ratio)),)
 
@@ -128,7 +132,9 @@ def _start_sizes_of_units(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def nearest_power_of_ten(factor: float) -> float | None:
-    """The power of ten that a factor is near to; None where it is near to none."""
+    """The power of ten that a factor is near to, within 2 %, or 25 % for a hundred and more; None
+    where it is near to none, or to 1.
+    """
     if factor <= 0:
         return None
     order = round(np.log10(factor))
@@ -148,8 +154,8 @@ def _start_sizes_of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _start_sizes_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
-    """Size at which to start the search for a factor of the shear, in a tuple: the logarithm of the
-    ratio of the sums of the shear over x, result to reference.
+    """Size at which to start the search for a wrong factor of a result's shear, in a tuple: the
+    logarithm of the ratio of the sums of the shear over x, result to reference.
 
     The ratio is that of least squares over the instants. Empty where it is not positive, and
     without a shear.
@@ -158,6 +164,7 @@ def _start_sizes_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
         return ()
     weight = discrepancy.weight
     # one for each instant
+    # weight (k, n): of each instant and point in the sums
     result_sums = np.sum(weight * discrepancy.result_tractions[SHEAR], axis=1)
     reference_sums = np.sum(weight * discrepancy.reference_tractions[SHEAR], axis=1)
     square_of_reference = float(reference_sums @ reference_sums)
@@ -243,6 +250,7 @@ def _start_sizes_of_wrong_load(key: str) -> Callable[[Discrepancy], Sequence[flo
     """
 
     def start_sizes(discrepancy: Discrepancy) -> Sequence[float]:
+        # wrong_loads: the loads of the scene with a fault each, by key
         with contextlib.suppress(InputError):
             return (1.0,) if key in wrong_loads(discrepancy.scene) else ()
         return ()
@@ -411,7 +419,18 @@ FULL_STICK = Cause(
 def _cause_by_history(
     key: str, history_fault: str, start_sizes: Callable[[Discrepancy], Sequence[float]]
 ) -> Cause:
-    """The cause that the history of friction is treated wrongly, in one way."""
+    """The cause (known fault of a result) that the history of friction is treated wrongly, in one
+    way.
+
+    Parameters
+    ----------
+    key
+        of its sentence in templates/faults.toml
+    history_fault
+        how theory predicts it, such as "no memory"
+    start_sizes
+        sizes from which a search for it starts; none where the file can't have it
+    """
     return Cause(
         key,
         lambda variant, _: replace(variant, history_fault=history_fault),
@@ -423,7 +442,9 @@ def _cause_by_history(
 
 
 def _cause_by_load(key: str) -> Cause:
-    """The cause that a bulk stress or tilt has the wrong sign or is left out."""
+    """The cause (known fault of a result) that a bulk stress or tilt has the wrong sign or is left
+    out: `key` "tilt_sign", "tilt_left_out", "bulk_sign" or "bulk_left_out".
+    """
     return Cause(
         key,
         lambda variant, _: replace(variant, wrong_load=key),

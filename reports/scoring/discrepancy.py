@@ -127,7 +127,8 @@ class Discrepancy:
         It is compared with P and with the same integral over the reference's pressure, and the
         ratio nearer to 1 counts: nodal forces over element lengths add up to P on any mesh,
         pressures at points to the integral of theory's. Where the points end within the contact of
-        the reference, and not within that of the result, only P counts.
+        the reference, and not within that of the result, only P counts. An instant is loaded with
+        more than a hundredth of the largest P.
         """
         if not self.is_loaded.any():
             return float("nan")
@@ -188,11 +189,13 @@ class Discrepancy:
         return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
 
     def relative_errors(self) -> tuple[float, float]:
-        """Relative errors of pressure and shear at the worst of the instants,
-        ||p - p_0||/||p_0|| and ||q - q_0||/(f ||p_0||), p_0 and q_0 being the reference's.
+        """Relative errors of a result's pressure and shear at the worst of the instants, ||p -
+        p_0||/||p_0|| and ||q - q_0||/(f ||p_0||), p_0 and q_0 being the reference's; norms are
+        roots of integrals of squares over x.
         """
         friction = self.comparison.scales.friction
         pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])
+        # ||p_0|| and f ||p_0||, (2, k)
         norms_of_reference = pressure_norm * factors_of_tractions(1, friction)[:, :, 0]
         norms_of_difference = l2_norm(self.x, self.result_tractions - self.reference_tractions)
         relative_errors = quotient(norms_of_difference, norms_of_reference)
@@ -252,7 +255,8 @@ class Residual:
 
     @cached_property
     def mean_square_of_noise(self) -> float:
-        """Mean square of the noise in the values: half the mean squared difference of neighbours.
+        """Mean square of the noise in the residual (k instants, n points), a result minus a
+        prediction: half the mean squared difference of neighbours.
 
         It is taken of neighbours in x and, of three instants and more, in time: the smaller one
         counts. White noise has its variance; values that are smooth over points or instants have
@@ -266,12 +270,13 @@ class Residual:
         return (1, 0) if len(self.values) >= _FEWEST_INSTANTS_FOR_TIME else (1,)
 
     def _noise_along(self, axis: int) -> tuple[float, int]:
-        """Noise of the values: half the weighted mean square of the difference of neighbours that
-        are both in contact, and the number of such pairs. Without a pair: the mean square of the
-        values, and 0.
+        """Noise of a residual (k instants, n points): half the weighted mean square of the
+        difference of neighbours that are both in contact, and the number of such pairs. Without a
+        pair: the mean square of the residual, and 0.
 
         `axis` 0 takes neighbours in time, 1 neighbours in x.
         """
+        # (k, n) whether a point is in contact, with the neighbours along the last axis
         is_inside = np.moveaxis(self.is_in_contact, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
         is_pair_inside = is_inside[..., 1:] & is_inside[..., :-1]
@@ -296,6 +301,7 @@ class Residual:
         if not self.is_in_contact.any():
             return False
         for axis in self._axes:
+            # half the mean squared difference of neighbours
             noise, n_pairs = self._noise_along(axis)
             lowest_ratio = max(1 - 3 / np.sqrt(max(n_pairs, 1)), _LEAST_RATIO_OF_NOISE)
             if noise < lowest_ratio * self.mean_square:
@@ -304,7 +310,8 @@ class Residual:
 
 
 def fraction_of_cycle(comparison: Comparison) -> Array:
-    """(k,) share of a period at each instant, from the start of the path's cycle.
+    """(k,) share of a period at each instant of a result's last cycle, from the start of the load
+    path's cycle.
 
     From 0 to 1, or from somewhere between to one period later. Of instants that are no whole
     cycle each counts from the start of its own revolution. The time itself where nothing repeats.
@@ -312,6 +319,7 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     path = comparison.scene.load.path()
     result_cycle = comparison.result_cycle
     if path.period is None or result_cycle.is_whole:
+        # (k,) as the result's cycle has it
         return result_cycle.fraction
     return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
@@ -332,7 +340,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     their elastic responses takes its place. None where the result has no instant with a contact, or
     not one number.
     """
-    # instants loaded enough to be judged; without any, those at which either has pressure
+    # at most ten instants: of those loaded enough to be judged; without any, of those at which
+    # either has pressure
     is_usable = comparison.is_judged if comparison.is_judged.any() else comparison.is_in_contact
     usable_instants = np.flatnonzero(is_usable)
     if not len(usable_instants):
@@ -340,6 +349,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
     even_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
     instants = usable_instants[np.unique(even_places)]
+
+    # tractions of both at these instants, and which of them count
     reference_cycle = comparison.reference_cycle
     result_cycle = comparison.result_cycle
     reference_tractions = np.array(
@@ -351,12 +362,15 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         result_tractions[SHEAR] = np.nan_to_num(reference_tractions[SHEAR])
     is_known = np.isfinite(reference_tractions).all(axis=0)
     is_known &= np.isfinite(result_tractions).all(axis=0)
+    # masks_of_isolated: values that stand out of all others
     is_outlier = (comparison.masks_of_isolated["pressure"] | comparison.masks_of_isolated["shear"])[
         instants
     ]
     is_known &= ~is_outlier
     if not is_known.any():
         return None
+
+    # theory with the responses of the scene's finite bodies, None where it has none
     tractions_with_bodies = _theory_with_bodies(comparison, instants)
     has_bodies = tractions_with_bodies is not None
     if tractions_with_bodies is not None:
@@ -389,6 +403,7 @@ def _theory_with_bodies(comparison: Comparison, instants: NDArray[np.intp]) -> T
     theory has no correction for bodies of this shape.
     """
     scene = comparison.scene
+    # engine "semi_analytic": half-plane theory
     if comparison.reference.engine != "semi_analytic" or are_half_planes(scene):
         return None
     try:

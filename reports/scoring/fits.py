@@ -93,18 +93,19 @@ class Fit:
         return sum(self.residuals[channel].mean_square for channel in channels)
 
     def mean_square_of_noise(self, channels: Sequence[int]) -> float:
-        """Mean square of the noise in the residuals, the sum of the `channels` (pressure, shear).
+        """Mean square of the noise in the residuals, result minus prediction over p_ref or f p_ref:
+        the sum of the `channels` (pressure, shear).
 
         More than the mean square of the residual is no noise. Noise of the shear is of the size of
         that of the pressure: it counts up to `largest_noise_ratio` times the pressure's residual.
         """
         pressure_square = max(self.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
-        largest_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
+        largest_square_of_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
         return sum(
             min(
                 self.residuals[channel].mean_square_of_noise,
                 self.mean_square((channel,)),
-                largest_noise[channel],
+                largest_square_of_noise[channel],
             )
             for channel in channels
         )
@@ -147,8 +148,8 @@ class Search:
         channels: tuple[int, ...],
         known_sizes: tuple[float, ...] = (),
     ) -> Fit | None:
-        """The fit of some causes (known faults) to the difference between result and reference;
-        one that was done before is taken again.
+        """The fit of causes (known faults of a result) to its difference from the reference, with
+        the residuals that they leave. A fit that was done before is taken from the cache.
 
         None where the result can't have one of the causes, or theory has no solution for them.
 
@@ -161,6 +162,7 @@ class Search:
         known_sizes
             sizes of the first causes, which are kept
         """
+        # CAUSES: all causes
         key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
         if key not in self.fit_by_key:
             self.fit_by_key[key] = self._new_fit(causes, channels, known_sizes)
@@ -169,8 +171,12 @@ class Search:
     def _new_fit(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
-        """The fit of `best_fit`, made again: each combination of starting sizes is tried, and the
-        best ones are refined by least squares. None where theory has no solution for any.
+        """Fit causes (known faults of a result) to its difference from the reference: each
+        combination of starting sizes is tried, and the best ones are refined by least squares. The
+        first causes keep their `known_sizes`. None where theory has no solution for any
+        combination, or the result can't have one of the causes.
+
+        `channels` are the tractions that are fitted: pressure, shear or both.
         """
         searched_causes = causes[len(known_sizes) :]
         starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
@@ -179,15 +185,20 @@ class Search:
         ]
         if not all(starts_of_causes):
             return None
+
+        # sum of squared residuals of each combination of sizes
         combinations = list(itertools.product(*starts_of_causes))
-        squares = [
+        sums_of_squares = [
             self._sum_of_squares(causes, combination, channels) for combination in combinations
         ]
-        order_of_squares = np.argsort(squares, kind="stable")
-        least_square = squares[order_of_squares[0]]
-        if least_square >= _RESIDUAL_WITHOUT_SOLUTION**2:
+        order_of_sums = np.argsort(sums_of_squares, kind="stable")
+        least_sum = sums_of_squares[order_of_sums[0]]
+        # a residual of 1e20 stands for no solution
+        if least_sum >= _RESIDUAL_WITHOUT_SOLUTION**2:
             return None
-        sizes = combinations[order_of_squares[0]]
+
+        # least squares over the sizes, roughly from the best combinations, then finely
+        sizes = combinations[order_of_sums[0]]
         fitted_indices = [
             index
             for index, cause in enumerate(causes)
@@ -198,18 +209,22 @@ class Search:
             n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
             rough_sizes = [
                 self._least_squares(
-                    causes, combinations[number], fitted_indices, channels, _ROUGH_TOLERANCE
+                    causes,
+                    combinations[combination_number],
+                    fitted_indices,
+                    channels,
+                    _ROUGH_TOLERANCE,
                 )
-                for number in order_of_squares[:n_searches]
-                if squares[number] < _RESIDUAL_WITHOUT_SOLUTION**2
+                for combination_number in order_of_sums[:n_searches]
+                if sums_of_squares[combination_number] < _RESIDUAL_WITHOUT_SOLUTION**2
             ]
             sizes = min(
                 rough_sizes, key=lambda trial: self._sum_of_squares(causes, trial, channels)
             )
-            square_without_causes = self._sum_of_squares((), (), channels)
+            sum_without_causes = self._sum_of_squares((), (), channels)
             if (
                 self._sum_of_squares(causes, sizes, channels)
-                <= _SHARE_LEFT_WITHOUT_HOPE**2 * square_without_causes
+                <= _SHARE_LEFT_WITHOUT_HOPE**2 * sum_without_causes
             ):
                 sizes = self._least_squares(
                     causes, sizes, fitted_indices, channels, _FINE_TOLERANCE
@@ -219,8 +234,9 @@ class Search:
     def refined_fit(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
-        """The fit with all sizes fitted at once, by a search that starts from `sizes`. None where
-        theory has no solution.
+        """The fit of causes (known faults) with all sizes fitted at once, by least squares from
+        `sizes` on. None where theory has no solution. `channels` are the tractions that are fitted:
+        pressure, shear or both.
         """
         fitted_indices = [index for index, cause in enumerate(causes) if cause.has_size]
         if fitted_indices:
@@ -234,8 +250,9 @@ class Search:
         have this fault.
 
         `searched_causes` are all causes of the search, this one included. Where there are several,
-        the size that this one has when fitted alone is among the starts. `channels` are the
-        tractions that are fitted: pressure, shear or both.
+        the size that this one has when fitted alone is among the starts, with every third of its
+        other starts for the shear. `channels` are the tractions that are fitted: pressure, shear or
+        both.
         """
         starts = tuple(cause.start_sizes(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
@@ -259,8 +276,8 @@ class Search:
         channels: tuple[int, ...],
         tolerance: float,
     ) -> tuple[float, ...]:
-        """Sizes of all causes whose predicted tractions are closest to the result's, by least
-        squares; only those at `fitted_indices` differ from `sizes`, where the search starts.
+        """Sizes of causes (known faults) whose predicted tractions are closest to the result's, by
+        least squares; only those at `fitted_indices` differ from `sizes`, where the search starts.
 
         `channels` are the tractions that count: pressure, shear or both. The search ends where a
         step changes sizes or squares by less than the share `tolerance`.
@@ -268,11 +285,13 @@ class Search:
         from scipy.optimize import least_squares
 
         def all_sizes(fitted_sizes: Array) -> tuple[float, ...]:
+            """Sizes of all causes, those at `fitted_indices` replaced."""
             sizes_with_fitted = list(sizes)
             for index, size in zip(fitted_indices, fitted_sizes, strict=True):
                 sizes_with_fitted[index] = float(size)
             return tuple(sizes_with_fitted)
 
+        # residuals: of pressure and shear over p_ref and f p_ref, at all points and instants
         solution = least_squares(
             lambda fitted_sizes: self._weighted_residuals(
                 causes, all_sizes(fitted_sizes), channels
@@ -283,6 +302,7 @@ class Search:
             xtol=tolerance,
             ftol=tolerance,
             x_scale=np.full(len(fitted_indices), 0.1),
+            # 40 calls at most
             max_nfev=_MOST_CALLS,
         )
         return all_sizes(solution.x)
@@ -298,11 +318,11 @@ class Search:
     def _weighted_residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
-        """Differences of the result from tractions with these faults (`causes`) of these sizes,
-        over p_ref or f p_ref, times the root of their weight; large numbers where theory has no
-        solution.
+        """Differences of the result from the tractions that theory predicts with these `causes`
+        (known faults) of these sizes, over p_ref or f p_ref, times the root of their weight; 1e20
+        where theory has no solution.
 
-        All instants and points of each of the `channels` (pressure, shear) in one row.
+        All k instants and n points of each of the `channels` (pressure, shear) in one row.
         """
         discrepancy = self.discrepancy
         try:
@@ -314,6 +334,7 @@ class Search:
         residuals_of_channels = []
         for channel in channels:
             difference = discrepancy.result_tractions[channel] - predicted_tractions[channel]
+            # traction_units: p_ref for the pressure, f p_ref for the shear
             residual = root_of_weight * difference / discrepancy.traction_units[channel]
             residuals_of_channels.append(residual.ravel())
         return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_RESIDUAL_WITHOUT_SOLUTION)
@@ -324,8 +345,10 @@ class Search:
         """Tractions (2, k, n) that a result with these faults (`causes`) of these sizes would have.
         The shear is that of the reference where it is not among `channels`.
 
-        InputError where theory has no solution, or a size is beyond the range of the search.
+        InputError where theory has no solution, or a size is beyond the `largest_size` of its
+        cause.
         """
+        # the scene's theory without a fault; each cause puts its fault into it
         variant = Variant()
         for cause, size in zip(causes, sizes, strict=True):
             if abs(size) > cause.largest_size:
@@ -344,6 +367,7 @@ class Search:
             predicted_tractions = self._predicted_tractions(causes, sizes, channels)
         except InputError:
             return None
+        # largest ratio of shear noise to pressure noise, each over its scale: 5/f
         friction = self.discrepancy.comparison.scales.friction
         return Fit(
             causes,
@@ -355,9 +379,9 @@ class Search:
 
 
 def share_of_difference_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
-    """Share of the difference that a fit leaves: norm of its residuals over that of `fit_before`,
-    the noise taken from both; 1 where there is no difference. `channels` are the tractions that
-    n_values: pressure, shear or both.
+    """Share of the difference between result and reference that a fit of known faults leaves: norm
+    of its residuals over that of `fit_before`, the noise taken from both; 1 where there is no
+    difference. `channels` are the tractions that count: pressure, shear or both.
     """
     return share_of_norm(
         fit.mean_square(channels),
@@ -373,16 +397,17 @@ def share_of_norm(square_left: float, square_before: float, square_of_noise: flo
     >>> share_of_norm(2.0, 5.0, 1.0)
     0.5
     """
-    smooth_square_before = square_before - square_of_noise
-    if smooth_square_before <= 0:
+    square_before_without_noise = square_before - square_of_noise
+    if square_before_without_noise <= 0:
         return 1.0
-    smooth_square_left = max(square_left - square_of_noise, 0.0)
-    return float(np.sqrt(smooth_square_left / smooth_square_before))
+    square_left_without_noise = max(square_left - square_of_noise, 0.0)
+    return float(np.sqrt(square_left_without_noise / square_before_without_noise))
 
 
 def probability_by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
-    """Probability that noise alone lets a fit leave so much less than `fit_before`, see
-    `probability_of_gain`. `channels` are the tractions that count: pressure, shear or both.
+    """Probability that noise alone lets a fit of known faults leave so much less of the difference
+    between result and reference than `fit_before`, by the F test. `channels` are the tractions that
+    count: pressure, shear or both.
     """
     return probability_of_gain(
         fit.mean_square(channels),
@@ -440,9 +465,10 @@ def leaves_clearly_more(
     square_left: float, least_square: float, n_values: int, *, is_noise: bool
 ) -> bool:
     """Whether a fit with the mean square `square_left` leaves so much more of n values than the
-    best one, with `least_square`, that it is out.
+    best one, with `least_square`, that it is out: four times as much.
 
-    `is_noise` is whether the best one leaves noise alone: then chance sets how far both may differ.
+    `is_noise` is whether the best one leaves noise alone. Then chance sets how far both may differ:
+    the sums of squares by 16 variances of the noise.
     """
     least_square = max(least_square, ROUND_OFF_SQUARE)
     if is_noise:
@@ -451,8 +477,9 @@ def leaves_clearly_more(
 
 
 def explains_difference(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-    """Whether a fit explains the difference that `fit_before` leaves in the tractions `channels`:
-    less than a third of it is left, and not by chance.
+    """Whether a fit of known faults explains the difference that `fit_before` leaves in the
+    tractions `channels` (pressure, shear): less than a third of its norm is left, and not by
+    chance.
     """
     return (
         share_of_difference_left(fit, fit_before, channels) < LARGEST_SHARE_LEFT

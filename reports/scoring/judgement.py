@@ -129,26 +129,31 @@ class Judgement:
         """Which known faults (causes) explain the difference of a result from the reference, first
         in the pressure, then in the shear.
 
-        Of several explanations the one that leaves least of the difference is named, of equal ones
-        the one with the fewest causes. Those that the file does not tell apart from it are its
-        rivals.
+        Of several explanations the one that leaves least of the difference is named; of those that
+        leave as little but for chance, the one with the fewest causes. Those that the file does not
+        tell apart from it are its rivals. An explanation is a fit: causes, their sizes, and the
+        mean square of the difference that it leaves.
         """
         pressure_fits = self._fits_of_pressure()
         explanations_of_both: list[Fit] = []
         fits_of_pressure_alone: list[Fit] = []
+        # fits with causes of the shear added, else those of the pressure alone
         for pressure_fit in pressure_fits:
             fits_of_both = self._fits_with_shear(pressure_fit)
             explanations_of_both += fits_of_both
             if not fits_of_both:
                 fits_of_pressure_alone += self._explanations_of_pressure_alone(pressure_fit)
+        # bodies of finite size in place of a wrong modulus
         if not explanations_of_both:
             explanations_of_both += self._explanations_with_small_body(fits_of_pressure_alone)
+        # all sizes fitted to pressure and shear at once
         explanations_of_both += self._joint_fits(pressure_fits, explanations_of_both)
         candidates = explanations_of_both or fits_of_pressure_alone
         if not candidates:
             return Attribution(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
+        # channels: pressure, and shear where the file has one
         closest_fit = min(candidates, key=lambda fit: fit.mean_square(self.channels))
         best_fit = min(candidates, key=lambda fit: self._sort_key(fit, closest_fit))
         rivals = tuple(
@@ -161,21 +166,31 @@ class Judgement:
         return Attribution(best_fit, rivals, is_shear_unexplained=not explanations_of_both)
 
     def _sort_key(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
-        """Key to sort fits by, the best first: fits that leave no more than `least_fit` but for
-        chance, of these the fewest causes, then the fewest sizes.
+        """Key to sort fits of causes (known faults) by, the best first: whether the fit leaves
+        clearly more of the difference than `least_fit`, its number of causes, number of fitted
+        sizes, mean square of the difference that it leaves.
         """
-        is_apart = self._leaves_clearly_more(fit, least_fit)
-        return is_apart, len(fit.causes), fit.n_parameters, fit.mean_square(self.channels)
+        leaves_clearly_more = self._leaves_clearly_more(fit, least_fit)
+        return (
+            leaves_clearly_more,
+            len(fit.causes),
+            fit.n_parameters,
+            fit.mean_square(self.channels),
+        )
 
     def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
-        """The fit of the causes that explain the pressure, in a list, to be named though the shear
-        differs for a reason that is not found. It is to pressure and shear, at the sizes that the
-        causes have in `pressure_fit`, or `pressure_fit` itself where the shear has no theory.
+        """The fit of the causes (known faults) that explain the pressure, in a list, to be named
+        though the shear differs for a reason that is not found. It is to pressure and shear, at the
+        sizes that the causes have in `pressure_fit`, or `pressure_fit` itself where the shear has
+        no theory.
 
-        Empty without causes, and where they leave much of the difference in pressure.
+        Empty without causes, and where they leave more than a tenth of the difference in pressure
+        (norm) that is not noise.
         """
         if not pressure_fit.causes:
             return []
+        # tractions predicted with these causes; channels: pressure, and shear where the file has
+        # one
         fit = self.search.best_fit(
             pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes
         )
@@ -191,38 +206,43 @@ class Judgement:
         return [fit] if is_explained else []
 
     def _explanations_with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
-        """Explanations of pressure and shear by bodies that are too small. They are tried in place
-        of a wrong modulus E* where that explains the pressure (among `pressure_fits`) but not the
-        shear.
+        """Explanations of the difference in pressure and shear by bodies that are too small. They
+        are tried in place of a wrong modulus E* where that explains the pressure (among
+        `pressure_fits`) but not the shear. Empty where it does not.
 
         Under a constant P a rigid base that is near changes the pressure as another radius does.
         """
+        # "stiffness": key of a wrong factor of E*
         fits_with_modulus = [fit for fit in pressure_fits if "stiffness" in fit.keys]
         if not fits_with_modulus:
             return []
+        # all causes but those that change the width of contact
         causes = (SMALL_BODY, *_without_width_causes(fits_with_modulus[0]))
         explanations = []
+        # fits of these causes that explain the pressure, then with causes of the shear added
         for fit_of_pressure in self._explanations([causes], self.fit_without_causes, (PRESSURE,)):
             explanations += self._fits_with_shear(fit_of_pressure)
         return explanations
 
     def _joint_fits(self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]) -> list[Fit]:
         """Fits of pressure and shear at once that replace, in the best explanation, the causes of
-        the pressure by those of each fit of the pressure; all sizes are fitted again.
+        the pressure by those of each fit of the pressure; all sizes are fitted again. A cause is a
+        known fault, such as a wrong friction coefficient.
 
         Sizes that were fitted to a noisy pressure alone may be too far off for the shear to decide
-        between the explanations.
+        between the explanations. Empty where the best explanation is exact.
 
         Parameters
         ----------
         pressure_fits
-            fits of causes (known faults) to the pressure, the best first
+            fits of causes to the pressure, the best first
         explanations
             fits of causes to pressure and shear
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
         best_explanation = min(explanations, key=lambda fit: fit.mean_square(self.channels))
+        # exact: it leaves less than a millionth of the mean square of the whole difference
         if best_explanation.mean_square(
             self.channels
         ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square(self.channels):
@@ -236,8 +256,10 @@ class Judgement:
         for pressure_fit in pressure_fits:
             causes = (*pressure_fit.causes, *best_explanation.causes[n_causes_of_pressure:])
             sizes = (*pressure_fit.sizes, *best_explanation.sizes[n_causes_of_pressure:])
+            # no two causes of one group, none twice
             if not _may_occur_together(causes):
                 continue
+            # least squares from these sizes on
             fit = self.search.refined_fit(causes, sizes, self.channels)
             if fit is None or not self._is_not_excluded(
                 fit, self.fit_without_causes, self.channels
@@ -250,8 +272,8 @@ class Judgement:
     # ------------------------------------------------------------------------------ the pressure
     def _fits_of_pressure(self) -> list[Fit]:
         """Explanations of the difference between the result's pressure and the reference's by one
-        or two causes (known faults), the best first. It is the fit without a cause where the
-        pressure is right, or where nothing explains it.
+        or two causes (known faults), the best first: at most five that leave as little. It is the
+        fit without a cause where the pressure is right, or where nothing explains it.
 
         Single causes are tried first, pairs only where no single cause is enough. A pair must do
         better than the best single cause, and need both of its own. Bodies of finite size and soft
@@ -264,6 +286,7 @@ class Judgement:
             return [fit_without_causes]
         causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
         quick_causes = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
+        # fits that leave less than a third of the difference, and not by chance
         single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
         if self._needs_no_pair(single_fits):
             return self._fits_near_best(single_fits) or [fit_without_causes]
@@ -277,13 +300,16 @@ class Judgement:
             fits_of_pairs = [
                 fit for fit in fits_of_pairs if self._leaves_less(fit, best_single_fit, (PRESSURE,))
             ]
+        # neither cause of a pair does as well alone
         fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both_causes(fit)]
         return self._fits_near_best(fits_of_pairs or single_fits) or [fit_without_causes]
 
     def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
-        """Whether one cause of the pressure difference, or none, explains it so well that pairs of
-        causes need not be tried. `single_fits` are the fits of one cause, the best first. With few
-        values, which may look like noise by chance, next to nothing must be left.
+        """Whether one cause (known fault) of the pressure difference, or none, explains it so well
+        that pairs of causes need not be tried: it leaves noise alone. With fewer than 40 values,
+        which may look like noise by chance, at most 3 % of the difference (norm) may be left.
+
+        `single_fits` are the fits of one cause, the best first.
         """
         if not single_fits:
             best_fit = self.fit_without_causes
@@ -301,8 +327,9 @@ class Judgement:
         )
 
     def _explanations_of_pressure(self, combinations: Sequence[tuple[Cause, ...]]) -> list[Fit]:
-        """Fits of the combinations `combinations` that explain the pressure, the best first; among
-        them fits of small bodies and soft layers beside the best factor of E*, loads or x.
+        """Fits of the `combinations` of causes (known faults) that explain the difference in
+        pressure, the best first; among them fits of small bodies and soft layers, which take the
+        place of the best factor of E*, loads or x.
         """
         fits = self._explanations(combinations, self.fit_without_causes, (PRESSURE,))
         fits += self._explanations(
@@ -313,8 +340,8 @@ class Judgement:
     def _pairs_worth_trying(
         self, single_fits: Sequence[Fit], quick_causes: Sequence[Cause]
     ) -> list[tuple[Cause, ...]]:
-        """Pairs of causes that are worth a fit to the pressure, as combinations that may occur
-        together.
+        """Pairs of causes (known faults) that are worth a fit to the difference in pressure, and
+        may occur together.
 
         They are any two of which each alone leaves less of the difference than no cause; the one of
         these that leaves least with any other; and a cause without a size (a sign, a swap) with any
@@ -340,16 +367,17 @@ class Judgement:
         return [pair for pair in dict.fromkeys(pairs) if _may_occur_together(pair)]
 
     def _reduces_pressure_difference(self, cause: Cause) -> bool:
-        """Whether a cause alone leaves less of the pressure than none, so that pairs with it are
-        worth their time; nodal forces do not where another fault is larger.
+        """Whether a cause (known fault) alone leaves less than 98 % of the pressure difference, so
+        that pairs with it are worth their time. Nodal forces ("coarse_edge") do not where another
+        fault is larger: they count wherever they can be fitted.
         """
         if cause.key == "coarse_edge":
             return self.search.best_fit((cause,), (PRESSURE,)) is not None
         return self._share_left_by_cause(cause) < _LEAST_SHARE_LEFT_WITHOUT_HELP
 
     def _share_left_by_cause(self, cause: Cause) -> float:
-        """Share of the pressure's difference that one cause alone leaves; infinite where theory has
-        no solution with it.
+        """Share of the difference in pressure (norm, without noise) that one cause (known fault)
+        leaves when fitted alone; infinite where theory has no solution with it.
         """
         fit = self.search.best_fit((cause,), (PRESSURE,))
         return (
@@ -366,6 +394,7 @@ class Judgement:
         possible_fits = []
         for cause in causes:
             fit = self.search.best_fit((cause,), (PRESSURE,))
+            # the integral of the pressure excludes the cause
             if fit is None or self._sum_of_pressures_contradicts(fit):
                 continue
             if (
@@ -385,11 +414,13 @@ class Judgement:
         width of contact. Such causes are wrong factors of E*, loads or x; faults of the model are
         bodies of finite size, and faces with a soft layer. Both change the width alike.
 
-        `fits` are the fits tried before. Empty where the best one leaves nothing of the difference.
+        `fits` are the fits tried before. Empty where the best one leaves less than a millionth of
+        the mean square of the whole difference, or without any fit noise alone.
         """
         if not fits:
             is_noise = self.fit_without_causes.is_noise((PRESSURE,))
             return [] if is_noise else [(cause,) for cause in _MODEL_FAULTS]
+        # group "size": causes that change the width of contact
         fits_with_other_width = [
             fit for fit in fits if any(cause.group == "size" for cause in fit.causes)
         ]
@@ -424,7 +455,7 @@ class Judgement:
         Parameters
         ----------
         combinations
-            the combinations
+            of the causes
         fit_before
             fit of fewer causes, or of none
         channels
@@ -432,6 +463,7 @@ class Judgement:
         """
         explanations = []
         for causes in combinations:
+            # least squares over the sizes of these causes; None without a solution of theory
             fit = self.search.best_fit(causes, channels)
             if fit is None or not self._is_not_excluded(fit, fit_before, channels):
                 continue
@@ -441,11 +473,13 @@ class Judgement:
 
     # ------------------------------------------------------------------------- what rows exclude
     def _is_not_excluded(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-        """Whether neither the sums of pressure and shear speak against a fit, nor sizes that are
-        next to none. `fit_before` is a fit of fewer causes.
+        """Whether nothing excludes a fit of causes (known faults): neither the integral of the
+        pressure over x, nor that of the shear, nor fitted sizes that are next to none. `fit_before`
+        is a fit of fewer causes.
         """
         if _is_no_change(fit, fit_before, channels):
             return False
+        # a wrong factor of all shear tractions
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
         return not self._sum_of_pressures_contradicts(fit)
@@ -467,6 +501,7 @@ class Judgement:
         """
         if share_of_difference_left(fit, fit_before, (SHEAR,)) > _LARGEST_SHARE_LEFT_OF_PRESSURE:
             return False
+        # (k, n) of each instant and point in the integrals
         weight_of_points = self.discrepancy.weight
         # integrals of the shear over x, one for each instant
         shear_integrals = np.sum(
@@ -483,12 +518,13 @@ class Judgement:
         return abs(ratio - 1) <= _SHARE_OF_FACTOR_IN_SUM * abs(factor - 1)
 
     def _sum_of_pressures_contradicts(self, fit: Fit) -> bool:
-        """Whether the sum of the result's pressures over x excludes the causes of a fit.
+        """Whether the sum of the result's pressures over x excludes the causes (known faults) of a
+        fit.
 
         A wrong factor of loads, pressures or x multiplies this sum by a known factor,
-        `Cause.resultant_factor`. Such a factor is excluded where the sum remains near P. Nodal
-        forces instead of pressures ("coarse_edge") add up to P: they are excluded where the sum is
-        not P. The reason is kept in `reason_by_cause`.
+        `Cause.resultant_factor`; None where a cause leaves the sum. Such a factor is excluded where
+        the sum remains near P. Nodal forces instead of pressures ("coarse_edge") add up to P: they
+        are excluded where the sum is not P. The reason is kept in `reason_by_cause`.
         """
         predicted_ratios = [
             cause.resultant_factor(size)
@@ -497,12 +533,14 @@ class Judgement:
         ]
         if "other_times" in fit.keys:  # P of another instant: the sum has no known value
             return False
+        # integral of the result's pressure over P
         measured_ratio = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {measured_ratio:.4g} P"
         is_sum_wrong = abs(measured_ratio - 1) > _LARGEST_ERROR_OF_SUM
         if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason
             return True
+        # of two factors the sum shows only the product
         if len(predicted_ratios) != 1 or not np.isfinite(measured_ratio):
             return False
         # the sum follows the predicted factor at least in part
@@ -520,7 +558,8 @@ class Judgement:
 
     def _fits_with_shear(self, pressure_fit: Fit) -> list[Fit]:
         """Fits of causes (known faults) to pressure and shear, the best first, that begin with a
-        fit to the pressure alone; its causes keep the sizes fitted there.
+        fit to the pressure alone; its causes keep the sizes fitted there. Empty where nothing
+        explains the shear.
 
         Tried in turn: no further cause, one of the shear, coupling by unlike bodies, and two of the
         shear; the first that leaves noise alone ends it.
@@ -534,10 +573,12 @@ class Judgement:
             return []
         if self.is_traction_explained(fit_before, SHEAR):
             return [fit_before] if fit_before.causes else []
+        # fits with one cause of the shear added
         explanations = self._explanations_by_shear_causes(fit_before, 1)
         if self._is_shear_explained(explanations):
             return explanations
         if len(fit_before.causes) < 2:
+            # unlike materials: the normal pressure moves the faces tangentially
             coupled_fit = self._coupled_fit(explanations[0] if explanations else fit_before)
             if coupled_fit is not None:
                 return [coupled_fit]
@@ -559,8 +600,9 @@ class Judgement:
         return bool(explanations) and self.is_traction_explained(explanations[0], SHEAR)
 
     def _explanations_by_shear_causes(self, fit_before: Fit, count: int) -> list[Fit]:
-        """Fits that explain the shear by `n_values` causes beside those of `fit_before`, which
-        explain the pressure; the best first. Empty where that makes more than two causes.
+        """Fits that explain the difference in shear by `count` causes (known faults) beside those
+        of `fit_before`, which explain the pressure; the best first. Empty where that makes more
+        than two causes.
         """
         if len(fit_before.causes) + count > 2:
             return []
@@ -571,6 +613,7 @@ class Judgement:
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
+        # no two causes of one group may meet
         combinations = [
             (*fit_before.causes, *chosen_causes)
             for chosen_causes in itertools.combinations(possible_causes, count)
@@ -578,15 +621,16 @@ class Judgement:
         return self._explanations_of_shear(filter(_may_occur_together, combinations), fit_before)
 
     def _coupled_fit(self, fit_before: Fit) -> Fit | None:
-        """The fit in which unlike materials couple shear and pressure, beside the causes of
-        `fit_before`. None unless most of the shear that these leave is odd in x, as that of a
-        coupling is.
+        """The fit in which unlike materials couple shear and pressure, beside the causes (known
+        faults) of `fit_before`. None unless most of the difference in shear that these leave is odd
+        in x, as that of a coupling is.
 
         Where the scene's own materials are unlike, theory is known to lack the coupling, and the
         odd part itself is the explanation.
         """
         if len(fit_before.causes) > 1:
             return None
+        # ODD_PART: a stand-in that takes over the odd part of the result's shear
         odd_fit = self.search.best_fit(
             (*fit_before.causes, ODD_PART), self.channels, known_sizes=fit_before.sizes
         )
@@ -596,6 +640,7 @@ class Judgement:
             > _LARGEST_SHARE_LEFT_BY_ODD_PART
         ):
             return None
+        # Dundurs' beta, 0 for like materials
         if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NEGLIGIBLE_BETA:
             return (
                 odd_fit
@@ -609,16 +654,17 @@ class Judgement:
     def _explanations_of_shear(
         self, combinations: Iterable[tuple[Cause, ...]], fit_before: Fit
     ) -> list[Fit]:
-        """Try combinations of causes (known faults): the fits that explain what `fit_before` leaves
-        of the shear; the best first.
+        """Try `combinations` of causes (known faults): the fits that explain what `fit_before`
+        leaves of the difference in shear, the best first.
 
         A fit counts where its mean square difference of the pressure is at most twice that of
-        `fit_before`: causes of the shear hardly touch the pressure. `combinations` are the
-        combinations.
+        `fit_before`: causes of the shear hardly touch the pressure. The first causes of each
+        combination are those of `fit_before`, and keep their sizes.
         """
         explanations = []
         for causes in combinations:
             fit = self.search.best_fit(causes, (PRESSURE, SHEAR), known_sizes=fit_before.sizes)
+            # integrals of pressure and shear, and sizes that are next to none, exclude a fit
             if fit is None or not self._is_not_excluded(fit, fit_before, (SHEAR,)):
                 continue
             keeps_pressure = (
@@ -631,14 +677,16 @@ class Judgement:
 
     # -------------------------------------------------------------------------------- comparison
     def is_traction_explained(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit of causes leaves nothing of a traction but noise, or next to nothing: 3 %
-        of the difference, and of the traction. `channel` is PRESSURE or SHEAR. The fit without a
-        cause is right too where the difference is within the tolerance.
+        """Whether a fit of causes (known faults) leaves nothing of a traction but noise, or next to
+        nothing: 3 % of the difference (norm), and of the traction. `channel` is PRESSURE or SHEAR.
+        The fit without a cause is right too where the difference is within the tolerance.
         """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
             # A shear that scatters too much beside the pressure holds more than noise.
+            # mean squares are over p_ref or f p_ref; largest_noise_ratio: of shear noise over
+            # pressure noise
             pressure_square = max(fit.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
             if fit.mean_square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
@@ -662,8 +710,12 @@ class Judgement:
     def _leaves_less(
         self, fit: Fit, simple_fit: Fit, channels: Sequence[int] | None = None
     ) -> bool:
-        """Whether `fit` leaves less of the difference than `simple_fit`; where it has more causes,
-        so much less that these are called for. All channels count where `channels` is None.
+        """Whether `fit` leaves less of the difference between result and reference than
+        `simple_fit`. Where it has more causes (known faults), they must be called for: less than a
+        quarter of the mean square is left, or `simple_fit` leaves more than noise; and not by
+        chance.
+
+        Pressure, and shear where the file has one, count where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
         square = fit.mean_square(channels_compared)
@@ -680,8 +732,9 @@ class Judgement:
     def _leaves_clearly_more(
         self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None
     ) -> bool:
-        """Whether `fit` leaves so much more than `best_fit` that it is no rival of it. All channels
-        count where `channels` is None.
+        """Whether `fit` leaves so much more of the difference between result and reference than
+        `best_fit` that it is no rival of it. Pressure, and shear where the file has one, count
+        where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
         return leaves_clearly_more(
@@ -705,8 +758,10 @@ def _may_occur_together(causes: tuple[Cause, ...]) -> bool:
 
 
 def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-    """Whether a fitted size is next to none, that of a delay or an offset excepted: what is left
-    then is the error of a mesh. False where the fit leaves next to nothing of the difference.
+    """Whether a fitted size of a cause (known fault) is next to none, below 0.005; that of a factor
+    is its logarithm. What is left then is the error of a mesh. Sizes of a delay or an offset do not
+    count. False where the fit leaves less than 3 % of the difference (norm) that `fit_before`
+    leaves.
     """
     is_small = any(
         cause.has_size and abs(size) < _LEAST_SIZE_OF_FAULT

@@ -49,13 +49,17 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     turning points a cycle; with its 95 % interval.
 
     Each row is placed on the scene's cycle by its time. Then theory's displacement U for trial
-    values of f is compared with U of the rows: f is where the sum of squares is least.
+    values of f is compared with U of the rows: f is where the sum of squares is least. The upper
+    end of the interval is None where the sum never exceeds its limit.
 
     Parameters
     ----------
+    loop
+        U, Q and time of the rows; `resolution`, steps of U and Q that their digits resolve
     rig_compliance
         compliance C of the rig between the places where U is measured [1/stress]; None fits it too
     """
+    # period; share of the cycle that is over at each row; scale and offset of Q over the scene's
     alignment = _required_alignment(loop, scene)
     # The file's Q is r times the scene's, at the same P: so is f.
     scale = alignment.scale
@@ -79,6 +83,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         float(trials[index_of_best]),
         key=lambda trial: search.sum_of_squares(trial, alignment.share_of_cycle, scale),
     )
+    # rig whose C Q + U0, added to theory's U, fits the rows best
     least_sum, compliance, _ = search.rig_fit(log_friction, alignment.share_of_cycle, scale)
     degrees_of_freedom = len(loop.time) - 3 - (rig_compliance is None)
     # The scatter is at least what the digits of the rows leave.
@@ -86,6 +91,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     friction = scale * math.exp(log_friction)
 
     # ends of the interval by the scatter of the rows
+    # 3.841: chi squared of one degree, 95 %
     limit = least_sum + _CHI_SQUARED * noise**2
     trials_outside = trials[sums_of_squares > limit]
     trials_below = trials_outside[trials_outside < log_friction]
@@ -95,18 +101,19 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     distance_down = abs(scale * math.exp(log_at_lower_end) - friction)
     distance_up = abs(scale * math.exp(log_at_upper_end) - friction)
 
+    # error of f, since noise of Q leaves the place and the size of the rows' loads uncertain
     noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
         search, alignment, neighbours_of_best, friction
     )
-    other_errors = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
-    lowest_friction = friction - math.hypot(distance_down, *other_errors)
+    errors_beside_scatter = (friction * _RELATIVE_ERROR_OF_THEORY, *changes_of_friction)
+    lowest_friction = friction - math.hypot(distance_down, *errors_beside_scatter)
     highest_friction = None
     if not math.isinf(distance_up):
-        highest_friction = friction + math.hypot(distance_up, *other_errors)
-    cycles = float(loop.time[-1] / alignment.period)
+        highest_friction = friction + math.hypot(distance_up, *errors_beside_scatter)
+    n_cycles = float(loop.time[-1] / alignment.period)
     sentences = [
         (
-            f"The rows cover {cycles:.4g} cycles and follow the scene's Q over time to"
+            f"The rows cover {n_cycles:.4g} cycles and follow the scene's Q over time to"
             f" {100 * alignment.misfit:.2g} % of its amplitude"
         ),
         *sentences_on_scale(scale),
@@ -119,7 +126,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         compliance=compliance,
         share_of_cycle=alignment.share_of_cycle,
         phase=loop.time / alignment.period,
-        n_cycles=cycles,
+        n_cycles=n_cycles,
         scale=scale,
         offset=alignment.offset,
         displacement_noise=noise,
@@ -148,13 +155,14 @@ class _Search:
     def rig_fit(
         self, log_friction: float, share_of_cycle: Array, scale: float
     ) -> tuple[float, float, float]:
-        """Fit a rig to theory's loop and the rows: U = r U_theory + C r Q + U0. Returns the sum of
-        squared residuals of U [length^2], the rig's compliance C [1/stress] and origin U0 [length].
+        """Fit a rig to theory's loop of Q over U and the rows of a measured one: U = r U_theory + C
+        r Q + U0, with Q of the scene. Returns the sum of squared residuals of U [length^2], the
+        rig's compliance C [1/stress] and origin U0 [length].
 
         Parameters
         ----------
         log_friction
-            ln f of the scene
+            ln of the scene's friction coefficient f
         share_of_cycle
             (n,) share of the scene's cycle that is over at each row
         scale
@@ -171,8 +179,8 @@ class _Search:
     def best_log_friction(
         self, log_friction_bounds: tuple[float, float], share_of_cycle: Array, scale: float
     ) -> float:
-        """The ln f of the scene, between two bounds, at which the sum of squared differences of U
-        between theory and rows is least.
+        """ln of the scene's friction coefficient f, between two bounds, at which the sum of squared
+        differences of U (displacement) between theory and measured rows is least.
 
         Parameters
         ----------
@@ -195,9 +203,13 @@ class _Search:
     def log_friction_at_limit(
         self, limit: float, best_log_friction: float, trials: Array, alignment: _Alignment
     ) -> float:
-        """The ln f of the scene at which the sum of squares reaches `limit`, between the best one
-        and the nearest of `trials` (k,). The sum exceeds the limit at all of these, on one side of
-        the best one. Infinite without any trial.
+        """ln of the scene's friction coefficient f at which the sum of squared differences of U
+        between theory and measured rows reaches `limit`: between the best ln f and the nearest of
+        `trials` (k,). The sum exceeds the limit at all of these, on one side of the best one.
+        Infinite without any trial.
+
+        `alignment` places the rows on the scene's cycle, `share_of_cycle` (n,), and holds the scale
+        of their Q over the scene's.
         """
         from scipy.optimize import brentq
 
@@ -207,8 +219,10 @@ class _Search:
 
         def excess(log_friction: float) -> float:
             """Sum of squares minus the limit."""
-            squares = self.sum_of_squares(log_friction, alignment.share_of_cycle, alignment.scale)
-            return squares - limit
+            sum_of_squares = self.sum_of_squares(
+                log_friction, alignment.share_of_cycle, alignment.scale
+            )
+            return sum_of_squares - limit
 
         return float(brentq(excess, best_log_friction, nearest_trial, xtol=1e-7))
 
@@ -236,13 +250,15 @@ class _Alignment(NamedTuple):
 
 
 def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
-    """Where on the scene's cycle each row of a measured loop lies, by its time, and the file's
-    period, scale and offset of Q: those with which the scene's Q fits that of the rows.
+    """Find where on the scene's cycle each row of a measured loop lies, by its time, and the file's
+    period, scale and offset of Q: those with which the scene's Q fits that of the rows best.
 
     Raises
     ------
     InputError
-        For less than a cycle, and for rows that do not follow the scene's Q.
+        For less than 0.9 of a cycle, and for rows whose Q differs from the scene's by more than 15
+        %
+    of its amplitude (`misfit`, root mean square).
     """
     load_of_cycle = cycle_loads(scene)[1]
     # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
@@ -250,16 +266,16 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     alignment = _best_alignment(loop, load_of_cycle, _FEWEST_CYCLES)
     if alignment.misfit > _LARGEST_MISFIT:
         alignment = _best_alignment(loop, load_of_cycle)
-    cycles = loop.time[-1] / alignment.period
+    n_cycles = loop.time[-1] / alignment.period
     if alignment.misfit > _LARGEST_MISFIT:
         raise InputError(
             f"{loop.source}: its Q follows that of {scene.name} to {100 * alignment.misfit:.0f} %"
             f" of its amplitude only (limit {100 * _LARGEST_MISFIT:.0f} %): give a column time,"
             " whole cycles, and a scene with this form of Q"
         )
-    if cycles < _FEWEST_CYCLES:
+    if n_cycles < _FEWEST_CYCLES:
         raise InputError(
-            f"{loop.source}: its rows cover {cycles:.2g} of a cycle: a loop needs a whole one"
+            f"{loop.source}: its rows cover {n_cycles:.2g} of a cycle: a loop needs a whole one"
         )
     return alignment
 
@@ -267,8 +283,8 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
 def _best_alignment(
     loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
 ) -> _Alignment:
-    """Find where the rows lie on the scene's cycle: period, phase, scale and offset at which Q of
-    this cycle follows Q of the rows best.
+    """Find where the rows of a measured loop lie on the scene's cycle: period, phase, scale and
+    offset at which Q of this cycle follows Q of the rows best.
 
     Trial periods come from the spectrum of the file's Q; each is tried at 24 phases, and the best
     trial is refined.
@@ -312,10 +328,11 @@ def _best_alignment(
             misfit += 10 * float(np.ptp(loop.load))
         return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
 
+    # frequencies of the cycle, and that at which the spectrum of Q is highest
     frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     best_trial = min(trials, key=lambda trial: alignment_at(*trial).misfit)
-    # It moves the last row by a tenth of a cycle; in a record shorter than a cycle, by less.
+    # This step moves the last row by a tenth of a cycle; in a record shorter than a cycle, by less.
     frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(
@@ -339,7 +356,9 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
     rows; and the frequency at which this spectrum is highest.
 
     Those by which the rows cover fewer than `least_cycles` are left out, as long as others remain.
+    They are the frequency of the peak, its half and its third, and some 6 % beside each.
     """
+    # loop.time begins at 0
     even_times = np.linspace(0.0, loop.time[-1], min(len(loop.load), 4096))
     even_loads = np.interp(even_times, loop.time, loop.load)
     load_from_mean = even_loads - even_loads.mean()
@@ -349,19 +368,17 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
     # Eight values of the spectrum belong to one cycle in the record; the first four to the mean.
     most_cycles = min(_MOST_CYCLES, n_times // 4)
     cycles_in_record = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
-    first_frequency = max(cycles_in_record, 0.5) / record_length
+    peak_frequency = max(cycles_in_record, 0.5) / record_length
     # The spectrum may be highest at the second or third harmonic of the cycle.
     frequencies = [
-        first_frequency / harmonic * factor
-        for harmonic in (1, 2, 3)
-        for factor in (0.94, 1.0, 1.06)
+        peak_frequency / harmonic * factor for harmonic in (1, 2, 3) for factor in (0.94, 1.0, 1.06)
     ]
-    if first_frequency * record_length < 3:  # a spectrum of a few cycles has no sharp maximum
+    if peak_frequency * record_length < 3:  # a spectrum of a few cycles has no sharp maximum
         frequencies += (np.arange(0.9, 3.0, 0.05) / record_length).tolist()
     frequencies_of_enough_cycles = [
         frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
     ]
-    return frequencies_of_enough_cycles or frequencies, first_frequency
+    return frequencies_of_enough_cycles or frequencies, peak_frequency
 
 
 def _friction_changes_by_load_noise(
@@ -370,8 +387,8 @@ def _friction_changes_by_load_noise(
     log_friction_bounds: tuple[float, float],
     friction: float,
 ) -> tuple[float, tuple[float, float]]:
-    """Noise of the load Q of the rows [force per thickness], and two changes of the fitted friction
-    coefficient f that it may cause.
+    """Noise of the load Q of the rows of a measured loop, a standard deviation [force per
+    thickness], and two changes of the fitted friction coefficient f that it may cause.
 
     Noise leaves a small error in when the load acts, and in how large it is. A loop that is shifted
     in time opens: f is fitted again with all rows late, and with the scene's load larger, each by
@@ -382,12 +399,14 @@ def _friction_changes_by_load_noise(
     search
         finds the f that fits best
     alignment
-        where the rows lie on the scene's cycle
+        share of the scene's cycle that is over at each row (n,), and scale of its Q over the
+        scene's
     log_friction_bounds
         values of ln f between which it is sought
     friction
-        the fitted f
+        the fitted f of the file, which is the scale times that of the scene
     """
+    # standard errors of the place on the cycle and of the scale, over itself
     noise_of_load, place_error, scale_error = _noise_of_load(
         search.loop, alignment.share_of_cycle, alignment.scale, search.load_of_cycle
     )
@@ -407,8 +426,9 @@ def _friction_changes_by_load_noise(
 def _noise_of_load(
     loop: MeasuredLoop, share_of_cycle: Array, scale: float, load_of_cycle: Array
 ) -> tuple[float, float, float]:
-    """Standard deviation of Q of the rows about r Q of the scene [force per thickness], and the
-    standard errors that it leaves in the place on the cycle [share of a cycle] and in r, over r.
+    """Noise of the load Q of the rows of a measured loop, the standard deviation about r Q of the
+    scene [force per thickness], and the standard errors that it leaves in the place on the cycle
+    [share of a cycle] and in r, over r.
 
     Parameters
     ----------
@@ -423,6 +443,7 @@ def _noise_of_load(
     load_from_mean = scene_load - scene_load.mean()
     noise = float(np.std(loop.load - scene_load))
     # slope of r Q over the share of the cycle, at the middle between two instants
+    # N_INSTANTS: number of these instants, the last one being the first again
     slopes = scale * np.diff(load_of_cycle) * (N_INSTANTS - 1)
     middles = (SHARES_OF_CYCLE[1:] + SHARES_OF_CYCLE[:-1]) / 2
     slope_at_rows = np.interp(share_of_cycle, middles, slopes, period=1.0)

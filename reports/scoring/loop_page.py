@@ -36,8 +36,9 @@ _WIDTH = 900.0  # of both figures [pixels]
 
 
 def content(score: LoopScore) -> dict[str, Any]:
-    """The entries of loop.json: whether the scene's f lies in the interval of the measured loop's
-    f, that interval, the rig's compliance, and each loop's area, slope and distance from the rows.
+    """The entries of loop.json for a measured loop of Q over U: whether the scene's friction
+    coefficient f lies in the interval of the loop's f, that interval, the rig's compliance, and
+    area, slope and distance from the rows of each loop, measured or computed.
     """
     return {
         "kind": "loop",
@@ -64,28 +65,30 @@ def content(score: LoopScore) -> dict[str, Any]:
 
 
 def table_of_loops(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Column heads, and a row of text cells for each loop: name, f, area W, W over the measured one
-    minus 1, slope, and distance from the measured rows (– where a loop has none).
+    """Column heads, and a row of text cells for the measured loop and each computed one: name, f,
+    area W, W over the measured one minus 1, slope, and distance from the measured rows (– where a
+    loop has none).
     """
     unit_of_length, unit_of_stress = units(score.scene)[1:]
     area_head = f"area W [{energy_unit(score.scene)}]"
     distance_head = f"mean rows − loop, rms [{unit_of_length}]"
     slope_head = f"slope dU/dQ [1/{unit_of_stress}]"
     heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
+    # the measured loop is the first of the rows of the table
     measured_loop = score.loops[0]
     table_rows: list[tuple[str, ...]] = []
-    for loop in score.loops:
-        area_cell = f"{loop.area:.5g}"
-        if loop.area_uncertainty:
-            area_cell += f" ± {loop.area_uncertainty:.2g}"
+    for loop_row in score.loops:
+        area_cell = f"{loop_row.area:.5g}"
+        if loop_row.area_uncertainty:
+            area_cell += f" ± {loop_row.area_uncertainty:.2g}"
         difference_cell = "–"
-        if loop is not measured_loop:
-            difference_cell = minus(f"{100 * (loop.area / measured_loop.area - 1):+.2g} %")
-        friction_cell = "–" if loop.friction is None else f"{loop.friction:.4g}"
-        distance_cell = f"{loop.distance:.3g}" if math.isfinite(loop.distance) else "–"
-        slope_cell = f"{loop.slope:.5g}"
+        if loop_row is not measured_loop:
+            difference_cell = minus(f"{100 * (loop_row.area / measured_loop.area - 1):+.2g} %")
+        friction_cell = "–" if loop_row.friction is None else f"{loop_row.friction:.4g}"
+        distance_cell = f"{loop_row.distance:.3g}" if math.isfinite(loop_row.distance) else "–"
+        slope_cell = f"{loop_row.slope:.5g}"
         table_rows.append(
-            (loop.name, friction_cell, area_cell, difference_cell, slope_cell, distance_cell)
+            (loop_row.name, friction_cell, area_cell, difference_cell, slope_cell, distance_cell)
         )
     return heads, table_rows
 
@@ -116,6 +119,7 @@ def _figures(score: LoopScore) -> tuple[Plate, ...]:
     """Two figures of a measured loop: the loop itself, and the residuals of its best fit. Dots are
     means of rows in equal parts of the cycle; the CSV files hold every row.
     """
+    # U and Q of theory's loop at SHARES_OF_CYCLE of the cycle
     best_fit = score.curves[0]
     residuals = score.displacement - np.interp(
         score.share_of_cycle, SHARES_OF_CYCLE, best_fit.displacement
@@ -138,8 +142,18 @@ def _figures(score: LoopScore) -> tuple[Plate, ...]:
 
 
 def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, Any]) -> Plate:
-    """The figure of U − slope Q over Q, for the rows and the computed loops. The slope dU/dQ is
-    that of the best fit, so that a thin loop opens.
+    """The figure of U − slope Q over Q, for the rows of a measured loop and the computed loops. The
+    slope dU/dQ is that of the best fit, so that a thin loop opens.
+
+    Parameters
+    ----------
+    score
+        the rows; `loops`, a row of values for each loop, of which the first is the measured one and
+        the second the best fit; `curves`, U and Q of the computed loops
+    means
+        means of U and Q over neighbouring rows, (k,) each, drawn as dots
+    caption_numbers
+        how many rows a mean is of, and how many means there are
     """
     unit_of_length = units(score.scene)[1]
     unit_of_load = load_unit(score.scene)
@@ -169,22 +183,24 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         380.0,
         css="broad",
     )
+    # of the CSV file
     columns = {
         "tau": score.share_of_cycle,
         f"Q [{unit_of_load}]": score.load,
         f"U [{unit_of_length}]": score.displacement,
     }
-    keys = [Key(curve.css, curve.label) for curve in curves]
+    legend_keys = [Key(curve.css, curve.label) for curve in curves]
     return figure_with_texts(
-        "loop", [panel], columns, keys, slope=f"{slope:.4g}", **caption_numbers
+        "loop", [panel], columns, legend_keys, slope=f"{slope:.4g}", **caption_numbers
     )
 
 
 def _figure_of_residuals(
     score: LoopScore, means: _Means, residuals: Array, caption_numbers: dict[str, Any]
 ) -> Plate:
-    """The figure of what the best fit leaves of a measured loop, against time as a share of the
-    cycle: means of neighbouring rows are drawn, the residual of every row is its data to download.
+    """The figure of U of a measured loop minus U of its best fit, against time as a share of the
+    cycle. Means of neighbouring rows are drawn; the residual of every row is in the file to
+    download.
 
     Parameters
     ----------
@@ -209,6 +225,7 @@ def _figure_of_residuals(
     return figure_with_texts(
         "loop_residuals",
         [panel],
+        # columns of the CSV file
         {"tau": score.share_of_cycle, f"U - fit [{unit_of_length}]": residuals},
         noise=f"{score.noise:.3g}",
         length=unit_of_length,
@@ -228,8 +245,9 @@ def write(
     further_entries: dict[str, Any] | None = None,
     sentences: Sequence[str] = (),
 ) -> Path:
-    """Write the page report.html, loop.json and the CSV of each figure into the folder `out`;
-    return the path of the page. `command` is the command line that both state.
+    """Write the page report.html of a measured loop, loop.json and the CSV of each figure into the
+    folder `out`; return the path of the page. `command` is the command line that page and JSON
+    state.
 
     Parameters
     ----------
@@ -240,9 +258,11 @@ def write(
     """
     from reports.comparison.json_values import strict_json_values
 
+    # JavaScript of the page, and its hash for the page's security policy
     page_script, script_hash = script()
     plates = _figures(score)
     table_heads, table_rows = table_of_loops(score)
+    # the folder is put in place only when all files are written
     with results_folder(out) as new_folder:
         write_tables(plates, new_folder)
         json_content = strict_json_values(content(score) | (further_entries or {})) | {

@@ -77,9 +77,10 @@ class Misfit:
 def misfit_of(
     distances: Array, displacement_noise: float, least_deviations: float = MOST_DEVIATIONS_BY_CHANCE
 ) -> Misfit:
-    """How much of the distances of rows from a fit is no scatter: the correlation of neighbouring
-    rows, and the systematic part in units of U. This part follows from that correlation; with many
-    rows also from the means of blocks of rows, and the smaller of both is taken.
+    """How much of the distances of rows of a measured loop from a fit is no scatter: the
+    correlation of neighbouring rows, and the systematic part of the distances in units of U, the
+    displacement. This part follows from that correlation; with 1,000 rows and more also from the
+    means of 40 blocks of rows, and the smaller of both is taken.
 
     Parameters
     ----------
@@ -98,20 +99,20 @@ def misfit_of(
     >>> misfit_of(np.random.default_rng(1).standard_normal(200), 1.0).correlation
     0.0
     """
-    deviation_from_mean = distances - np.mean(distances)
-    sum_of_squares = float(deviation_from_mean @ deviation_from_mean)
+    deviations_from_mean = distances - np.mean(distances)
+    sum_of_squares = float(deviations_from_mean @ deviations_from_mean)
     if sum_of_squares == 0:
         return Misfit(0.0, 0.0)
-    correlation = float(deviation_from_mean[1:] @ deviation_from_mean[:-1]) / sum_of_squares
-    if correlation * math.sqrt(len(deviation_from_mean)) <= least_deviations:
+    correlation = float(deviations_from_mean[1:] @ deviations_from_mean[:-1]) / sum_of_squares
+    if correlation * math.sqrt(len(deviations_from_mean)) <= least_deviations:
         return Misfit(0.0, 0.0)
-    variance = sum_of_squares / len(deviation_from_mean)
+    variance = sum_of_squares / len(deviations_from_mean)
     systematic_variance = correlation * variance
-    rows_of_block = len(deviation_from_mean) // _N_BLOCKS
+    rows_of_block = len(deviations_from_mean) // _N_BLOCKS
     if rows_of_block >= _FEWEST_ROWS_OF_BLOCK:
         # Scatter vanishes from the mean of many rows, and a smooth deviation stays in it.
         block_means = (
-            deviation_from_mean[: _N_BLOCKS * rows_of_block]
+            deviations_from_mean[: _N_BLOCKS * rows_of_block]
             .reshape(_N_BLOCKS, rows_of_block)
             .mean(axis=1)
         )
@@ -147,9 +148,10 @@ NO_CHANGE = ExplainedChange(1.0, 0.0, np.zeros(7))
 def explained_change(
     distances: Array, derivatives: Array, added_derivatives: Array
 ) -> ExplainedChange:
-    """Whether a fit with more parameters brings the rows nearer than chance does, by the F test:
-    the chance, how much nearer (root mean square), and the values of the added parameters. Where
-    the fit leaves nothing to explain the chance is 1.
+    """Whether a fit with further parameters brings rows nearer to it than chance does, by the F
+    test. Returns the chance of scatter alone to bring them as near, the root mean square of the
+    distances that the added parameters explain, and the values of these. The chance is 1 where the
+    fit leaves nothing to explain.
 
     Parameters
     ----------
@@ -177,6 +179,7 @@ def explained_change(
     sums_of_squares = []
     ranks = []
     for columns in (derivatives, np.column_stack([derivatives, added_derivatives])):
+        # least squares without, then with the added parameters
         coefficients, _, rank, _ = np.linalg.lstsq(
             columns, distances, rcond=_LEAST_RATIO_OF_SINGULAR_VALUES
         )
@@ -191,6 +194,7 @@ def explained_change(
     if n_added < 1 or degrees_of_freedom < 1 or sum_with_added == 0:
         return ExplainedChange(chance=1.0, explained_rms=0.0, added_values=added_values)
     explained_sum = max(sum_without_added - sum_with_added, 0.0)
+    # variance by the added parameters over the variance that is left
     f_value = explained_sum / n_added / (sum_with_added / degrees_of_freedom)
     return ExplainedChange(
         chance=float(f_distribution.sf(f_value, n_added, degrees_of_freedom)),
@@ -202,7 +206,8 @@ def explained_change(
 def drift_of_displacement(
     displacement: Array, load: Array, time: Array, branches: Branches
 ) -> float | None:
-    """Rate at which U drifts from cycle to cycle [length per unit of time].
+    """Rate at which U, the displacement of a measured loop, drifts from cycle to cycle [length per
+    unit of time].
 
     U of a row is compared with U a cycle later, both minus the slope dU/dQ times Q. Rows near the
     turning points are left out. None where too few rows have another a cycle later.
@@ -215,6 +220,7 @@ def drift_of_displacement(
         branch of each row, and its phase, the number of cycles that have passed
     """
     phase = np.maximum.accumulate(branches.phase)
+    # turning points lie at multiples of 1/2 of the phase; _SHARE_AT_TURN: a tenth of a branch
     share_of_branch = np.mod(2 * branches.phase, 1.0)
     is_away_from_turns = (share_of_branch > _SHARE_AT_TURN) & (share_of_branch < 1 - _SHARE_AT_TURN)
     has_later_row = branches.phase + 1 < phase[-1]
@@ -252,8 +258,8 @@ class Trend:
 
 
 def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Trend | None:
-    """How the cycles of U or Q grow or shrink: the growth of their size in each cycle over the
-    median size, with its standard error, by the straight line through their sizes.
+    """How the cycles of a measured loop grow or shrink in U or Q: the growth of their size in each
+    cycle over the median size, with its standard error, by the straight line through their sizes.
 
     The size of a cycle is the standard deviation of U or Q through it. None where there are fewer
     than two sizes.
@@ -275,6 +281,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     >>> trend_of_sizes(wave, wave, cycles, 0.0).is_certain
     False
     """
+    # (k,) of all cycles
     sizes = sizes_of_cycles(values, load, time, noise)
     if len(sizes) < 2:
         return None
@@ -286,6 +293,7 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     median_size = float(np.median(sizes))
     rows_per_cycle = 2 * len(load) / (len(sizes) + 1)
     error_by_noise = row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
+    # the second term: error by the places of a cycle's rows
     error_of_size = math.hypot(error_by_noise, _ERROR_OF_SIZE / rows_per_cycle)
     # neighbouring sizes share half of their rows: half of the variance is their covariance
     variance = error_of_size**2 * float(weights @ weights + weights[1:] @ weights[:-1])
@@ -295,8 +303,9 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 def lasting_growth(
     displacement: Array, load: Array, time: Array, first_row: int, noise: float
 ) -> Literal["", "grow", "shrink"]:
-    """Whether the cycles "grow" or "shrink" over all rows, and may do so at the same rate from the
-    row `first_row` on: then the rows before it are no run-in. "" where this is not so.
+    """Whether the cycles of a measured loop "grow" or "shrink" in Q or U over all rows, and may do
+    so at the same rate from the row `first_row` on: then the rows before it are no run-in. "" where
+    this is not so.
 
     Parameters
     ----------
@@ -308,12 +317,15 @@ def lasting_growth(
         standard deviation of the noise of Q
     """
     for values in (load, displacement):
+        # growth of the size of a cycle over the median one, with its error; None for fewer than
+        # two
         trend_of_all_rows = trend_of_sizes(values, load, time, noise)
         trend_of_later_rows = trend_of_sizes(
             values[first_row:], load[first_row:], time[first_row:], noise
         )
         if trend_of_all_rows is None or trend_of_later_rows is None:
             continue
+        # four standard errors; the trends differ by less than two
         if trend_of_all_rows.is_certain and trend_of_later_rows.may_equal(trend_of_all_rows):
             return "grow" if trend_of_all_rows.rate > 0 else "shrink"
     return ""
@@ -334,15 +346,18 @@ def differences_of_cycles_in_words(
         standard deviation of the noise of Q
     """
     for name, values in (("Q", load), ("U", displacement)):
+        # (k,), each of a cycle that begins half a cycle after the one before
         sizes = sizes_of_cycles(values, load, time, noise)
         if len(sizes) < 2:
             return ""
         median_size = float(np.median(sizes))
         rows_per_cycle = 2 * len(load) / (len(sizes) + 1)
+        # largest difference of sizes by noise, over the median size
         range_by_noise = (
             _RANGE_OF_NOISE * row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
         )
         relative_sizes = sizes / median_size - 1
+        # sizes that are alike differ by less than 3 %
         if float(np.ptp(relative_sizes)) < _LEAST_DIFFERENCE_OF_SIZES + range_by_noise:
             continue
         # from each size to the next one, half a cycle later
@@ -360,14 +375,19 @@ def differences_of_cycles_in_words(
         if len(growths) > _FEWEST_STEPS_OF_PERIOD and is_alternating:
             return f"its period is another, every second cycle is alike: {extent_words}"
         return f"its cycles differ: {extent_words}"
+    # neither shows a difference alone: both together may
     return _growth_through_noise(displacement, load, time, noise)
 
 
 def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles grow or shrink, in words, where the trends of U and Q together are beyond
-    their noise though neither is alone; "" where they are not. `noise` is the standard deviation of
-    Q.
+    """How the cycles of a measured loop grow or shrink, in words, where the trends of U and Q
+    together are beyond their noise though neither is alone; "" where they are not. `noise` is the
+    standard deviation of Q.
+
+    The trend is the growth of the size of a cycle over the median size, in each cycle; a size is
+    the standard deviation of U or Q through it.
     """
+    # rate, with its standard error; None for fewer than two sizes
     trends = [trend_of_sizes(values, load, time, noise) for values in (load, displacement)]
     known_trends = [trend for trend in trends if trend is not None]
     if not known_trends:
@@ -375,8 +395,10 @@ def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: 
     largest_trend = max(known_trends, key=lambda trend: abs(trend.rate))
     sum_of_squared_ratios = sum((trend.rate / trend.error) ** 2 for trend in known_trends)
     n_cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
+    # 11, which chance exceeds in 0.4 %
     if sum_of_squared_ratios < _SQUARES_OF_CERTAIN_TRENDS:
         return ""
+    # growth over all cycles by less than 3 %
     if abs(largest_trend.rate) * n_cycles < _LEAST_DIFFERENCE_OF_SIZES:
         return ""
     verb = "grow" if largest_trend.rate > 0 else "shrink"
