@@ -108,6 +108,7 @@ def read_field_report(
     require_readable_size(
         path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )
+    # tables, each of one region (part or surface) and one frame
     blocks = list(_tables_of_report(path))
     if not blocks:
         raise InputError(
@@ -128,9 +129,10 @@ def read_field_report(
 
 
 def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: Mapping) -> str:
-    """Name of the one region (surface) of an Abaqus report that carries pressure; where several do,
-    the one that the mapping names. `blocks` are the report's tables. InputError where none does,
-    where several do and the mapping names none, or where it names one that is not there.
+    """Name of the one region (part or surface) of an Abaqus report that carries pressure; where
+    several do, the one that the mapping names (`mapping.surface`, else None). `blocks` are the
+    report's tables, each of one `region`. InputError where none does, where several do and the
+    mapping names none, or where it names one that is not there.
     """
     regions = {block.region for block in blocks}
     if mapping.surface is not None and mapping.surface not in regions:
@@ -140,6 +142,7 @@ def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: M
         )
     loaded_regions = set()
     for block in blocks:
+        # name of the column of the pressure, None where the table has none
         name = name_of_column(mapping, "pressure", block.names, str(path))
         is_chosen = mapping.surface in (None, block.region)
         if is_chosen and name is not None and np.any(block.column(name)):
@@ -163,19 +166,21 @@ def _region_with_pressure(path: Path, blocks: Sequence[_ReportTable], mapping: M
 def _surface_columns(
     path: Path, blocks: Sequence[_ReportTable], mapping: Mapping, notes: list[str]
 ) -> dict[ColumnQuantity, Array]:
-    """Pressure, shear, slip, x, frame and time of a report, as far as it has them: one row for each
-    frame and each node on the contact surface, in the scene's units and this program's signs.
+    """Pressure, shear, slip, x, frame and time of an Abaqus report, as far as it has them: one row
+    for each frame and each node on the contact surface, in the scene's units and this program's
+    signs.
 
     Parameters
     ----------
     blocks
-        the report's tables, each of one frame
+        the report's tables, each of one frame (an instant), which the texts `step` and `frame` name
     mapping
         columns, units and signs that are stated of the file
     notes
         list to which sentences are added, on what was left out
     """
     frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
+    # data frame: a row for each frame and node with a pressure; "frame": index of the frame
     rows = _rows_of_nodes(path, blocks, mapping, frames)
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     is_on_surface = _is_on_contact_surface(rows)
@@ -189,6 +194,7 @@ def _surface_columns(
         if name in rows
     }
     steps = {step for step, _ in frames}
+    # time that the text of each frame states, None without one
     time_matches = [_TIME_IN_FRAME.search(frame) for _, frame in frames]
     if len(steps) == 1 and all(time_matches):
         times = np.array([float(match["time"]) for match in time_matches if match])
@@ -221,6 +227,7 @@ def _rows_of_nodes(
         quantities: tuple[ColumnQuantity, ...] = ("x", "y", "pressure", "shear", "slip")
         columns = {}
         for quantity in quantities:
+            # column that holds the quantity, None where the table has none
             name = name_of_column(mapping, quantity, block.names, str(path))
             if name is not None:
                 columns[quantity] = block.column(name)
@@ -238,6 +245,7 @@ def _rows_of_nodes(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
             " beside CPRESS"
         )
+    # the last coordinates of each node stand for all its frames
     coordinates = all_values[all_values.columns.intersection(["x", "y"])].groupby(level=0).last()
     rows_with_pressure = all_values.drop(columns=coordinates.columns).dropna(subset="pressure")
     rows = rows_with_pressure.dropna(axis=1).join(coordinates)
@@ -251,7 +259,8 @@ def _rows_of_nodes(
 
 
 def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Whether each row, of a node and frame, is of a node on the contact surface.
+    """Whether each row of an Abaqus report, of a node and frame, is of a node on the contact
+    surface.
 
     These are the nodes with a pressure in some frame. If those lie on one flat face, they are all
     nodes of that face. Without y they are all nodes, if no two of them have the same x: then the
@@ -308,9 +317,10 @@ def _tables_of_report(path: Path) -> Iterator[_ReportTable]:
             line_of_dashes = line_number
         else:
             lines_above.append(line)
-            match = _HEADER.match(line)
-            if match:
-                header_words = match.groupdict()
+            # a line that states step, frame, location or region
+            header_match = _HEADER.match(line)
+            if header_match:
+                header_words = header_match.groupdict()
                 header_values |= {
                     key: value for key, value in header_words.items() if value is not None
                 }
@@ -332,8 +342,8 @@ def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def _column_names_above(row: str, lines_above: list[str]) -> list[str]:
-    """The names of the columns of a table, from the `lines_above` it: each heading ends where the
-    numbers of its column end in the first `row`.
+    """The names of the columns of a table in an Abaqus report, from the `lines_above` it: each
+    heading ends where the numbers of its column end in the first `row`.
     """
     ends = [0, *(cell.end() for cell in re.finditer(r"\S+", row))]
     names = []
@@ -345,8 +355,9 @@ def _column_names_above(row: str, lines_above: list[str]) -> list[str]:
 
 
 def _numbers_in_row(place: str, row: str, names: list[str]) -> list[float]:
-    """The numbers in a row of a report, one for each of the columns `names`. InputError for another
-    count and for a number that is not finite; its message begins with `place`, file and line.
+    """The numbers in a `row` of an Abaqus report, one for each of the columns `names`. InputError
+    for another count and for a number that is not finite; its message begins with `place`, file and
+    line.
     """
     cells = row.split()
     if len(cells) != len(names):

@@ -44,7 +44,8 @@ def size_in_words(cause: Cause, size: float) -> str:
 
 
 def _numbers_of_size(cause: Cause, size: float) -> dict[str, float]:
-    """The numbers that a template on the size of a cause is filled with: factor, distance, delay.
+    """The numbers that a template on the size of a cause (known fault) is filled with: the factor,
+    whose logarithm the size is, or the distance or delay, which the size is itself.
 
     >>> from reports.scoring.causes import CAUSES
     >>> loads = next(cause for cause in CAUSES if cause.key == "loads")
@@ -75,6 +76,7 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
         **_numbers_of_size(cause, size),
         "steps": float(len(discrepancy.comparison.result_cycle.time) - 1),
         "height": _height_of_blocks(size),
+        # of the points, over a_ref
         "spacing": 1 / discrepancy.elements_per_half_width,
     }
     if cause.key == COUPLING.key:
@@ -84,6 +86,7 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
     words_in_sentence = {"likely": ""}
     if cause.key == "stiffness":
         words_in_sentence["likely"] = _origin_of_stiffness_factor(discrepancy, float(np.exp(size)))
+    # key of the sentence: some sizes, such as a power of ten, have one of their own
     template = FAULTS[key_of_sentence(cause, size)]
     return template.format(**numbers_in_sentence, **words_in_sentence)
 
@@ -103,6 +106,7 @@ def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> s
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     carries_load = pressure > 1e-3 * np.max(pressure)
+    # of one instant
     largest_number_of_nodes = int(np.max(np.sum(carries_load, axis=1)))
     sentence = WORDS["others"]["coarse_mesh"].format(
         elements=discrepancy.elements_per_half_width,
@@ -123,6 +127,7 @@ def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
     nu = material.upper.poisson_ratio
     if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:
         return f"it is near 1 - nu^2 = {1 - nu**2:.3g}: plane stress"
+    # known factors of E*/R, with a cause and how near one must be
     for quotient in WORDS["stiffness"]:
         if abs(factor / quotient["factor"] - 1) < quotient["within"]:
             return str(quotient["cause"])

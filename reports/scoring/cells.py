@@ -40,8 +40,9 @@ def cell_centres_and_width(reach: float, count: int) -> tuple[Array, float]:
 
 
 def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Array:
-    """Influence matrix (n, n): relative displacement at the centre of cell i by a unit traction on
-    cell j, A_ij [length/stress].
+    """Influence matrix (n, n) of cells of constant traction on the surface of two half-planes:
+    relative displacement at the centre of cell i by a unit traction on cell j, A_ij
+    [length/stress]. It is the integral over cell j of -2/(pi E*) ln|x_i - xi|.
     """
     distance = cell_centres[:, None] - cell_centres[None, :]
     to_right_end = distance + cell_width / 2
@@ -73,19 +74,21 @@ def pressure_on_layer(
         indentation of the layer per pressure [length/stress]
     """
     contact = contact_of(scene.profile, scene.material)
+    # cells reach 1.8 half-widths of the contact of bare half-planes: a layer makes it wider
     half_width_of_cells = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
     cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS)
     matrix = influence_matrix(scene, cell_centres, cell_width) + layer_compliance * np.eye(_N_CELLS)
     gap = np.asarray(scene.profile.height(cell_centres))
     pressures = np.zeros((len(normal_loads), _N_CELLS))
-    for number, normal_load in enumerate(normal_loads):
+    for load_number, normal_load in enumerate(normal_loads):
         is_closed = np.full(_N_CELLS, normal_load > 0)
         while is_closed.any():  # each pass opens a cell, or is the last
+            # pressures of the closed cells; the rigid motion is the approach
             closed_pressure, _ = _tractions_and_rigid_motion(
                 matrix, is_closed, -gap[is_closed], cell_width, float(normal_load)
             )
             if np.all(closed_pressure >= 0):
-                pressures[number, is_closed] = closed_pressure
+                pressures[load_number, is_closed] = closed_pressure
                 break
             is_closed[is_closed] = closed_pressure > 0
     return _interpolated_to_points(x, cell_centres, pressures)
@@ -99,8 +102,8 @@ def _interpolated_to_points(x: Array, cell_centres: Array, tractions: Array) -> 
 def shear_by_coupling(
     scene: Scene, x: Array, loads: Array, rows: NDArray[np.intp], beta: float
 ) -> Array:
-    """Shear (k, n) of bodies with Dundurs' `beta` minus that of like ones [stress], at points x
-    (n,) and at the ends of k load steps.
+    """Shear (k, n) of two half-planes with Dundurs' `beta` minus that of like ones [stress], at
+    points x (n,) and at the ends of k load steps. Both are computed on cells of constant traction.
 
     The pressure moves the faces along x, with the slope 2 beta p/E*; what the shear adds to the
     pressure is neglected (Goodman's approximation). The Coulomb law is met at the end of each
@@ -122,6 +125,7 @@ def shear_by_coupling(
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_SHEAR_CELLS * float(contact.half_width(loads[:, 0].max()))
     cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS_OF_SHEAR)
+    # displacement at each cell by a unit traction on each
     matrix = influence_matrix(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
     slope_per_pressure = 2 * beta / composite_modulus(scene.material)
@@ -146,8 +150,8 @@ def _shear_history(
     tangential_loads: Array,
     displacements_by_pressure: Array,
 ) -> list[Array]:
-    """Shear of n cells after each of m load steps, (n,) each [stress]; the slip of a step is where
-    the next one starts.
+    """Shear of n cells on the surface of two half-planes after each of m load steps, (n,) each
+    [stress]; the slip of a step is where the next one starts.
 
     Parameters
     ----------
@@ -174,6 +178,7 @@ def _shear_history(
             slip - displacement_by_pressure,
             float(tangential_load),
         )
+        # relative displacement of the bodies minus that by the tractions
         slip = tangential_displacement - matrix @ shear + displacement_by_pressure
         shear_of_steps.append(shear)
     return shear_of_steps
@@ -213,6 +218,7 @@ def _shear_after_step(
     """
     largest_limit = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)
+    # displacement by which slip against the shear is divided
     slip_scale = largest_limit * float(np.abs(np.diag(matrix)).max())
     slip_direction = np.zeros(len(coulomb_limit))  # 1 or -1; 0 of cells that stick
     for attempt in range(_MOST_STATES_AT_ONCE + 2 * len(coulomb_limit)):
@@ -222,6 +228,7 @@ def _shear_after_step(
         shear = np.where(is_pressed, slip_direction * coulomb_limit, 0.0)
         load_on_stick_cells = tangential_load - cell_width * float(shear.sum())
         right_side = -stick_displacement[is_stick] - matrix[is_stick] @ shear
+        # stick cells: U - A q = stick_displacement, and the loads add up to Q
         shear[is_stick], tangential_displacement = _tractions_and_rigid_motion(
             matrix, is_stick, right_side, cell_width, load_on_stick_cells
         )
@@ -230,6 +237,7 @@ def _shear_after_step(
         slip_against_shear = np.where(
             is_pressed & (slip_direction != 0), -slip * slip_direction / slip_scale, 0.0
         )
+        # cells that break Coulomb's law change between stick and slip
         violation = np.maximum(excess_of_shear, slip_against_shear)
         breaks_law = violation > _ROUND_OFF
         if not breaks_law.any():
@@ -250,10 +258,21 @@ def _tractions_and_rigid_motion(
     """Tractions t (n,) of n chosen cells that add up to `load`, and the rigid motion of the body,
     from A t - rigid motion = `right_side` [length].
 
-    `matrix` is A of all cells, `is_chosen` marks the chosen ones among them, `cell_width` is the
-    width of a cell.
+    Parameters
+    ----------
+    matrix
+        (m, m) displacement A of all cells by a unit traction of each [length/stress]
+    is_chosen
+        (m,) marks the n chosen cells
+    right_side
+        (n,) [length]
+    cell_width
+        width of a cell [length]
+    load
+        sum of the tractions over the cells [force / thickness]
     """
     n_chosen = int(is_chosen.sum())
+    # unknowns: the tractions, then the rigid motion; the last equation is the sum
     system = np.zeros((n_chosen + 1, n_chosen + 1))
     system[:-1, :-1] = matrix[np.ix_(is_chosen, is_chosen)]
     system[:-1, -1] = -1.0

@@ -48,13 +48,15 @@ _TRACTION_UNIT_WORDS = ("p_ref", "f p_ref")
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    """Findings on why an external result differs from the reference, likely causes first; none for
-    a result within tolerance.
+    """Findings on why an external result differs from the reference, likely causes first; for a
+    result within its tolerances only those on outliers, traces, load steps and a shear beyond the
+    Coulomb limit.
 
     Looked for in turn: single outliers; traces, signs of one fault in a few rows, such as creep in
     stick; known faults, fitted to all tractions; other problems, such as adhesion; bodies, mesh and
     scatter.
     """
+    # tractions of both at instants of the last cycle; None where the result has no contact
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
@@ -69,6 +71,8 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         if findings or comparison.verdict == "within":
             return findings or tuple(_finding_beyond_coulomb_limit(discrepancy))
 
+    # known faults, fitted to all tractions: the fit that explains the difference best, and its
+    # rivals
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     attribution = judgement.attribution()
     has_trace = bool(trace_findings)
@@ -80,6 +84,8 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
         if hidden_trace_findings:
             findings_on_pressure = _findings_of_fit(judgement, attribution, has_trace=True)
             findings_of_fit = [*findings_on_pressure, *sign_findings, *hidden_trace_findings]
+
+    # problems that the suite does not solve; then bodies, mesh and scatter
     is_all_explained = attribution.fit is not None and judgement.are_tractions_explained(
         attribution.fit
     )
@@ -122,7 +128,8 @@ def _findings_of_fit(
     Parameters
     ----------
     judgement
-        the difference and the fits of causes to it
+        the difference and the fits of causes to it; `channels` are the tractions that count,
+        pressure, and shear where the file has one
     attribution
         the fit that explains the difference best, and its rivals: fits that do as well
     has_trace
@@ -136,6 +143,7 @@ def _findings_of_fit(
     for cause, size in zip(fit.causes, fit.sizes, strict=True):
         if cause.key not in keys_shared_with_rivals:
             continue
+        # the best fit of the other causes alone
         fit_without_cause = _fit_without_cause(judgement, fit, cause)
         # What has a trace of its own in the shear needs no second explanation of it.
         if has_trace and not explains_difference(fit, fit_without_cause, (PRESSURE,)):
@@ -176,9 +184,11 @@ def _sentences_of_evidence(
     it; `share_left_by_fit` is the share of the difference that this fit leaves.
     """
     discrepancy = judgement.discrepancy
+    # integral of the pressure over P
     ratio = discrepancy.resultant_ratio
     if np.isfinite(ratio):
         yield f"the sum of the pressures is {ratio:.4g} P"
+    # root mean square, of pressure over p_ref and of shear over f p_ref
     noise = fit.mean_square_of_noise(judgement.channels) ** 0.5
     yield (
         f"{fit.n_values((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of"
@@ -212,7 +222,8 @@ def _sentences_of_evidence(
 def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     """The finding that the difference is the idealisation itself: half-plane theory corrected for
     the scene's finite bodies leaves less than a third of the difference that half-plane theory
-    leaves. Nothing otherwise. `judgement` holds the difference and the fits of causes to it.
+    leaves (norm). Nothing otherwise, and for bodies that are half-planes. `judgement` holds the
+    difference and the fits of causes to it.
     """
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:
@@ -227,6 +238,7 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     theory_tractions = np.where(
         np.isfinite(theory_tractions), theory_tractions, discrepancy.reference_tractions
     )
+    # a fit without causes, which leaves the difference from half-plane theory
     fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
     fit_with_bodies = judgement.fit_without_causes  # its reference has the bodies in it
     share_left_by_bodies = share_of_difference_left(
@@ -243,12 +255,14 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
 
 def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     """The finding that the mesh is too coarse at the edges: the mean squared difference within two
-    elements of an edge of contact or stick is far larger than elsewhere in contact. Nothing
-    otherwise. `judgement` holds the difference and the fits of causes to it.
+    elements of an edge of contact or stick is at least nine times that elsewhere in contact, and
+    a coarse mesh explains all but a third of the difference. Nothing otherwise. `judgement` holds
+    the difference and the fits of causes to it.
     """
     from scipy.stats import f as f_distribution
 
     discrepancy = judgement.discrepancy
+    # tractions of such a mesh (2, k, n), and which points lie near an edge
     prediction = tractions_of_coarse_mesh(discrepancy)
     if prediction is None or judgement.is_traction_explained(
         judgement.fit_without_causes, PRESSURE
@@ -259,6 +273,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     share_left_by_mesh = share_of_difference_left(
         fit, judgement.fit_without_causes, judgement.channels
     )
+    # of the reference: result minus reference over p_ref and f p_ref, (k, n) each
     residuals = judgement.fit_without_causes.residuals
     differences = np.array([residuals[channel].values for channel in judgement.channels])
     is_in_contact = residuals[PRESSURE].is_in_contact
@@ -299,6 +314,7 @@ def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diag
             _names_of_causes(fit) for fit in (attribution.fit, *attribution.rivals)
         )
         sentences.insert(0, f"the file does not tell these apart: {rivals_in_words}")
+    # key of a cause -> what in the result excludes it
     if judgement.reason_by_cause:
         exclusions_in_words = "; ".join(
             f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.reason_by_cause.items()
@@ -332,6 +348,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
         f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
         f" {_TRACTION_UNIT_WORDS[channel]}"
     )
+    # within two spacings of an edge of contact or stick
     is_near_edge = points_near_edges(discrepancy)
     squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)
     share_of_square = float(squares[is_near_edge].sum() / squares.sum())
@@ -349,15 +366,17 @@ def _names_of_causes(fit: Fit) -> str:
 
 
 def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
-    """A sentence with each cause that was fitted alone to the difference (in `judgement`): the
-    share of the difference that it leaves unexplained, smallest first. Causes that explain no more
-    than chance would are left out. Nothing where all are.
+    """A sentence with each cause (known fault) that was fitted alone to the difference: the share
+    of the difference that it leaves unexplained, smallest first. Causes that explain no more than
+    chance would are left out. Nothing where all are. `judgement` holds the difference and all fits
+    made to it.
     """
     least_share_by_key: dict[str, float] = {}
     for fit in judgement.search.fit_by_key.values():
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
+        # channel: pressure where that shows the cause, else shear
         share = share_of_difference_left(fit, judgement.fit_without_causes, (cause.channel,))
         chance = probability_by_chance(fit, judgement.fit_without_causes, (cause.channel,))
         if share < 1 and chance < LARGEST_PROBABILITY_BY_CHANCE:

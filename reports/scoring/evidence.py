@@ -47,10 +47,11 @@ class EvidenceStep:
 
 
 def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
-    """What a result shows about itself and beside the reference, in five steps, each with its title
-    and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty for a
-    result without a contact.
+    """What an external result shows about itself and beside the reference, in five steps, each with
+    its title and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty
+    for a result without a contact.
     """
+    # tractions of both at instants of the last cycle
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
@@ -64,8 +65,8 @@ def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
 
 
 def _fields_in_words(comparison: Comparison) -> str:
-    """In words: which fields a result has, at how many points and instants, and from which x to
-    which.
+    """In words: which fields an external result has, at how many points and instants of its last
+    cycle, and from which x to which.
     """
     result_cycle = comparison.result_cycle
     fields_in_words = "pressure alone"
@@ -82,8 +83,10 @@ def _fields_in_words(comparison: Comparison) -> str:
 
 
 def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on the integrals of the result's tractions over x: that of p beside P, that of q
-    beside Q, and the centre of p. Of instants with a load; nothing without one.
+    """Phrases on the integrals of the result's tractions over x: that of the pressure p beside P,
+    that of the shear q beside Q, and the centre of p, which a symmetric scene has at x = 0. They
+    are of instants with a load; nothing without one. `discrepancy` holds tractions of result and
+    reference.
     """
     is_loaded = discrepancy.is_loaded
     if not is_loaded.any():
@@ -92,6 +95,7 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     pressure, shear = discrepancy.result_tractions[:, is_loaded]
     sum_of_pressure = np.trapezoid(pressure, x, axis=1)
     normal_load = discrepancy.normal_load[is_loaded]
+    # integral of p over P, the median over the instants, or beside that of the reference
     ratio = discrepancy.resultant_ratio
     range_of_ratios = _range_in_words(sum_of_pressure / normal_load)
     sum_in_words = f"the sum of p is {ratio:.4g} P ({range_of_ratios} by instants)"
@@ -145,6 +149,7 @@ def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
         n_points_in_slip = is_in_slip.sum(axis=1)
         yield f"{_range_in_words(n_points_in_slip)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
+    # root mean square of the noise from point to point, over p_ref and f p_ref
     scatter = [_without_round_off(residual.mean_square_of_noise**0.5) for residual in residuals]
     scatter_in_words = (
         f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
@@ -160,16 +165,17 @@ def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
     """
     words_of_law = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
+    # of p/p_ref and q/(f p_ref) together, where the differences are noise alone
     scatter = (
         float(sum(residual.mean_square_of_noise for residual in residuals if residual.is_noise))
         ** 0.5
     )
-    for check in discrepancy.comparison.result_certificates:
-        law_in_words = words_of_law.get(check.name, check.name)
-        law_in_words += f" {check.value:.2g} (limit {check.limit:.1g})"
-        if check.holds:
+    for law_check in discrepancy.comparison.result_certificates:
+        law_in_words = words_of_law.get(law_check.name, law_check.name)
+        law_in_words += f" {law_check.value:.2g} (limit {law_check.limit:.1g})"
+        if law_check.holds:
             yield f"{law_in_words}: holds"
-        elif check.value <= _DEVIATIONS_BY_SCATTER * scatter:
+        elif law_check.value <= _DEVIATIONS_BY_SCATTER * scatter:
             yield f"{law_in_words}: no more than scatter makes"
         else:
             yield f"{law_in_words}: violated"
@@ -177,7 +183,8 @@ def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the tractions of the result over the reference's: ratios of peak and width of the
-    pressure, and the factor between the shears.
+    pressure p, and the factor between the shears q. `discrepancy` holds the tractions (2, k, n) of
+    both.
     """
     result_tractions = discrepancy.result_tractions
     reference_tractions = discrepancy.reference_tractions
@@ -189,6 +196,7 @@ def _phrases_on_shape(discrepancy: Discrepancy) -> Iterator[str]:
         yield f"width by second moments {result_width / reference_width:.4g} times"
     largest_shear = float(np.abs(reference_tractions[SHEAR]).max())
     if discrepancy.has_shear and largest_shear:
+        # (k, n) of each instant and point in sums
         weight = discrepancy.weight
         product = float(np.sum(weight * result_tractions[SHEAR] * reference_tractions[SHEAR]))
         square_of_reference = float(np.sum(weight * reference_tractions[SHEAR] ** 2))
@@ -201,6 +209,7 @@ def _width_by_second_moment(discrepancy: Discrepancy, pressure: Array) -> float:
     """Width of a pressure distribution (k, n): root of its second moment about its centre, over all
     instants [length]; 0 without pressure.
     """
+    # weight (k, n): of each instant and point in sums
     weighted_pressure = discrepancy.weight * np.maximum(pressure, 0.0)
     sum_of_pressure = float(weighted_pressure.sum())
     if not sum_of_pressure:

@@ -75,8 +75,8 @@ def resultants(surface: SurfaceResult) -> Loads:
 
 
 def has_no_tangential_load(scene: Scene) -> bool:
-    """Whether Q is 0 throughout the path of the scene, so that P alone says which instant is
-    which.
+    """Whether the tangential load Q is 0 throughout the load path of a scene (below a millionth of
+    the largest P), so that P alone tells the instants of a result apart.
     """
     path = scene.load.path()
     normal_load, tangential_load = path.at(_sample_times(path, 1))
@@ -87,11 +87,12 @@ def history_of_result(
     surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True
 ) -> History:
     """Find the instants of an external result (`surface`) on the load path of a scene: by its
-    times, else by the loads that it states, else by the integrals of its tractions.
+    times, else by the loads that it states, else by the integrals of its tractions. Times, loads
+    and shear are None where the file does not state them.
 
     `sure_of_times` False means that the times may be a solver's own, such as counted from 0 in each
     step. They are then given up where they can't be the scene's and the loads or the tractions fit
-    better.
+    better, and a sentence says so.
 
     Raises
     ------
@@ -116,6 +117,7 @@ def history_of_result(
             return replace(history, guess_in_words=guess)
     if surface.normal_load is not None and surface.tangential_load is not None:
         loads = (surface.normal_load, surface.tangential_load)
+        # limit of the distance from the path: 0.5 % of the largest P
         return _history_by_loads(
             surface, scene, loads, _LARGEST_MISFIT_OF_LOADS, "the loads that it states"
         )
@@ -125,7 +127,8 @@ def history_of_result(
 def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     """Find the instants of an external result (`surface`) on the load path by its resultants, the
     integrals of its tractions over x. The error of the trapezoidal rule, found from theory at these
-    instants, is subtracted, and they are found again.
+    instants, is subtracted, and they are found again, twice. Returns times and loads of the path,
+    and whether the shear would fit the path with its other sign too.
 
     InputError where the resultants do not follow the path with either sign of the shear.
     """
@@ -139,6 +142,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     if not surface.has_shear:
         source_in_words = "the integral of its pressure over x, with Q = 0 as throughout the scene"
         surface = replace(surface, shear=read_only_copy(np.zeros_like(surface.pressure)))
+    # (n_steps,) each; a load P that is stated takes the place of its integral
     normal_force, tangential_force = resultants(surface)
     if surface.normal_load is not None:
         normal_force = surface.normal_load
@@ -166,6 +170,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         if turned_history is None:
             raise
         history = turned_history
+    # subtract the error of the rule on these points
     corrected_in_words = f"{source_in_words}, less what that misses of theory"
     for _ in range(_N_CORRECTIONS):
         normal_error, tangential_error = _errors_of_rule(surface, scene, history)
@@ -177,6 +182,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         history = _history_by_loads(
             surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, corrected_in_words
         )
+    # a shear whose integral exceeds 5 % of the largest P
     has_shear = float(np.max(np.abs(tangential_force))) > _LARGEST_MISFIT_OF_SUMS * float(
         np.max(normal_force)
     )
@@ -186,7 +192,8 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
 
 def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> tuple[Array, Array]:
     """Error of the trapezoidal rule on the points of an external result (`surface`): integral of
-    theory's tractions minus theory's loads, at the instants of `history`; (n_steps,) of P and of Q.
+    half-plane theory's tractions minus the scene's loads, at the instants of `history`; (n_steps,)
+    of P and of Q [force / thickness].
     """
     import semi_analytic
 
@@ -204,13 +211,13 @@ def _history_by_time(
     """Where the instants of a result lie on the scene's load path, by the times that its file
     states.
 
-    InputError where these times are not on the path, or where loads and integrals of the pressure
-    there are not the scene's.
+    InputError where these times do not ascend or are not on the path, or where loads and integrals
+    of the pressure there are not the scene's.
 
     Parameters
     ----------
     surface
-        the external result
+        the external result: its pressure, and P and Q where it states them, else None
     stated_time
         (n_steps,) times in the file
     scene
@@ -224,6 +231,7 @@ def _history_by_time(
         last_time = path.initial_loading[-1].end
     else:
         last_time = path.cycle_start + scene.cycles * path.period
+    # times that miss a turning point by round-off are put on it
     time = _times_on_ends_of_segments(stated_time, path, scene)
     if np.any(np.diff(time) <= 0):
         instant = int(np.flatnonzero(np.diff(time) <= 0)[0]) + 1
@@ -244,6 +252,7 @@ def _history_by_time(
     # At the times stated, loads stated must be the scene's, and so must the integral of the
     # pressure.
     largest_load = float(np.max(normal_load)) or 1.0
+    # of the pressure over x, at each instant
     integral, _ = resultants(surface)
     for name, result_values, scene_values, limit in (
         ("P", surface.normal_load, normal_load, _LARGEST_MISFIT_OF_LOADS),
@@ -265,6 +274,7 @@ def _history_by_time(
                 f"{surface.source}: its history is not the scene's: at instant {instant + 1}, time"
                 f" {time[instant]:.6g}, {name} is {result_values[instant]:.6g} and the scene's"
                 f" {scene_values[instant]:.6g}"
+                # likely reason where all loads differ by one factor; else ""
                 f"{_hint_on_constant_ratio(result_values, scene_values, largest_load)}"
             )
     note = "its instants were matched by the times that it states"
@@ -272,8 +282,8 @@ def _history_by_time(
 
 
 def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times of instants, put on the ends of load segments (where loads turn, where cycles end) that
-    they miss by less than the digits of a printed time, 1e-5 of a cycle.
+    """Times of a result's instants, put on the ends of segments of the load path (where loads turn,
+    where cycles end) that they miss by less than 1e-5 of a cycle, as a printed time may.
     """
     ends = np.array([path.start, *(segment.end for segment in path.segments(scene.cycles))])
     largest_miss = (path.period or ends[-1] - ends[0]) * _ERROR_OF_PRINTED_TIME
@@ -314,8 +324,9 @@ def _hint_on_constant_ratio(result_values: Array, scene_values: Array, largest_l
 def _history_by_loads(
     surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, source_in_words: str
 ) -> History:
-    """Find the instants of an external result (`surface`) by their loads P and Q, in order along
-    the path; where every instant lies on the cycle, in its last one.
+    """Find the instants of an external result (`surface`) on the load path by their loads P and Q,
+    in order along the path; where every instant lies on the cycle, in its last one. Returns times
+    and loads of the path, and notes.
 
     InputError where one is farther from the path than `limit` times the largest P, or where no
     instant has more than a two-hundredth of it; `source_in_words` says in words where the loads
@@ -331,7 +342,9 @@ def _history_by_loads(
         )
     best_match: tuple[float, Array] | None = None
     for times in _times_to_search(path, scene):
+        # ascending times near to the loads, by dynamic programming over the trial times
         candidate = _times_in_order(times, path, scene, loads, largest_load)
+        # largest distance from the path in the plane of P and Q, over the largest P
         misfit = float(np.max(_distances_from_path(path, candidate, loads))) / largest_load
         if best_match is None or misfit < best_match[0]:
             best_match = (misfit, candidate)
@@ -339,6 +352,7 @@ def _history_by_loads(
             break
     assert best_match is not None
     misfit, time = best_match
+    # the last instant is put a period after an earlier one with the same loads
     time = _with_closed_cycle(time, scene, loads, misfit * largest_load)
     normal_load, tangential_load = path.at(time)
     if misfit > limit:
@@ -373,8 +387,8 @@ def _history_by_loads(
 
 
 def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float) -> Array:
-    """The times, the last one set to a whole period after an earlier one where its loads are the
-    same.
+    """Times (n_steps,) of a result on the load path, the last one set to a whole period after an
+    earlier one where its loads are the same.
 
     Next to a turning point a small error of a load is a large one of the time. Loads are the same
     where they differ by no more than twice the largest `distance` of an instant from the path, or
@@ -390,6 +404,7 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
         normal_load[-1] - normal_load[earlier_instant],
         tangential_load[-1] - tangential_load[earlier_instant],
     )
+    # a hundred-thousandth of the largest load
     print_error = _ERROR_OF_PRINTED_LOAD * float(np.max(np.abs(loads)))
     step = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
@@ -415,7 +430,7 @@ def _times_to_search(path: LoadPath, scene: Scene) -> Iterator[Array]:
 
 def _sample_times(path: LoadPath, cycles: int) -> Array:
     """Times (n,) of samples of the load path, ascending: of the initial loading and of so many
-    cycles.
+    `cycles`; about 720 for each cycle, at least 8 for each load segment.
     """
     segments = list(path.segments(cycles if path.period is not None else 1))
     count = max(_N_SAMPLES * (cycles + 1) // len(segments), 8)
@@ -443,12 +458,15 @@ def _times_in_order(
         (n,) times of samples of the path, ascending
     path
         the load path, which gives P and Q at a time
+    scene
+        its number of cycles says where load segments end
     loads
         P and Q of each instant (n_steps,)
     largest_load
         largest P of the path, by which distances between loads are divided
     """
     normal_load, tangential_load = path.at(times)
+    # of each instant: squared distance from the path at each sample, over P^2, (n,)
     squared_distances = [
         _squared_distances(normal_load - instant_p, tangential_load - instant_q) / largest_load**2
         for instant_p, instant_q in zip(*loads, strict=True)
@@ -458,7 +476,9 @@ def _times_in_order(
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
-    # of each instant
+
+    # cost of each place of an instant: of the way to it, and of its distance from the loads
+    # places: for each instant, samples at which the path is nearest to its loads
     places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
     cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
@@ -475,6 +495,7 @@ def _times_in_order(
             * squared_distances[number_of_instant][places_of_instant]
             / largest_misfit
         )
+
     # back from the cheapest place of the last instant
     best_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
@@ -550,8 +571,9 @@ def _squared_distances(p_difference: Array, q_difference: Array) -> Array:
 
 
 def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
-    """The times, near the samples `chosen_places`, at which the path is nearest to the loads: six
-    times the nearest points on chords ten times shorter.
+    """Times (n_steps,) at which the load path is nearest to the loads P and Q of a result's
+    instants: six times the nearest point on chords ten times shorter. They lie near the samples
+    with indices `chosen_places` among `times` (n,).
 
     A nearest point on a chord misses the path's by the square of its length; squares of distances
     alone are flat to 1e-8 of a cycle around it.
@@ -564,10 +586,11 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
         step = (time_above - time_below) / 20
         fine_times = time_below[:, None] + step[:, None] * np.arange(21)
         normal_load, tangential_load = path.at(fine_times)
-        share, square = _nearest_on_chords(
+        # nearest point to the loads on each chord: share of the chord, squared distance
+        share, squared_distance = _nearest_on_chords(
             normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
         )
-        nearest_place = np.argmin(square, axis=1)
+        nearest_place = np.argmin(squared_distance, axis=1)
         time = fine_times[rows, nearest_place] + share[rows, nearest_place] * step
         time_below = np.maximum(time - step, times[0])
         time_above = np.minimum(time + step, times[-1])

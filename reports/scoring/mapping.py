@@ -141,7 +141,10 @@ class Mapping(Frozen):
     measured: Measured = Measured()
 
     def sign(self, quantity: ColumnQuantity) -> float:
-        """-1 where the file has the opposite sign of the project's for `quantity`, else 1."""
+        """-1 where the mapping states that the file counts `quantity` the other way than this
+        program, else 1. This program has pressure positive in compression, shear as it acts on the
+        lower body, slip of the upper body over the lower one.
+        """
         opposite_signs = {
             "pressure": "compression negative",
             "shear": "on upper",
@@ -171,8 +174,9 @@ def name_of_column(
     *,
     needed: bool = False,
 ) -> str | None:
-    """Which of a file's column `names` holds `quantity`: the one that the mapping states, else the
-    first known alias that is there; None where none is.
+    """Name of the column of a file that holds `quantity`, among all its column `names`: the one
+    that the mapping states, by name or by number from 1, else the first known alias that is there;
+    None where none is.
 
     `where` is the file in messages; `needed` makes a missing column an error.
 
@@ -201,6 +205,7 @@ def name_of_column(
                 f" there; {hint}"
             )
         return stated_name
+    # known names of the quantity; normalised, spellings of one name compare equal
     for alias in ALIASES[quantity]:
         matching_names = [name for name in names if normalised_name(name) == normalised_name(alias)]
         if len(matching_names) > 1:
@@ -222,6 +227,7 @@ def _naming_advice(quantity: str, names: Sequence[str]) -> str:
     """A phrase for an error message: how to name the column of a quantity in a mapping, with the
     lines to write where one of the column `names` is spelt nearly like the quantity.
     """
+    # normalised: spellings of one name compare equal
     name_by_spelling = {normalised_name(name): name for name in names}
     similar_spellings = [
         spelling
@@ -270,6 +276,7 @@ def converted_values(mapping: Mapping, quantity: ColumnQuantity, values: Array) 
         "time": "time",
     }
     factor_name = factor_names.get(quantity, "load")
+    # stated by the mapping, or None
     factor = getattr(mapping.factors, factor_name) or 1.0
     with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
         scaled_values = values * factor * mapping.sign(quantity)
@@ -283,9 +290,9 @@ def converted_values(mapping: Mapping, quantity: ColumnQuantity, values: Array) 
 
 
 def conversion_in_words(mapping: Mapping, quantity: ColumnQuantity) -> str:
-    """Name of the quantity that a column holds, and in words what is done to its values on reading:
-    times a factor, sign turned, divided by the thickness, minus an offset. `mapping` states
-    columns, units and signs of the file.
+    """Name of the quantity that a column of a file holds, and in words what is done to its values
+    on reading: times a factor, sign turned, divided by the thickness, minus an offset. `mapping`
+    states columns, units and signs of the file.
 
     >>> conversion_in_words(Mapping(thickness=2.0), "normal_load")
     'normal load, divided by the thickness 2'

@@ -27,42 +27,46 @@ def score_folder(
     be scored are named in its notes.
 
     `against` is the reference: "exact" for half-plane theory, "fe" for finite elements. `mapping`
-    states columns, units and signs of the file.
+    states columns, units and signs of the files. `stages` shows progress by named stages;
+    `tolerances` replace those of the scene, by key of a metric.
 
     Raises
     ------
     InputError
         Where no file can be scored, with the reason for the first; where two are of one mesh.
     """
+    # files of the folder that may be results, and notes on those left out
     files, notes_on_files = result_files(folder)
     levels = []
     reports = []
-    faults: dict[str, InputError] = {}
+    errors: dict[str, InputError] = {}
     for path in files:
         with stages.stage(path.name):
             try:
                 report = score_file(path, mapping, scene, against=against, tolerances=tolerances)
+                # a mesh of the study: name, size of its elements and where that is from,
+                # comparison
                 level = Level(
                     path.name, *element_size(path, mapping, report.comparison), report.comparison
                 )
             except InputError as fault:
-                faults[path.name] = fault
+                errors[path.name] = fault
                 continue
             reports.append(report)
             levels.append(level)
     if not levels:
         further_faults = ""
-        if len(faults) > 1:
+        if len(errors) > 1:
             further_faults = (
-                f" ({len(faults) - 1} other files of the folder can't be scored either)"
+                f" ({len(errors) - 1} other files of the folder can't be scored either)"
             )
-        raise InputError(f"{next(iter(faults.values()))}{further_faults}")
+        raise InputError(f"{next(iter(errors.values()))}{further_faults}")
     unscored_files = tuple(
         UnscoredFile(name, str(fault).replace(str(folder / name), name))
-        for name, fault in faults.items()
+        for name, fault in errors.items()
     )
     notes = (*notes_on_files, *(file.sentence for file in unscored_files))
-    if faults and len(levels) == 1:  # a result, and no study
+    if errors and len(levels) == 1:  # a result, and no study
         (report,) = reports
         comparison_with_notes = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):

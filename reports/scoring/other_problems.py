@@ -136,7 +136,7 @@ class OtherProblem:
 # ------------------------------------------------------------------------- closed forms of pressure
 def _points_in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
     """Whether each of the (k, n) points is in contact in the result, in the reference, or with the
-    `pressure` (k, n) of a problem.
+    `pressure` (k, n) of a problem. `discrepancy` holds the tractions of result and reference.
     """
     predicted_tractions = _tractions_with(discrepancy, PRESSURE, pressure)
     return discrepancy.mask_in_contact(predicted_tractions) | discrepancy.mask_in_contact(
@@ -183,18 +183,20 @@ def _fitted_closed_form(
     discrepancy: Discrepancy, functions: Callable[[Array], Array]
 ) -> ClosedForm | None:
     """Fit a sum of given functions of xi = (x − centre)/half-width to the result's pressure at each
-    instant: the fitted pressure, factors and half-widths.
+    instant, with factors that are all positive: the fitted pressure (k, n), the factors, and the
+    half-widths (k,).
 
-    None where a factor is not positive, or fewer than three points carry pressure.
+    None where a factor is not positive, or where fewer than three points carry pressure.
 
     Parameters
     ----------
     discrepancy
-        tractions of result and reference at some instants and all points
+        tractions of result and reference at k instants and n points
     functions
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
     fits = []
+    # weight (k, n): of each instant and point in the sum of squares
     for pressure, is_pressed, weights in zip(
         discrepancy.result_tractions[PRESSURE],
         _pressed_points(discrepancy),
@@ -206,6 +208,7 @@ def _fitted_closed_form(
         fit_of_instant = _closed_form_at_instant(
             discrepancy.x, pressure, is_pressed, weights, functions
         )
+        # (fitted pressure, factors, half-width)
         factors_of_instant = fit_of_instant[1]
         if np.any(factors_of_instant <= 0):
             return None
@@ -247,6 +250,8 @@ def _closed_form_at_instant(
     spacing_after = x[min(last_point + 1, len(x) - 1)] - x[last_point]
     spacing = max(spacing_before, spacing_after, np.diff(x).min())
     root_of_weights = np.sqrt(weights)
+
+    # half-widths are tried; the best of them is kept
     least_sum_of_squares = np.inf
     for share_of_spacing in (np.arange(_N_HALF_WIDTHS) + 0.5) / _N_HALF_WIDTHS:
         half_width = float(half_distance + share_of_spacing * spacing)
@@ -268,12 +273,16 @@ def _closed_form_at_instant(
 
 def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2), to the result's
-    pressure (Johnson 1985, 5.5); xi goes from -1 to 1 across the contact. None where the result has
-    no tension next to both edges, and where p0 or p1 would not be positive. `discrepancy` holds the
-    tractions of result and reference.
+    pressure (Johnson 1985, 5.5); xi goes from -1 to 1 across the contact. Returns the tractions
+    (2, k, n) with this pressure, those of the reference that they must do better than, and the
+    number of fitted sizes.
+
+    None where the result has no tension next to both edges, and where p0 or p1 would not be
+    positive. `discrepancy` holds the tractions of result and reference.
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
+    # beyond a thousandth of the largest pressure of the instant
     is_in_tension = pressure < -_LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
     largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
     if largest_tension < _LEAST_TENSION_SHARE:
@@ -295,6 +304,7 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
     return ProblemFit(
+        # shear as in the reference; sizes: p0, p1 and the half-width of each instant
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=3 * len(pressure),
@@ -305,10 +315,14 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), largest at the edges
-    (Johnson 1985, 2.8). None where the width of the contact changes, for a punch keeps its width,
-    and where no load above 0 fits. `discrepancy` holds the tractions of result and reference.
+    """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), to a result's pressure
+    (Johnson 1985, 2.8); xi = (x - centre)/a. Returns the tractions (2, k, n) with this pressure,
+    those of the reference that they must do better than, and the number of fitted sizes.
+
+    None where the width of the contact changes, for a punch keeps its width, and where no load
+    above 0 fits. `discrepancy` holds the tractions of result and reference.
     """
+    # pressure (k, n) and half-widths (k,) that fit best
     closed_form = _fitted_closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if closed_form is None:
         return None
@@ -318,6 +332,7 @@ def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     if least_half_width < largest_half_width - 2 * largest_spacing:
         return None
     return ProblemFit(
+        # shear as in the reference; sizes: P and the half-width of each instant
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=2 * len(closed_form.half_widths),
@@ -327,8 +342,9 @@ def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of a result's pressure by that of a sphere in place of the scene's cylinder: does the
-    result solve the axisymmetric problem?
+    """Fit the pressure of a sphere, in place of the scene's cylinder, to a result's pressure: does
+    the result solve the axisymmetric problem? Returns the tractions (2, k, n) with this pressure,
+    those of the reference that they must do better than, and the number of fitted sizes.
 
     Sphere: p = p0 sqrt(1 - xi^2), p0/a = 2 E*/(pi R), and P = 2 pi a^2 p0/3 is a force (Johnson
     1985, 4.2). A cylinder has p0/a = E*/(2 R). xi = x/a, with the half-width a that fits best at
@@ -341,6 +357,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     if closed_form is None:
         return None
     scales = discrepancy.comparison.scales
+    # scales: p_ref and a_ref of the cylinder; their ratio is E*/(2 R)
     pressure_over_half_width = _SPHERE_OVER_CYLINDER * scales.pressure / scales.half_width
     xi = discrepancy.x / closed_form.half_widths[:, None]
     pressure = (
@@ -350,6 +367,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     force = float(np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width))
     return ProblemFit(
+        # shear as in the reference; one size, the half-width, for each instant
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=len(pressure),
@@ -359,13 +377,17 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of a pressure that is cut off at a limit: p = min(limit, elastic pressure of a larger
-    load), with the same limit at all instants, as plastic flow or wear flattens the middle. None
-    where few points lie on a limit, and where the contact is not symmetric. `discrepancy` holds the
-    tractions of result and reference.
+    """Fit of a pressure that is cut off at a limit to a result's pressure: p = min(limit, elastic
+    pressure of a larger load), with the same limit at all instants, as plastic flow or wear
+    flattens the middle. Returns the tractions (2, k, n) with this pressure, those of the reference
+    that they must do better than, and the number of fitted sizes.
+
+    None where fewer than five points of an instant lie on a limit, and where the contact is not
+    symmetric. `discrepancy` holds the tractions of result and reference.
     """
     if discrepancy.unsymmetric:
         return None
+    # half-plane theory of the profile: pressure at x under any load
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     result_pressure = discrepancy.result_tractions[PRESSURE]
     limit = float(np.median(result_pressure[result_pressure > 0.9 * result_pressure.max()]))
@@ -374,6 +396,7 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     for pressure, load, weights in zip(
         result_pressure, discrepancy.normal_load, discrepancy.weight, strict=True
     ):
+        # _LOAD_RATIOS: trial loads, 1 to 2.5 times P
         elastic_pressures = contact.pressure(discrepancy.x, load * _LOAD_RATIOS[:, None])
         trial_pressures = np.minimum(elastic_pressures, limit)
         sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
@@ -401,12 +424,14 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
 
 # ------------------------------------------------------------------------------- features of rows
 def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of rough or wavy faces, which touch in several zones: no pressure in the gaps inside the
-    contact of the reference. The zones carry what the reference carries over the gaps.
+    """Fit of rough or wavy faces, which touch in several zones, to a result's pressure: none in the
+    gaps inside the contact of the reference. The zones carry what the reference carries over the
+    gaps. Returns the tractions (2, k, n) with such gaps, those of the reference that they must do
+    better than, and the points in gaps.
 
-    None where gaps are few or short, or the reference carries little over them. None too where
-    values are only missing from a table: the sum of the pressures then is too small. `discrepancy`
-    holds the tractions of result and reference.
+    None where gaps are few or short, or the reference carries less than a tenth of P over them.
+    None too where values are only missing from a table: the sum of the pressures then is too small.
+    `discrepancy` holds the tractions of result and reference.
     """
     result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
@@ -416,6 +441,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     is_in_gap = (
         result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
     ) & is_well_inside
+    # numbers of points of the gaps, over all instants
     gap_lengths = [
         length
         for is_in_gap_at_instant in is_in_gap
@@ -430,6 +456,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     has_few_gaps = n_long_gaps < _FEWEST_GAPS * len(result_pressure)
     if has_few_gaps or least_share < _LEAST_SHARE_OVER_GAPS:
         return None
+    # integral of the pressure over P
     if abs(discrepancy.resultant_ratio - 1) > _LARGEST_IMBALANCE:
         return None
     # judged on the gaps alone: the problem says that they are open, and nothing of the zones
@@ -459,20 +486,22 @@ def _run_lengths(values: NDArray[np.bool_]) -> list[int]:
 
 
 def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of bodies that are not elastic: between like elastic half-planes the pressure depends on
-    P alone. Of two instants with the same P, by the scene and by the sum of the pressures, those
-    are taken whose pressures differ most.
+    """Fit of bodies that are not elastic to a result's pressure: between like elastic half-planes
+    the pressure depends on P alone. Of instants with the same P, by the scene and by the sum of the
+    pressures, the two are taken whose pressures differ most.
 
-    The problem predicts the pressure that each of them has; to beat is that of the other one. None
-    where none differ by more than noise, and for an unsymmetric scene. The part of the pressure
-    that is odd in x is left out: unlike bodies and bodies that tilt make it. `discrepancy` holds
-    the tractions of result and reference.
+    The tractions (2, k, n) that are returned have the result's pressure at each of the two
+    instants. They must do better than those with both pressures swapped, as elastic bodies would
+    have them. None where the pressures differ by less than 5 % or by noise alone, and for an
+    unsymmetric scene. The part of the pressure that is odd in x is left out: unlike bodies and
+    bodies that tilt make it. `discrepancy` holds the tractions of result and reference.
     """
     if discrepancy.unsymmetric or len(discrepancy.instants_of_cycle) < 2:
         return None
     result_pressure = discrepancy.result_tractions[PRESSURE]
     even_pressure = (result_pressure + _mirror_image(result_pressure, discrepancy.x)) / 2
     pressure_integrals = np.trapezoid(result_pressure, discrepancy.x, axis=1)
+    # root mean square over that of the reference's pressure
     relative_change, first_instant, second_instant = _most_changed_instants(
         discrepancy, even_pressure, pressure_integrals
     )
@@ -523,8 +552,9 @@ def _mirror_image(pressure: Array, x: Array) -> Array:
 def _most_changed_instants(
     discrepancy: Discrepancy, pressure: Array, pressure_integrals: Array
 ) -> tuple[float, int, int]:
-    """The two instants with the same P whose pressures differ most: root mean square difference
-    over that of the reference's pressure, and their indices. (0, 0, 0) without such a pair.
+    """The two instants of a result with the same P whose pressures differ most: root mean square
+    difference over that of the reference's pressure, and their indices. (0, 0, 0) without such a
+    pair. P and the integrals agree to 1 %.
 
     Parameters
     ----------
@@ -540,6 +570,7 @@ def _most_changed_instants(
     reference_rms = np.sqrt(np.mean(reference_pressure**2, axis=1))
     largest_change = (0.0, 0, 0)
     for first, second in itertools.combinations(range(len(pressure)), 2):
+        # more than a hundredth of the largest P
         if not (discrepancy.is_loaded[first] and discrepancy.is_loaded[second]):
             continue
         load_difference = abs(load[first] / load[second] - 1)
@@ -556,12 +587,16 @@ def _most_changed_instants(
 
 # ---------------------------------------------------------------------------------------- the shear
 def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
-    (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
+    """Fit of tractive rolling to a result's shear: the stick zone begins at the leading edge, and q
+    = f [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
+    Returns the tractions (2, k, n) with this shear, those of the reference that they must do better
+    than, and the side of the leading edge: the one that fits better.
 
-    The side of the leading edge is the one that fits better. None without friction, shear or Q, for
-    an unsymmetric scene, and where all slides at some instant. `discrepancy` holds the tractions of
-    result and reference.
+    None without friction, shear or Q, for an unsymmetric scene, and where all slides at some
+    instant. `discrepancy` holds the tractions of result and reference.
+
+    # notation: a and c half-widths of contact and stick, f coefficient of friction, p pressure, P
+    #           and Q loads, q shear
     """
     friction = discrepancy.scene.friction.coefficient
     if discrepancy.unsymmetric or not friction or not discrepancy.has_shear:
@@ -572,6 +607,7 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     stick_load = normal_load - np.abs(tangential_load) / friction
     if np.any(stick_load <= 0) or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
         return None
+    # half-plane theory of the profile: half-width and pressure under any load
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
     # a - c, by which the middle of the stick zone lies from that of the contact
     offsets = contact.half_width(normal_load) - contact.half_width(stick_load)
@@ -601,16 +637,19 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of |q| = constant + slope p where the reference slips: a law that is no coefficient of
-    friction, such as a shear strength (slope 0) or cohesion (slope f).
+    """Fit of |q| = constant + slope p to a result's shear where the reference slips: a law that is
+    no coefficient of friction, such as a shear strength (slope 0) or cohesion (slope f). Returns
+    the tractions (2, k, n) with this shear, those with the best coefficient that they must do
+    better than, and the points in slip.
 
-    None where such a law fits hardly better than a coefficient, where its constant is small or it
-    falls with p, for few points in slip, and without friction or shear. `discrepancy` holds the
-    tractions of result and reference.
+    None where such a law leaves more than a tenth of the norm that a coefficient leaves, where its
+    constant is small or it falls with p, for fewer than eight points in slip, and without friction
+    or shear. `discrepancy` holds the tractions of result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
         return None
+    # state (stick, slip, open) of the reference at the instants compared
     state = discrepancy.comparison.reference_cycle.state[discrepancy.instants_of_cycle]
     is_slip_state = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
     slip_direction = np.where(is_slip_state, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
@@ -620,6 +659,8 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     is_in_slip = (slip_direction != 0) & is_pressed & (discrepancy.weight > 0)
     if is_in_slip.sum() < _FEWEST_IN_SLIP:
         return None
+
+    # least squares of a coefficient alone, then of the law
     p = pressure[is_in_slip]
     q = shear_along_slip[is_in_slip]
     coefficient_alone = float(p @ q / (p @ p))
@@ -672,8 +713,9 @@ PROBLEMS = (
 
 
 def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Iterator[Diagnosis]:
-    """The finding that the tractions belong to a problem which the suite does not solve; none where
-    no such problem fits, or where the likely causes leave little more of the difference.
+    """The finding that the tractions of a result belong to a problem which the suite does not
+    solve, such as adhesion or rolling. Nothing where no such problem fits, or where the likely
+    causes leave little more of the difference.
 
     Parameters
     ----------
@@ -689,6 +731,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
             continue
+        # tractions of the problem, those that they must do better than, points, words on both
         problem_fit = problem.fit(discrepancy)
         if problem_fit is None:
             continue
@@ -696,9 +739,11 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         # what the scene itself, or the simpler law, leaves on the points of this problem
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
         mean_square_noise = min(residual_after.mean_square_of_noise, residual_after.mean_square)
+        # norm after over norm before, without noise
         share_left = share_of_norm(
             residual_after.mean_square, residual_before.mean_square, mean_square_noise
         )
+        # that noise alone makes this gain, by the F test
         chance = probability_of_gain(
             residual_after.mean_square,
             residual_before.mean_square,

@@ -67,8 +67,9 @@ _HEADING_WITH_NUMBER = re.compile(
 
 
 def read_result(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The external result in a file, in the scene's units and our signs as far as the mapping
-    states them. The suffix says which reader takes it.
+    """The external result in a file, tractions on points of the contact surface, in the scene's
+    units and this program's signs as far as the mapping states them. The suffix of the file decides
+    which reader takes it.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     or one row for each point, with columns for each frame (the values at one instant).
 
     Instants differ by time, else by a number of the frame, else by the loads. `mapping` states
-    columns, units and signs of the file.
+    columns, units and signs of the file. A report of Abaqus (.rpt) is read too.
 
     Raises
     ------
@@ -114,9 +115,11 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
             ),
         ),
     )
+    # frames beside each other; None where the headings don't look like that
     columns_and_notes = _columns_of_frames(source, table, mapping)
     if columns_and_notes is not None:
         columns, notes = columns_and_notes
+        # quantity of each column, None where it is not read
         quantities = [_read_heading(name, mapping).quantity for name in table.names]
     else:
         columns = {}
@@ -130,6 +133,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
                 quantity_by_name[name] = quantity
         quantities = [quantity_by_name.get(name) for name in table.names]
     surface = _surface_of_rows(source, mapping, columns, notes)
+    # for the page: what each column was read as, and where outliers stand in the file
     surface = _with_words_on_columns(surface, table, mapping, quantities)
     return _with_places_of_outliers(surface, table, mapping)
 
@@ -150,6 +154,7 @@ def _with_words_on_columns(
     quantities
         quantity of each column, in the order of the table; None for a column that was not read
     """
+    # pairs (subject, words): first the layout of the table
     read_as = layout_in_words(Path(surface.source), table)
     for name, quantity in zip(table.names, quantities, strict=True):
         column_in_words = "not read" if quantity is None else conversion_in_words(mapping, quantity)
@@ -162,9 +167,10 @@ def _with_places_of_outliers(
 ) -> SurfaceResult:
     """An external result with line, column and written number in the file for each of its outliers.
 
-    An outlier is a single value that stands out of all others. It is found again in the table by
-    its magnitude, since all values of a quantity were multiplied by one factor on reading.
-    `mapping` states columns, units and signs of the file.
+    An outlier is a single value of a field `quantity` that stands out of all others, with its
+    `value` and its `place` in words. It is found again in the table by its magnitude, since all
+    values of a quantity were multiplied by one factor on reading. `mapping` states columns, units
+    and signs of the file.
     """
     if not surface.outliers:
         return surface
@@ -200,7 +206,12 @@ def _surface_of_rows(
 ) -> SurfaceResult:
     """An external result from columns with one row for each instant and point, (n_rows,) each:
     grouped by instant, sorted by x, shapes and loads checked. `notes` come first in its notes.
+
+    `columns` holds x, pressure and, as far as the file has them, shear, slip, time, frame and
+    loads. InputError where instants have different numbers of points, or a time or load changes
+    within an instant.
     """
+    # number of the instant of each row, and the column by which they differ
     instants, instants_by = _instants_of_rows(columns)
     point_counts = np.unique(instants, return_counts=True)[1]
     instants_with_other_count = np.flatnonzero(point_counts != point_counts[0])
@@ -224,6 +235,7 @@ def _surface_of_rows(
         name: np.take_along_axis(values, indices_by_x, axis=1)
         for name, values in value_grids.items()
     }
+    # time and loads: one value for each instant
     series: dict[str, Array | None] = {}
     for name in ("time", "normal_load", "tangential_load"):
         values = value_grids.get(name)
@@ -262,8 +274,8 @@ def _instants_of_rows(columns: dict[ColumnQuantity, Array]) -> tuple[NDArray[np.
         return np.zeros(len(columns["x"]), dtype=np.intp), "nothing"
     normal_load = columns["normal_load"]
     loads = np.column_stack([normal_load, columns.get("tangential_load", normal_load)])
-    is_new = np.any(np.diff(loads, axis=0) != 0, axis=1)
-    return np.concatenate([[0], np.cumsum(is_new)]), "the loads"
+    begins_instant = np.any(np.diff(loads, axis=0) != 0, axis=1)
+    return np.concatenate([[0], np.cumsum(begins_instant)]), "the loads"
 
 
 class _Heading(NamedTuple):
@@ -285,9 +297,9 @@ class _Heading(NamedTuple):
 
 
 def _read_heading(name: str, mapping: Mapping) -> _Heading:
-    """Read the heading of a column: its quantity (None if it is none that is read), the number of a
-    frame or its time where one follows ('pressure t=0.5'), and whether that number is a time.
-    `mapping` states columns, units and signs of the file.
+    """Read the heading of a column of a table of tractions: its quantity (None if it is none that
+    is read), the number of a frame or its time where one follows ('pressure t=0.5'), and whether
+    that number is a time. `mapping` states names of columns.
     """
 
     def quantity_of(base: str) -> ColumnQuantity | None:
@@ -299,6 +311,7 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
                 return quantity
         return None
 
+    # a name, perhaps a word such as "frame" or "time", then a number
     match_with_number = _HEADING_WITH_NUMBER.match(name.strip())
     quantity = quantity_of(match_with_number["base"]) if match_with_number else None
     if match_with_number is None or quantity is None:
@@ -320,8 +333,10 @@ def _columns_of_frames(
 
     Each frame has a pressure and perhaps a shear, a slip and an x of its own. Its number or time
     stands in the headings, or the frames are taken in the order of the columns. InputError where a
-    frame has a quantity twice, or lacks one that other frames have.
+    frame has a quantity twice, or lacks one that other frames have. `mapping` states columns, units
+    and signs.
     """
+    # of each column: its quantity, and the frame's number or time, None where none is stated
     headings = [_read_heading(name, mapping) for name in table.names]
     # of each quantity: number or time of the frame -> (n_points,)
     frames_of_quantity: dict[ColumnQuantity, dict[float, Array]] = {
@@ -349,6 +364,8 @@ def _columns_of_frames(
     if len(frames_of_quantity["x"]) == 1:
         (x,) = frames_of_quantity["x"].values()
         frames_of_quantity["x"] = dict.fromkeys(frames, x)
+
+    # frames one below the other, (n_frames n_points,) of each quantity
     columns = {}
     for quantity, values_by_frame in frames_of_quantity.items():
         if not values_by_frame:

@@ -91,8 +91,9 @@ def surface_result(
     series: dict[str, ArrayLike | None],
     notes: Sequence[str] = (),
 ) -> SurfaceResult:
-    """An external result in the common form of all readers, from arrays as they came: points
-    sorted, shapes and numbers checked.
+    """Tractions on a contact surface as another program computed them, in the common form of all
+    readers (`SurfaceResult`), from arrays as they came: points sorted by x, shapes and numbers
+    checked, spikes named as outliers. Fields and series that are None stay so, a shear becomes NaN.
 
     Parameters
     ----------
@@ -130,6 +131,7 @@ def surface_result(
     all_notes = list(notes)
     shape = field_arrays["pressure"].shape
     n_steps, n_points = shape
+    # shape that each array must have
     needed_shapes: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
     needed_shapes |= dict.fromkeys(series_arrays, (n_steps,))
     needed_shapes["x"] = (n_points,) if x_of_points.ndim == 1 else shape
@@ -140,12 +142,13 @@ def surface_result(
                 " needed: pressure is (instants, points), x one figure a point, time and loads one"
                 " an instant"
             )
-        _refuse_no_numbers(source, name, values)
+        _refuse_no_numbers(source, name, values)  # NaN, infinity
     _require_distinct_points(source, x_of_points)
     if x_of_points.ndim == 2:
         x_of_points, sentence = _mean_x_of_points(source, x_of_points)
         if sentence:
             all_notes.append(sentence)
+    # sort the points
     indices_by_x = np.argsort(x_of_points, kind="stable")
     if np.any(np.diff(indices_by_x) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
@@ -155,6 +158,7 @@ def surface_result(
     }
     arrays |= {name: read_only_copy(values) for name, values in series_arrays.items()}
     sorted_x = read_only_copy(x_of_points[indices_by_x])
+    # values that are far larger than all others
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
         source=source,
@@ -168,20 +172,30 @@ def surface_result(
 
 
 def _refuse_no_numbers(source: str, name: str, values: Array) -> None:
-    """InputError where a value is not finite, or too large to be squared."""
+    """InputError where a value of an external result is not finite, or too large to be squared.
+    `values` are (instants, points) or (entries,); `name` and `source` are for the message.
+    """
     bad_places = np.argwhere(~(np.abs(values) <= LARGEST_NUMBER))
     if not len(bad_places):
         return
-    first = bad_places[0] + 1
-    where = f"instant {first[0]}, point {first[1]}" if values.ndim == 2 else f"entry {first[0]}"
+    position = bad_places[0] + 1
+    place = (
+        f"instant {position[0]}, point {position[1]}"
+        if values.ndim == 2
+        else f"entry {position[0]}"
+    )
     raise InputError(
-        f"{source}: {name} is no finite number at {where} ({len(bad_places)} such in all); mend or"
+        f"{source}: {name} is no finite number at {place} ({len(bad_places)} such in all); mend or"
         " leave out these rows"
     )
 
 
 def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
-    """The spikes of each field."""
+    """The spikes of an external result, single values that are far larger than all others: for each
+    its field, the indices of its instant and point, its value and its place.
+
+    `arrays` holds pressure, shear and slip by name, (n_steps, n_points); `x` the points.
+    """
     for name in ("pressure", "shear", "slip"):
         if name not in arrays:
             continue
@@ -192,9 +206,9 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
 
 
 def _mean_x_of_points(source: str, x: Array) -> tuple[Array, str]:
-    """The mean x of each point, (n_points,), from its x at every instant (n_steps, n_points), and a
-    sentence where points move from instant to instant; "" where they do not. InputError where they
-    move by much of their spacing.
+    """The mean x of each point of an external result, (n_points,), from its x at every instant
+    (n_steps, n_points), and a sentence where points move from instant to instant; "" where they do
+    not. InputError where one moves by more than a tenth of the median spacing.
     """
     mean_x = x.mean(axis=0)
     movement = np.abs(x - mean_x)
@@ -244,9 +258,9 @@ def longest_side(points: Array) -> float:
 
 
 def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Of the `chosen` rows of `points` (n, 3), those in the plane z = const that holds most of
-    them, ascending in x. With them come the distance from the first to the last plane [length],
-    0 for a plane model, and a list with a note where there are several planes.
+    """Of the nodes of a mesh in the `chosen` rows of `points` (n, 3), those in the plane z = const
+    that holds most of them, ascending in x. With their rows come the distance from the first to the
+    last plane [length], 0 for a plane model, and a list with a note where there are several planes.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
@@ -255,6 +269,7 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     """
     z_of_rows = points[chosen, 2]
     order_of_z = np.argsort(z_of_rows, kind="stable")
+    # planes are a millionth of the mesh's longest side apart at least
     plane_number = np.empty(len(chosen), np.int64)
     plane_number[order_of_z] = np.concatenate(
         [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME_PLACE_SHARE * longest_side(points))]
@@ -276,8 +291,8 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
 
 
 def height_of_material(points: Array, cells: Iterable[Integers]) -> Array:
-    """How far the middles of a point's cells lie above it in the mean, (n_points,) [length]; NaN
-    for a point that is in no cell.
+    """How far the middles of a point's cells lie above it along y, in the mean, (n_points,)
+    [length]; NaN for a point that is in no cell.
 
     Negative at the top face of the lower body, positive at the bottom face of the upper one.
     `cells` are blocks of cells of one kind, (n_cells, n_nodes) rows of `points` each.

@@ -109,10 +109,11 @@ class Diagnosis:
 
 
 def find_outliers(comparison: Comparison) -> list[Diagnosis]:
-    """A finding on single values of the result that stand out of all others, with the first one's
-    place; empty where there is none.
+    """A finding on single values of an external result that stand out of all others, with the first
+    one's place; empty where there is none.
     """
     result_cycle = comparison.result_cycle
+    # masks (instants, points) of pressure, shear and slip
     values_in_words = [
         f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of the"
         f" last cycle (time {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
@@ -135,6 +136,7 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     friction = discrepancy.comparison.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
         return
+    # fields (instants, points) of both through the last cycle
     result_cycle = comparison.result_cycle
     reference_cycle = comparison.reference_cycle
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
@@ -165,11 +167,13 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
     """A finding where the slip of points that stick changes (they creep) in proportion to the
-    shear, as with a penalty contact of stiffness k: a change dq moves them by dq/k.
+    shear, as with a penalty contact of stiffness k: a change dq moves them by dq/k. At least 8/9 of
+    the square of the creep, without noise, must be in proportion, and not by chance.
 
     `shear_sign` is -1 where the file is known to have a shear of the wrong sign. `discrepancy`
     holds the tractions of result and reference.
     """
+    # of slip and shear from instant to instant (k - 1, n), and which are of points that stick
     changes = _changes_in_stick(discrepancy, shear_sign)
     if changes is None:
         return
@@ -178,6 +182,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     shear_change = changes.shear[is_sticking]
     if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
         return
+
     # 1/k by least squares
     compliance = float(creep @ shear_change / (shear_change @ shear_change))
     residual_slip = changes.slip - compliance * changes.shear
@@ -191,6 +196,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     mean_square_noise = min(mean_square_noise, mean_square_left)
     if mean_square <= mean_square_noise:
         return
+
     share_left = (mean_square_left - mean_square_noise) / (mean_square - mean_square_noise)
     share_proportional = 1 - share_left
     # ratio of F: what the shear explains of the creep over what it leaves, per value
@@ -200,6 +206,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     is_creep = compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
     if not is_creep or relative_creep < _LEAST_CREEP or gain_of_fit < _LEAST_F_RATIO:
         return
+    # compliance: A = 2/E*; half_width: a_ref
     scales = discrepancy.comparison.scales
     stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
     evidence = (
@@ -247,6 +254,7 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
         return None
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
+    # judged: an instant with enough load; isolated: a value that stands out of all others
     is_well_inside = comparison.is_judged[:, None] & ~comparison.masks_of_isolated["shear"]
     for cycle in (result_cycle, reference_cycle):
         is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
@@ -257,6 +265,7 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
     shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
+    # largest slip between two instants of points in contact
     largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
     is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_change
     is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
@@ -272,6 +281,7 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     alternates. It is 1 for white noise, and scatters by 1/sqrt(n). `discrepancy` holds the
     tractions of result and reference.
     """
+    # result minus reference over p_ref, (k, n)
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_inside = residual.is_in_contact
     all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
@@ -299,14 +309,15 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
-    """A finding where the difference is that tractions scatter from point to point; it states how
-    many points exceed the Coulomb limit |q| = f p. `discrepancy` holds the tractions of result and
-    reference.
+    """A finding where the difference between result and reference is scatter of the tractions from
+    point to point; it states how many points exceed the Coulomb limit |q| = f p. `discrepancy`
+    holds the tractions of both.
     """
     scales = discrepancy.comparison.scales
     channels = [PRESSURE]
     if discrepancy.has_shear and scales.friction > 0:
         channels.append(SHEAR)
+    # result minus reference, over p_ref or f p_ref
     residuals = [
         discrepancy.residual(discrepancy.reference_tractions, channel) for channel in channels
     ]
@@ -322,6 +333,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     if len(noise_by_channel) > 1:
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
         # one code, one file: a shear alone does not scatter
+        # five times the scatter of the pressure, in p_ref
         if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
             return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
@@ -353,12 +365,14 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     """A finding of load steps that are too long where the tractions show nothing: the dissipation
-    is wrong beside the smooth path, and right beside straight lines between the instants.
+    of an external result is wrong beside that of the smooth load path, and less than half as wrong
+    beside that of straight lines between the instants.
 
     Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the
     corner is left behind.
     """
     values = {metric.key: metric.value for metric in comparison.metrics}
+    # relative errors of the dissipation
     error = values.get("dissipation")
     error_on_lines = values.get("dissipation_polygon")
     limit = comparison.scene.tolerances.limit("dissipation") or 0.0
@@ -389,6 +403,7 @@ def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
     x = discrepancy.x
     reference_cycle = discrepancy.comparison.reference_cycle
     spacing = _wider_spacing(x)
+    # edges of each instant, (k, 1) each: left and right, of contact and of stick
     edge_positions = [
         edge
         for edges in (reference_cycle.contact_edges, reference_cycle.stick_edges)
@@ -434,7 +449,9 @@ def tractions_of_coarse_mesh(
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
+    # (n,) wider spacing beside each point
     spacing = _wider_spacing(discrepancy.x)
+    # 0.4 of sqrt(2 h/a) for the pressure, once for the shear, in p_ref and f p_ref
     largest_error = (
         factors_of_tractions(*_LARGEST_ERROR_AT_EDGE)
         * np.sqrt(2 * spacing / discrepancy.half_width)

@@ -46,6 +46,7 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     """
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
+    # complaints: errors and warnings of VTK; grid: its mesh with fields, None without one
     with _VtkComplaints() as complaints:
         grid = _read_grid(path)
     if complaints.text:
@@ -60,6 +61,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
             f"its points are not three finite numbers each, of at most {_LARGEST_COORDINATE:g}"
         )
     arrays: dict[str, NDArray[Any]] = {"points": points}
+
+    # cells: the nodes of all of them in one row, and where those of each cell start
     nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
     starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
     if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(points):
@@ -80,6 +83,8 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     arrays["dimensions"] = np.array(
         [grid.GetCell(int(block[0])).GetCellDimension() for block in blocks], np.int64
     )
+
+    # fields of numbers: name -> a row of values for each point or cell
     point_fields = _numeric_fields(grid.GetPointData(), len(points))
     arrays["point names"] = np.array(list(point_fields), np.str_)
     for field_number, values in enumerate(point_fields.values()):
@@ -93,27 +98,27 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def _read_grid(path: Path) -> Any:
-    """The vtkUnstructuredGrid in a .vtu file, or of whatever mesh a .vtk file holds; None where it
-    holds none.
+    """The mesh with its fields in a .vtu file, or whatever mesh a .vtk file holds, as a
+    vtkUnstructuredGrid; None where the file holds none.
     """
     if path.suffix.lower() == ".vtu":
         from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-        xml_reader = vtkXMLUnstructuredGridReader()
-        xml_reader.SetFileName(str(path))
-        xml_reader.Update()
-        return xml_reader.GetOutput()
+        vtu_reader = vtkXMLUnstructuredGridReader()
+        vtu_reader.SetFileName(str(path))
+        vtu_reader.Update()
+        return vtu_reader.GetOutput()
 
     from vtkmodules.vtkFiltersCore import vtkAppendFilter
     from vtkmodules.vtkIOLegacy import vtkDataSetReader
 
-    reader = vtkDataSetReader()
-    reader.SetFileName(str(path))
+    legacy_reader = vtkDataSetReader()
+    legacy_reader.SetFileName(str(path))
     for kind_of_data in ("Scalars", "ColorScalars", "Normals", "TCoords", "Vectors", "Fields"):
-        getattr(reader, f"ReadAll{kind_of_data}On")()
-    reader.ReadAllTensorsOn()
-    reader.Update()
-    mesh = reader.GetOutput()
+        getattr(legacy_reader, f"ReadAll{kind_of_data}On")()
+    legacy_reader.ReadAllTensorsOn()
+    legacy_reader.Update()
+    mesh = legacy_reader.GetOutput()
     if mesh is None or mesh.GetClassName() == "vtkUnstructuredGrid":
         return mesh
     # the filter that appends meshes turns a single one of another class into an unstructured grid
@@ -125,8 +130,8 @@ def _read_grid(path: Path) -> Any:
 
 
 def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
-    """Name -> array, of those fields of points or cells (`attributes`) that hold numbers. Each
-    array has a row for each of the `count` points or cells.
+    """Name -> array, of those fields that hold numbers among the VTK fields of points or cells
+    (`attributes`). Each array has a row for each of the `count` points or cells.
 
     Raises
     ------
@@ -136,11 +141,11 @@ def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     fields = {}
-    for number in range(attributes.GetNumberOfArrays()):
-        field = attributes.GetArray(number)
+    for array_number in range(attributes.GetNumberOfArrays()):
+        field = attributes.GetArray(array_number)
         if field is None:  # words, no numbers
             continue
-        name = field.GetName() or f"Unnamed_{number}"
+        name = field.GetName() or f"Unnamed_{array_number}"
         fields[name] = vtk_to_numpy(field)
         if len(fields[name]) != count:
             raise ValueError(f"{name} has {len(fields[name])} values for {count} places")
@@ -189,12 +194,16 @@ def _limit_process(most_bytes: int, seconds: int) -> None:
         return
     pages_of_memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     memory_bytes = pages_of_memory * resource.getpagesize() + most_bytes
-    for kind, amount in ((resource.RLIMIT_AS, memory_bytes), (resource.RLIMIT_CPU, seconds)):
-        _, hard_limit = resource.getrlimit(kind)
+    # RLIMIT_AS: address space in bytes; RLIMIT_CPU: processor time in seconds
+    for resource_kind, amount in (
+        (resource.RLIMIT_AS, memory_bytes),
+        (resource.RLIMIT_CPU, seconds),
+    ):
+        _, hard_limit = resource.getrlimit(resource_kind)
         limit = amount
         if hard_limit != resource.RLIM_INFINITY:
             limit = min(amount, hard_limit)
-        resource.setrlimit(kind, (limit, limit))
+        resource.setrlimit(resource_kind, (limit, limit))
 
 
 def _write_to_stderr(about: dict[str, Any]) -> None:
@@ -203,20 +212,25 @@ def _write_to_stderr(about: dict[str, Any]) -> None:
 
 
 def numbered_arrays(paths: list[str]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Number and name -> array, of all files; see `arrays_of`."""
-    for number, path in enumerate(paths):
-        _write_to_stderr({"file": number})
+    """Arrays of meshes and fields of VTK files, by a name that begins with the number of the file:
+    (name, array) one after the other. On stderr stands the number before each file; for one that
+    can't be read also the reason, and the process ends with code 1.
+    """
+    for file_number, path in enumerate(paths):
+        _write_to_stderr({"file": file_number})
         try:
             arrays = arrays_of(Path(path))
         except Exception as reason:  # noqa: BLE001 (whatever a broken file makes VTK raise)
-            _write_to_stderr({"file": number, "reason": f"{type(reason).__name__}: {reason}"})
+            _write_to_stderr({"file": file_number, "reason": f"{type(reason).__name__}: {reason}"})
             raise SystemExit(1) from None
         for name, array in arrays.items():
-            yield f"{number}.{name}", array
+            yield f"{file_number}.{name}", array
 
 
 def main() -> None:
-    """Read the files that stdin names."""
+    """Read the files that stdin names as a JSON list, and write their arrays as npz to stdout. The
+    command line states the most memory [bytes] and processor time [s].
+    """
     # What these take themselves does not count.
     import vtkmodules.vtkFiltersCore
     import vtkmodules.vtkIOLegacy
