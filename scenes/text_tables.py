@@ -248,6 +248,7 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
+    # File, quantities to be read, their stated columns, and what the table is to the user.
     request = _Request(path, columns, stated_columns or {}, kind)
     for name, heading_or_number in request.stated_columns.items():
         if isinstance(heading_or_number, int) and heading_or_number < 1:
@@ -255,15 +256,18 @@ def text_table(
                 f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
                 " numbered from 1 on"
             )
+
     longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary:
             first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
+        # Character encodings that the file may have, likeliest first; each is tried in turn.
         encodings = _encodings_of(first_bytes)
         is_utf_16 = encodings[0].startswith("utf-16")
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
+                # Yields number and text of the lines, from the first one on at each call.
                 read_lines = partial(_numbered_lines, path, stream, longest_line)
                 return _table_in_lines(request, read_lines, _ENCODINGS_IN_WORDS[encoding])
     except OSError as reason:
@@ -281,17 +285,19 @@ def _table_in_lines(
     Parameters
     ----------
     request
-        file, quantities and kind of the table
+        file, quantities to be read (empty: every column), and `kind` of table; some kinds may lack
+        headings
     read_lines
         yields number and text of the lines, from the first one on at each call
     encoding_in_words
-        character encoding of the file, as told to the user
+        character encoding of the file, as stated to the user
 
     Raises
     ------
     InputError
         One sentence on the first line that does not fit.
     """
+    # The first 200 lines show the layout: separator, headings, units, and where the rows begin.
     first_lines = list(islice(read_lines(), _MOST_LINES_LOOKED_AT))
     layout = None
     # A kind of table that may stand without headings is first taken for bare rows of numbers.
@@ -299,8 +305,11 @@ def _table_in_lines(
         layout = _layout_of_bare_rows(first_lines)
     if layout is None:
         layout = _layout_of_table(request, first_lines)
+
+    # Then all rows: their numbers, and the lines that are no rows.
     has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
     rows = _read_rows(request, read_lines, layout, has_decimal_comma)
+    # `columns_read`: numbers (from 0) of the columns that are read.
     headings = tuple(layout.names[k] for k in layout.columns_read)
     if not layout.heading_line:
         headings = tuple(f"column {k + 1}" for k in layout.columns_read)
@@ -324,8 +333,8 @@ def _table_in_lines(
 def _encodings_of(first_bytes: bytes) -> list[str]:
     """Character encodings, likeliest first, that a text file with these first bytes may have.
 
-    UTF-16 has a byte-order mark at its start, or a zero in most of every second byte. Other bytes
-    with zeros are tried as UTF-8 alone.
+    UTF-16 has a byte-order mark at its start, or a zero in more than 80 % of every second byte.
+    Other bytes with zeros are tried as UTF-8 alone.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
@@ -362,8 +371,10 @@ def _skipped_lines_in_words(layout: _Layout) -> list[str]:
 
 
 def _numbered_lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
-    """Yield number and text of every line of an open file that is not empty, from the first line
-    on; InputError for a line longer than `longest_line` characters.
+    """Yield number (from 1) and text of every line of an open file that is not empty, from the
+    first line on; InputError for a line longer than `longest_line` characters.
+
+    `path` is that of the file, for the message; `stream` is the open file.
     """
     stream.seek(0)
     for number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
@@ -422,6 +433,8 @@ def _possible_headings(text: str, separator: str | None) -> list[list[str]]:
 def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
     """Layout of a text table without headings whose first line is a row of two numbers or more;
     None for any other first line. The columns are named "column 1" and so on.
+
+    `lines` are (number, text) of the first lines of the file. Comments among them are skipped.
     """
     lines_without_comments = [
         (number, text) for number, text in lines if not text.startswith(_COMMENT_MARKS)
@@ -429,6 +442,7 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
     if not lines_without_comments:
         return None
     line_number, text = lines_without_comments[0]
+    # Tab, semicolon, comma, and None for blanks.
     for separator in SEPARATORS_IN_WORDS:
         cells = _cells_of_line(text, separator)
         n_columns = len(cells)
@@ -447,12 +461,17 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
 
 def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
     """Separator of a text table, and where its headings, units and rows stand, from the first
-    `lines` of its file.
+    `lines` (number, text) of its file.
 
     The line of headings stands above the rows. It is the first that has the headings of all
     quantities to be read, and a first row to go with them. Where every column is read it is the
     first line with two headings that this kind of table expects. Without such a line it is the
-    first of two words or more. For a table of rows alone see `_layout_without_headings`.
+    first of two words or more. A table of rows alone may take its columns by their order or number.
+
+    Parameters
+    ----------
+    request
+        `path` of the file, and `quantities` to be read; empty for every column
 
     Raises
     ------
@@ -474,16 +493,17 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
         )
     # Where every column is read: first a line with two expected headings, then any.
     for fewest_expected_headings in (0,) if quantities else (2, 0):
-        layouts_at_fault: list[_Layout] = []
+        layouts_without_fit: list[_Layout] = []
         for index in range(len(lines)):
             if _is_row(lines[index][1], max(len(quantities), 1)):
                 break
+            # Layouts with these headings, for each way to cut the line.
             for layout, first_row_fits in _layouts_with_headings_at(
                 request, lines, index, fewest_expected_headings
             ):
                 if first_row_fits:
                     return layout
-                layouts_at_fault.append(layout)
+                layouts_without_fit.append(layout)
         # No headings fit their first row. The first ones cut by the separator of the rows count all
         # the same: that row is reported later as one at fault. Without any row of numbers there is
         # no separator to compare with.
@@ -492,9 +512,10 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
             lines_without_comments, fewest_cells
         )
         has_numeric_row = bool(cells_of_row)
-        for layout in layouts_at_fault:
+        for layout in layouts_without_fit:
             if not has_numeric_row or layout.separator == separator_of_rows:
                 return layout
+
     return _layout_without_headings(request, lines_without_comments)
 
 
@@ -509,8 +530,8 @@ def _is_row(text: str, fewest_cells: int) -> bool:
 def _layouts_with_headings_at(
     request: _Request, lines: list[Line], index: int, fewest_expected_headings: int
 ) -> Iterator[tuple[_Layout, bool]]:
-    """Layouts of a text table if `lines[index]` holds its headings, for each separator and each
-    way to cut that line by it. With each, whether the first row fits, or there is none.
+    """Layouts of a text table if `lines[index]` holds its headings, for each separator and each way
+    to cut that line by it. With each, whether the first row fits, or there is none.
 
     A row fits if it has a cell for every heading, and a number in a column that is read. A comment
     holds the headings only above a row of numbers that fits.
@@ -518,10 +539,10 @@ def _layouts_with_headings_at(
     Parameters
     ----------
     request
-        file, quantities to be read (none: every column), and kind of table, such as a result or a
-        measured loop, which knows the headings to expect
+        file; `quantities` to be read (empty: every column); `kind` of table, which knows the
+        headings to expect; whether the user takes all columns by number
     lines
-        first lines of the file, with their numbers
+        (number, text) of the first lines of the file
     index
         of the line that may hold the headings
     fewest_expected_headings
@@ -534,6 +555,7 @@ def _layouts_with_headings_at(
     may_skip_lines = bool(request.quantities) or fewest_expected_headings > 0
     for separator in SEPARATORS_IN_WORDS:
         for headings in _possible_headings(heading_text, separator):
+            # Numbers (from 0) of the columns that are read; None where a quantity has no column.
             columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
@@ -549,6 +571,8 @@ def _layouts_with_headings_at(
             # their rows.
             if columns_read is None or request.takes_columns_by_number:
                 continue
+
+            # The layout with these headings, and the text of its first row.
             layout, first_row = _layout_with_headings(
                 request,
                 lines,
@@ -557,6 +581,7 @@ def _layouts_with_headings_at(
                 _NamedColumns(headings, columns_read),
                 may_skip_lines,
             )
+
             first_row_fits = first_row is None or (
                 _has_cell_for_each_heading(first_row, separator, columns_read, len(headings))
                 and _has_number(first_row, separator, columns_read)
@@ -587,22 +612,39 @@ def _layout_with_headings(
     text of its first row, None for a table without rows.
 
     The unit of a column is that of a line of units below the headings, else that within its
-    heading, else that of a line of units above. `may_skip_lines`: whether lines without numbers may
-    stand between headings and rows.
+    heading, else that of a line of units above.
+
+    Parameters
+    ----------
+    request
+        file, and quantities to be read
+    lines
+        (number, text) of the first lines of the file
+    separator
+        between cells; None for blanks
+    columns
+        `names`: headings of all columns; `columns_read`: numbers (from 0) of those that are read
+    may_skip_lines
+        whether lines without numbers may stand between headings and rows
     """
     heading_line = lines[index][0]
     lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_COMMENT_MARKS)]
     lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
+    # Units of the columns by lines above and below, "" where none; `rows`: (number, text) of the
+    # lines from the first row on.
     units_above = _labelled_units(lines_above, separator, len(columns.names))
     units_below, lines_between, rows = _lines_below_headings(
         lines_below, separator, columns, may_skip_lines
     )
+
+    # Below, in the heading, or above: `unit_in` gives heading and unit apart.
     units = [
         unit_below or unit_in(heading)[1] or unit_above
         for unit_below, heading, unit_above in zip(
             units_below, columns.names, units_above, strict=True
         )
     ]
+
     first_row_line = heading_line + 1
     first_row = None
     if rows:
@@ -640,13 +682,20 @@ def _lines_below_headings(
     Parameters
     ----------
     lines
-        below the headings, without comments
+        (number, text) below the headings, without comments
     separator
         between cells; None for blanks
     columns
-        headings, and columns that are read: a row has a number in one of these
+        `names`: headings of all columns; `columns_read`: numbers (from 0) of those that are read,
+        in one of which a row has a number
     may_skip_lines
         whether lines that hold neither units nor numbers may stand before the first row
+
+    Returns
+    -------
+    _LinesBelowHeadings
+        Units of the columns, "" where none; numbers of the lines skipped; the lines from the first
+        row on.
     """
     n_columns = len(columns.names)
     units = [""] * n_columns
@@ -655,6 +704,7 @@ def _lines_below_headings(
         cells = _cells_of_line(text, separator)
         if _has_number(text, separator, columns.columns_read):
             return _LinesBelowHeadings(units, tuple(skipped_lines), lines[index:])
+        # Units without brackets; a dash is no unit.
         unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
         has_cell_for_headings = len(cells) == n_columns or (
             separator is not None and len(cells) < n_columns
@@ -681,6 +731,7 @@ def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) ->
     >>> _labelled_units([(1, "Vertical Units,V,,-1.0,5.1,Vertical Units,V,,-1.0,0.2")], ",", 2)
     ['V', 'V']
     """
+    # `_RAW_UNITS`: units of an instrument's raw signal, such as volts or counts.
     units = [""] * n_columns
     most_cells_of_units = 0
     for _, text in lines:
@@ -739,7 +790,12 @@ def _has_number(row: str, separator: str | None, columns_read: Sequence[int]) ->
 def _time_column(
     request: _Request, headings: Sequence[str], columns_read: tuple[int, ...]
 ) -> int | None:
-    """Number (from 0) of the column of time, which may hold times of day; None without one."""
+    """Number (from 0) of the column of time, which may hold times of day; None without one.
+
+    Where quantities are to be read, it is the column of "time" among them, if it is. Where every
+    column is read, it is the first whose heading is a usual one of time. `columns_read` are the
+    numbers of the quantities' columns, in their order.
+    """
     if "time" in request.quantities:
         return columns_read[request.quantities.index("time")]
     if request.quantities:
@@ -756,11 +812,20 @@ def _columns_of_quantities(
     """Number (from 0) of the column of each quantity to be read, by the headings of a line; None
     where a quantity has no column here, or two would have the same.
 
+    Parameters
+    ----------
+    request
+        `path` of the file; `quantities`, such as "time"; `stated_columns`: heading or number of the
+        column of a quantity, where the user states it
+    line_number
+        of the headings, for the message
+
     Raises
     ------
     InputError
         Where several headings could be that of one quantity.
     """
+    # Numbers (from 0) of the columns that may hold each quantity.
     candidates_of_quantities = [
         _candidate_columns(quantity, request.stated_columns.get(quantity), headings)
         for quantity in request.quantities
@@ -784,8 +849,9 @@ def _candidate_columns(
 ) -> list[int]:
     """Numbers (from 0) of the columns that may hold a quantity, such as "time", by their headings.
 
-    Where the user states a heading or a column number (from 1), that one alone. Else the columns
-    under the first of the quantity's usual headings that occurs: see `column_names`.
+    Where the user states a heading or a column number (from 1), that one alone; none where it does
+    not exist. Else the columns under the first of the quantity's usual headings that occurs here.
+    Capitals and units within headings do not count.
     """
     if isinstance(stated_column, int):
         return [stated_column - 1] if stated_column <= len(headings) else []
@@ -796,10 +862,14 @@ def _candidate_columns(
             for k, heading in enumerate(headings)
             if stated_heading in (heading, unit_in(heading)[0])
         ]
+
+    # `unit_in` gives heading and unit apart; `normalised_name` a common spelling.
     spellings_of_headings = []  # for each heading, with and without its unit
     for heading in headings:
         texts = (heading, unit_in(heading)[0], name_without_unit(heading))
         spellings_of_headings.append({normalised_name(text).lower() for text in texts})
+
+    # Usual headings of the quantity, likeliest first.
     for alias in aliases_of(quantity):
         columns_of_alias = [
             k
@@ -815,7 +885,13 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     """Layout of a text table in which no line of headings was recognised: rows of numbers with one
     cell for each quantity to be read, or columns that the user states by number.
 
-    `lines` are the first ones of the file, without comments.
+    Parameters
+    ----------
+    request
+        file; `quantities` to be read, empty for every column; `stated_columns`: heading or number
+        (from 1) of the column of a quantity, where the user states it
+    lines
+        (number, text) of the first lines of the file, without comments
 
     Raises
     ------
@@ -830,12 +906,16 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     )
     if not quantities:
         raise _fault_of_no_names(request, lines[0], begins_with_rows)
+
+    # The first row of numbers: its index among the lines, its separator and its cells.
     first_row = _first_numeric_row(lines, len(quantities))
     if request.takes_columns_by_number:
         stated_columns = [int(request.stated_columns[name]) - 1 for name in quantities]
         # Other cells of the row may hold text.
         first_row = _first_row_with_numbers(lines, stated_columns) or first_row
+
     row_index, _, cells_of_row = first_row
+    # Rows alone, in the order of the quantities, with no heading stated.
     has_cell_for_each_quantity = (
         row_index == 0
         and len(cells_of_row) == len(quantities)
@@ -854,6 +934,16 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
 
     Headings and units are taken from lines above the row, where there are any.
 
+    Parameters
+    ----------
+    request
+        file; `quantities` to be read; `stated_columns`: number (from 1) of each one's column, where
+        `takes_columns_by_number`
+    lines
+        (number, text) of the first lines of the file, without comments
+    first_row
+        index of the first row among the lines, its separator, and its cells
+
     Raises
     ------
     InputError
@@ -863,6 +953,8 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
     first_row_line = lines[row_index][0]
     quantities = request.quantities
     n_columns = len(cells_of_row)
+
+    # Numbers (from 0) of the columns that are read.
     columns_read = tuple(range(len(quantities)))
     if request.takes_columns_by_number:
         columns_read = tuple(int(request.stated_columns[name]) - 1 for name in quantities)
@@ -871,8 +963,12 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
             f"{request.path}, line {first_row_line}: there is no column"
             f" {max(columns_read) + 1}: the line has {n_columns}"
         )
+
+    # A column is named by its quantity; others "column 3" and so on.
     quantity_of_column = dict(zip(columns_read, quantities, strict=True))
     names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
+
+    # Headings and units above the row: line number 0 and nothing where there are none.
     heading_line, headings, units_above = _headings_above_rows(
         lines[:row_index], separator, n_columns
     )
@@ -901,6 +997,16 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
 def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bool) -> InputError:
     """Error for a text table of which every column is to be read and that has no headings: its
     first line must name the columns.
+
+    Parameters
+    ----------
+    request
+        `path` of the file; `kind` of table, with an example of its headings and the keys that take
+        columns by number
+    first_line
+        its number and text
+    begins_with_rows
+        whether it is a row of numbers
     """
     line_number, text = first_line
     fault_text = f"it is {shortened_repr(text)}"
@@ -918,6 +1024,8 @@ def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bo
 def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputError:
     """Error for a text table of numbers alone whose rows have `n_cells` cells, another number than
     that of the quantities to be read.
+
+    `first_line` is its number and text, for the message.
     """
     line_number, text = first_line
     quantities = request.quantities
@@ -936,9 +1044,13 @@ def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputE
 def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
     """Error for a text table without headings for all quantities to be read: which quantities have
     none, and how the user states their columns.
+
+    `lines` are (number, text) of the first ones of the file. `request.stated_columns` holds the
+    heading or number of a quantity's column where the user states it.
     """
     quantities = request.quantities
     list_of_quantities = ", ".join(quantities)
+    # The line that most probably holds the headings, and these headings.
     (line_number, text), headings = _likeliest_heading_line(request, lines)
     lacking_quantities = [name for name in quantities if not _has_column(request, name, headings)]
     if not lacking_quantities and len(headings) >= len(quantities):
@@ -976,13 +1088,18 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
     message on quantities without a column.
 
     It is the line above the rows with headings for most of the quantities. Where no line has one,
-    it is the line above the first row of numbers, or above its units, else the first line.
+    it is the line above the first row of numbers, or above its units, else the first line. `lines`
+    are (number, text) of the first ones of the file.
     """
+    # The first row of numbers with a cell for each quantity, else with fewer: index, separator,
+    # cells.
     for fewest_cells in (len(request.quantities), 2, 1):
         row_index, separator_of_rows, cells_of_row = _first_numeric_row(lines, fewest_cells)
         if cells_of_row:
             break
     separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS_IN_WORDS)
+
+    # The line above that row, or above its units, cut in the way that gives most cells.
     likeliest_line = lines[max(row_index - 1, 0)]
     if row_index > 1 and _are_units(_cells_of_line(likeliest_line[1], separator_of_rows)):
         likeliest_line = lines[row_index - 2]
@@ -994,6 +1111,8 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
         ),
         key=len,
     )
+
+    # Unless a line has headings of quantities: then the one with most of them.
     most_columns = 0
     for line in lines[:row_index]:
         for separator in separators:
@@ -1011,6 +1130,8 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
 def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
     """The first line that is a row of `fewest_cells` numbers or more by any separator: its index,
     separator and cells; 0, None and no cells where there is none.
+
+    `lines` are (number, text).
     """
     for k, (_, text) in enumerate(lines):
         for separator in SEPARATORS_IN_WORDS:
@@ -1023,6 +1144,8 @@ def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
 def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstRow | None:
     """The first line with numbers in the given columns (from 0), whatever its other cells hold: its
     index, separator and cells; None where there is none. The line after it must have them too.
+
+    `lines` are (number, text).
 
     >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
     >>> _first_row_with_numbers(rows, [3, 4])
@@ -1048,9 +1171,9 @@ def _headings_above_rows(
     """Headings that stand above the first row of a text table whose columns are taken by number:
     number (from 1) of their line, headings (n_columns,) and units (n_columns,).
 
-    `lines` are those above the row. Of the lines with `n_columns` cells the last one holds the
-    headings; if its cells are units, the one before does. 0 and empty tuples where other lines
-    stand between headings and row.
+    `lines` are (number, text) of those above the row. Of the lines with `n_columns` cells the last
+    one holds the headings; if its cells are units, the one before does. 0 and empty tuples where
+    other lines stand between headings and row.
     """
     lines_with_all_cells = [
         (number, cells_of_line)
@@ -1077,7 +1200,15 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     or a point in a column that is read; times of day do not count.
 
     In a cell with both signs the later one is the decimal sign; the other stands between thousands.
-    A point it is where no such row is.
+    It is a point where no row has either.
+
+    Parameters
+    ----------
+    lines
+        (number, text) of all lines of the file
+    layout
+        `separator` between cells (None for blanks), line number of the first row, and numbers (from
+        0) of the columns that are read
     """
     for line_number, text in lines:
         if line_number < layout.first_row_line or not ("," in text or "." in text):
@@ -1133,7 +1264,14 @@ class _RowReader:
     def lines(self) -> Iterator[Line]:
         """Number and text of each row of the table, from its first one on, without comments.
 
-        `line_numbers` then holds the numbers. InputError for more rows than `MOST_ROWS`.
+        The attribute `line_numbers` then holds the numbers. `read_lines` yields all lines of the
+        file; `layout` says in which line the first row is; `request` holds file, quantities and
+        kind of table.
+
+        Raises
+        ------
+        InputError
+            For more than 2,000,000 rows.
         """
         # Where every column is read, as those of result files are, a # may belong to a cell.
         may_end_in_comment = bool(self.request.quantities)
@@ -1160,6 +1298,8 @@ class _RowReader:
 
         A bare ValueError ends it at a row with too few or too many cells, or with a point in a
         table with decimal commas: the rows are then read cell by cell, which reports the fault.
+        `layout` holds the separator (None for blanks), the headings, and the numbers (from 0) of
+        the columns that are read.
         """
         separator = self.layout.separator
         has_decimal_comma = self.has_decimal_comma
@@ -1192,7 +1332,7 @@ def _read_rows(
     read_lines
         yields number and text of the lines, from the first one on at each call
     layout
-        where headings and rows stand, and the separator
+        the separator, the headings `names`, and the numbers (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
@@ -1201,6 +1341,7 @@ def _read_rows(
     InputError
         For a table without rows, and for the first row with a fault.
     """
+    # Streams the rows: their number and text, or their text for numpy.
     reader = _RowReader(request, read_lines, layout, has_decimal_comma)
     if next(reader.lines(), None) is None:
         headings = ", ".join(layout.names[k] for k in layout.columns_read[:6])
@@ -1239,7 +1380,7 @@ def _read_rows_cell_by_cell(
     rows
         number and text of the lines from the first row on
     layout
-        headings, separator and columns that are read
+        the headings `names`, the separator, and the numbers (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
@@ -1253,6 +1394,8 @@ def _read_rows_cell_by_cell(
     line_numbers = array("q")
     text_since_last_row: list[Line] = []
     lines_with_headings: list[int] = []
+
+    # Lines of text wait until a row follows: then they are at fault.
     for line_number, text in rows:
         cells = _cells_of_line(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
@@ -1267,7 +1410,8 @@ def _read_rows_cell_by_cell(
         line_numbers.append(line_number)
     if not line_numbers:  # a table of text alone: reading it as a row raises too
         _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
-    lines_left_out = []  # in words
+    # What was left out, in words.
+    lines_left_out = []
     if lines_with_headings:
         numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
         lines_left_out.append(f"line {numbers_in_words}: the headings once more")
@@ -1311,7 +1455,8 @@ def _values_of_row(
     line
         number and text of the row
     layout
-        headings, separator and columns that are read
+        the headings `names`, the separator (None for blanks), the numbers (from 0) of the columns
+        that are read, and that of the column that may hold times of day
     has_decimal_comma
         whether the decimal sign is a comma
     clock
@@ -1325,6 +1470,8 @@ def _values_of_row(
     line_number, row_text = line
     names = layout.names
     cells = _cells_of_line(row_text, layout.separator)
+
+    # A cell for each heading; between separators that are no blanks the last may be left out.
     if not _has_cell_for_each_heading(row_text, layout.separator, layout.columns_read, len(names)):
         list_of_names = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
         advice = ""
@@ -1337,6 +1484,8 @@ def _values_of_row(
             f"{path}, line {line_number}: {len(names)} numbers ({list_of_names}) are needed, not"
             f" {shortened_repr(row_text)}{advice}"
         )
+
+    # A number in each column that is read; a time of day counts in the column of time.
     numbers: list[float] = []
     for column in layout.columns_read:
         cell = cells[column]
