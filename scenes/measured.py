@@ -45,7 +45,12 @@ class Table:
     @classmethod
     def of_rows(cls, rows: ArrayLike | Table) -> Table:
         """Table (n_rows, n_columns) of lists, of an array or of another table: rows of equally many
-        finite numbers; ValueError with the first row that is none.
+        finite numbers.
+
+        Raises
+        ------
+        ValueError
+            With the first row that is none, such as one of text, or with a number beyond 1e100.
         """
         try:
             values = (
@@ -57,6 +62,8 @@ class Table:
             values = np.empty(0)
         if values.ndim != 2 or not len(values):
             raise ValueError("rows of equally many numbers are needed")
+
+        # `RowError.refuse` raises for the first row at which the condition holds.
         rule = f"is not all finite numbers of at most {LARGEST_NUMBER:g}"
         RowError.refuse(
             ~(np.abs(values) <= LARGEST_NUMBER).all(axis=1),
@@ -170,7 +177,7 @@ def unit_of_column(
     Parameters
     ----------
     table
-        columns, headings and units of the file
+        `headings` of the file's columns, and `units` of its line of units, "" where there is none
     column
         number of the column, from 0
     kind
@@ -181,15 +188,18 @@ def unit_of_column(
         unit that the user states for the column, if any
     """
     heading = table.headings[column]
+
     # The unit of "P [N]" or "P / N"; and that of "Force N", a last word of up to three letters.
     _, marked_unit = unit_in(heading)
-    unit_at_end = short_unit_in(heading, kind)
-    word = stated_unit or table.units[column] or unit_at_end
+    short_unit = short_unit_in(heading, kind)
+    word = stated_unit or table.units[column] or short_unit
     source = "in its heading"
     if stated_unit:
         source = "stated"
-    elif word and word not in (marked_unit, unit_at_end):
+    elif word and word not in (marked_unit, short_unit):
         source = "in the line of units"
+
+    # Factor to the scene's unit, and whether the unit is one of force per length.
     factor = 1.0
     per_length = False
     fault = ""
@@ -216,6 +226,9 @@ def unit_of_column(
 def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
     decimal sign, encoding, lines that were left out.
+
+    `table` holds the number of each row's line, the separator, decimal sign and encoding in words,
+    the number of lines above the headings, and, in words, the lines that are no rows.
     """
     layout = [
         (
@@ -282,11 +295,12 @@ class FromFile(Frozen):
     @model_validator(mode="after")
     def _read_file(self, validation: ValidationInfo) -> Self:
         """Fill in the rows from the text file that the scene names, unless the scene itself states
-        them: each column is converted into the scene's units.
+        them: each column is converted into the scene's units. Return this part of the scene.
 
         Columns of bulk stress, tilt or moment become the keys of these names. The key `read_as`
-        then describes, for the user, how each column was read. The context of the `validation` has
-        the folder of the scene file and the units of the scene.
+        then describes, for the user, how each column was read. `self.table` is the name of the key
+        that holds the rows; `validation.context` holds the folder of the scene file and the units
+        of the scene.
 
         Raises
         ------
@@ -299,6 +313,8 @@ class FromFile(Frozen):
             raise PydanticCustomError(
                 "key_missing", "the key {key} is missing", {"key": self.table}
             )
+
+        # File, units of the scene, and the columns with the kind of unit of each.
         path = _folder(validation) / self.file
         units = (validation.context or {}).get("units")
         if not isinstance(units, str):
@@ -308,11 +324,14 @@ class FromFile(Frozen):
         kinds = self.column_kinds | {
             name: self.optional_column_kinds[name] for name in optional_names
         }
+
+        # The columns of the file, each converted into the scene's units.
         table = self._table_of(path, tuple(kinds), stated_columns)
         # (what, how) for the key `read_as`
         descriptions = layout_in_words(path, table)
         is_converted = False
         for column, (name, kind) in enumerate(kinds.items()):
+            # Number that means zero, factor to the scene's units, and a description.
             column_reading = self._reading_of_column(path, table, column, name, kind, units)
             is_converted = is_converted or (column_reading.unit_known and kind != "time")
             # Numbers that are not finite are refused later, with their row.
@@ -320,17 +339,22 @@ class FromFile(Frozen):
                 table.values[:, column] -= column_reading.zero
                 table.values[:, column] *= column_reading.factor
             descriptions.append((name, column_reading.description))
+
+        # What else the user is told, such as columns that were not read.
         descriptions += self._stated_quantities_in_words()
         if table.unread_headings:
             descriptions.append(("not read", _headings_in_words(table.unread_headings)))
         if is_converted:
             descriptions.append((SCENE_UNITS, units))
+
         names_stated_twice = [name for name in optional_names if getattr(self, name) is not None]
         if names_stated_twice:
             raise InputError(
                 f"{self.file}: {names_stated_twice[0]} is a column of the file and stated beside"
                 " it: leave one out"
             )
+
+        # Rows with the quantities that the scene states in place of columns.
         values = Table.of_rows(self._with_stated_quantities(table.values)).values
         # The optional columns come last.
         n_table_columns = values.shape[1] - len(optional_names)
@@ -351,8 +375,9 @@ class FromFile(Frozen):
     ) -> TextTable:
         """The named `columns`, such as "time", of the text file at `path`.
 
-        Each is found by its usual headings (`column_names`). `stated_columns` is the scene's key
-        `columns`: a part with the heading, or the number from 1, of those that the user names.
+        Each is found by its usual headings, unless the user names it. `stated_columns` is the
+        scene's key `columns`: a part with the heading, or the number from 1, of those that the user
+        names.
 
         Raises
         ------
@@ -402,12 +427,16 @@ class FromFile(Frozen):
             For a unit that is not understood, for forces without a thickness, and for forces
             per length with one.
         """
+        # `first_clock_text`: the first cell of a column of times of day, "" where times are
+        # numbers.
         heading = table.headings[column]
         is_time_of_day = bool(table.first_clock_text) and kind == "time"
         unit = self._understood_unit(path, table, column, name, kind, units)
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load":
             _check_thickness(path, name, unit, thickness)
+
+        # What the scene states for this column: factor, number that means zero, sign.
         scale = _values_by_column(getattr(self, "scale", None)).get(name)
         zero = _values_by_column(getattr(self, "zero", None)).get(name)
         sign = _values_by_column(getattr(self, "sign", None)).get(name, 1)
@@ -461,10 +490,13 @@ class FromFile(Frozen):
             For a stated unit that is not understood; for one of the file, unless it changes no
             result (times, moments) or the user states a scale.
         """
+        # Units and factors that the user states, by quantity.
         stated_units = _values_by_column(getattr(self, "units", None))
         scales = _values_by_column(getattr(self, "scale", None))
         if table.first_clock_text and kind == "time":  # times of day have been turned into seconds
             stated_units.pop(name, None)
+        # The unit as a word, where it stands, its factor, and why it is not understood ("" where it
+        # is).
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
         if unit.fault and name in stated_units:
             raise InputError(f"units.{name}: {unit.fault}")
@@ -494,9 +526,11 @@ class FromFile(Frozen):
 
         Where the file, or how it is read, changes, the rows that were read from the old file are
         left out. Where the rows change, the file and the keys on how it is read are left out.
+        `self.table` is the name of the key that holds the rows.
         """
         keys = super().merged(changes)
         optional_names = self._optional_columns_in(getattr(self, "columns", None))
+        # Keys that were filled in from the file.
         keys_from_file = {"read_as"} | (set(optional_names) - changes.keys())
         rows_change = self.table in changes
         reading_changes = not changes.keys().isdisjoint(("file", *READING_KEYS))
@@ -515,8 +549,12 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _require_valid_rows(self, validation: ValidationInfo) -> Self:
-        """Refuse rows that are no valid measurement, with the line of the file that they come from,
-        and keys on how a file is read where no file is named (ValueError).
+        """Return this part of the scene; refuse (ValueError) rows that are no valid measurement,
+        with the line of the file that they come from, and keys on how a file is read where no file
+        is named.
+
+        `self.table` is the name of the key that holds the rows, and `file` that of the text file,
+        None where the scene states the rows itself.
         """
         try:
             self.check_rows()
@@ -543,8 +581,16 @@ def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float |
     """Refuse a column of forces where the scene states no thickness to divide them by, and one of
     forces per length where it does (InputError).
 
-    `name` is the quantity of the column, such as "P"; `thickness` is that of the contact out of the
-    plane [length], or None.
+    Parameters
+    ----------
+    path
+        of the file, for the message
+    name
+        quantity of the column, such as "P"
+    unit
+        `per_length`: whether it is a force per length; the word in the file, and where it stands
+    thickness
+        of the contact out of the plane [length], or None
     """
     if unit.per_length != (thickness is not None):
         return
@@ -624,6 +670,7 @@ def reduced_record(
     >>> reduced_record(record, 2, None, 0.0, 0.0)[:, 2].tolist()
     [2.5, 6.45, -8.0]
     """
+    # Means (m, 3) of neighbouring rows.
     values = means_of_neighbours(rows.values, average)
     if reduction is None:
         kept_values = values
@@ -659,12 +706,15 @@ def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     >>> rows_of_turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
     [0, 3, 4]
     """
-    steps = np.diff(values)
-    moving_rows = np.flatnonzero(steps)
+    changes = np.diff(values)
+    # Rows from which the value changes.
+    moving_rows = np.flatnonzero(changes)
     # Rows of all extremes, large or small; of a plateau the first row.
-    extreme_rows = moving_rows[:-1][steps[moving_rows[:-1]] * steps[moving_rows[1:]] < 0] + 1
+    extreme_rows = moving_rows[:-1][changes[moving_rows[:-1]] * changes[moving_rows[1:]] < 0] + 1
+
+    # An extreme counts once the series has moved away from it by more than the threshold.
     rows_of_turns: list[int] = []
-    direction = 0  # of the swing that is followed: 1 up, -1 down, 0 unknown yet
+    swing_direction = 0  # of the swing that is followed: 1 up, -1 down, 0 unknown
     row_of_least = 0  # of the least and the largest value in that swing so far
     row_of_largest = 0
     for row, value in zip(
@@ -674,13 +724,13 @@ def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     ):
         row_of_largest = row if value > values[row_of_largest] else row_of_largest
         row_of_least = row if value < values[row_of_least] else row_of_least
-        if direction >= 0 and values[row_of_largest] - value > threshold:
+        if swing_direction >= 0 and values[row_of_largest] - value > threshold:
             rows_of_turns.append(row_of_largest)
-            direction = -1
+            swing_direction = -1
             row_of_least = row
-        elif direction <= 0 and value - values[row_of_least] > threshold:
+        elif swing_direction <= 0 and value - values[row_of_least] > threshold:
             rows_of_turns.append(row_of_least)
-            direction = 1
+            swing_direction = 1
             row_of_largest = row
     return np.array(rows_of_turns, dtype=np.int64)
 
@@ -700,6 +750,7 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     tolerance
         (2,) largest distance in P and in Q [force per unit thickness]
     """
+    # Round-off: 1e-12 of the largest load.
     tolerance_and_roundoff = tolerance + _ROUND_OFF_SHARE * np.max(np.abs(loads), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
@@ -709,11 +760,14 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
         Near each row the line has an interval of positions (0 at its begin, 1 at its end). The
         intervals must allow ascending positions.
         """
+        # Change of P and Q along the line, and the loads of rows between, from its begin.
         change = loads[last_row] - loads[first_row]
         loads_from_first = loads[first_row + 1 : last_row] - loads[first_row]
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Positions on the line at which a load is just within the tolerance of a row.
             position_at_lower = (loads_from_first - tolerance_and_roundoff) / change
             position_at_upper = (loads_from_first + tolerance_and_roundoff) / change
+        # A load that does not change along the line allows all positions or none.
         is_constant = change == 0
         if np.any(np.abs(loads_from_first[:, is_constant]) > tolerance_and_roundoff[is_constant]):
             return False
@@ -729,22 +783,23 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
         )
         return bool(np.all(np.maximum.accumulate(least_position) <= largest_position))
 
+    # From each kept row, double the number of rows that a line spans until it fits no more.
     kept_rows = [0]
     last_row = len(loads) - 1
     while kept_rows[-1] < last_row:
         first_row = kept_rows[-1]
-        steps_that_fit = 1
-        while first_row + 2 * steps_that_fit <= last_row and line_fits(
-            first_row, first_row + 2 * steps_that_fit
+        rows_that_fit = 1
+        while first_row + 2 * rows_that_fit <= last_row and line_fits(
+            first_row, first_row + 2 * rows_that_fit
         ):
-            steps_that_fit *= 2
-        # A line over so many steps from row to row does not fit, or was not tried.
-        steps_too_many = min(2 * steps_that_fit, last_row - first_row + 1)
-        while steps_too_many - steps_that_fit > 1:
-            steps_tried = (steps_that_fit + steps_too_many) // 2
-            if line_fits(first_row, first_row + steps_tried):
-                steps_that_fit = steps_tried
+            rows_that_fit *= 2
+        # A line over so many rows does not fit, or was not tried: halve the range between.
+        rows_too_many = min(2 * rows_that_fit, last_row - first_row + 1)
+        while rows_too_many - rows_that_fit > 1:
+            rows_tried = (rows_that_fit + rows_too_many) // 2
+            if line_fits(first_row, first_row + rows_tried):
+                rows_that_fit = rows_tried
             else:
-                steps_too_many = steps_tried
-        kept_rows.append(first_row + steps_that_fit)
+                rows_too_many = rows_tried
+        kept_rows.append(first_row + rows_that_fit)
     return np.array(kept_rows, dtype=np.int64)

@@ -239,6 +239,7 @@ class Scene(Frozen):
         >>> [scene.tolerances.dissipation for scene in scenes]
         [1e-09, None, None]
         """
+        # An empty table removes the tolerances.
         if changes.get("tolerances") == {}:
             changes["tolerances"] = Tolerances()
         if self.uncertainty is not None and "uncertainty" not in changes:
@@ -248,6 +249,7 @@ class Scene(Frozen):
             except InputError:  # an uncertainty is of an input that the changed scene lacks
                 return changed_scene
         changed_scene = super().vary(**changes)
+        # `half_planes`: both bodies are half-planes.
         gains_a_body = self.bodies.half_planes and not changed_scene.bodies.half_planes
         if gains_a_body and "tolerances" not in changes:
             return super(Scene, changed_scene).vary(tolerances=Tolerances())
@@ -273,12 +275,16 @@ class Scene(Frozen):
         return self
 
     def _check_units_of_columns(self) -> None:
-        """Refuse load or profile columns of a CSV file that were converted into other units than
+        """Refuse load or profile columns of a text file that were converted into other units than
         those of the scene (ValueError).
+
+        `units` are those of the scene, such as "N, mm, MPa". `read_as` describes how a table was
+        read from its file, as (what, how); None without a file.
         """
         for table_name, table in (("load", self.load), ("profile", self.profile)):
             # How the columns were read: what -> how.
             column_readings = dict(getattr(table, "read_as", None) or ())
+            # SCENE_UNITS: the entry on the units that the columns were turned into.
             units_of_columns = column_readings.get(SCENE_UNITS, self.units)
             if units_of_columns != self.units:
                 raise ValueError(
@@ -290,10 +296,11 @@ class Scene(Frozen):
     def _check_profile(self) -> None:
         """Refuse a profile that does not fit the bodies (ValueError).
 
-        Its length must be a number that can be squared, its radius that of cylinders that touch,
-        and its arcs must go beyond the width of a pad.
+        Its characteristic length (`datum_length`) must be a number that can be squared, its radius
+        that of cylinders that touch, and its arcs must go beyond the width of a pad.
         """
         datum_length = self.profile.datum_length
+        # Relative radius of the cylinders; None where no body is one.
         cylinder_radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
         if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
@@ -303,6 +310,7 @@ class Scene(Frozen):
                 f" and {LARGEST_NUMBER:g}, and its square would overflow or vanish: choose other"
                 " units"
             )
+
         if cylinder_radius is not None and not (
             self.profile.kind == "hertz" and arcs and abs(arcs[1] / cylinder_radius - 1) <= 1e-9
         ):
@@ -310,6 +318,7 @@ class Scene(Frozen):
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
                 f" {cylinder_radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
+
         for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
             if isinstance(body, Pad | ShoulderedPad) and arcs and body.width / 2 >= sum(arcs):
                 raise ValueError(
@@ -322,8 +331,9 @@ class Scene(Frozen):
         (ValueError).
 
         Springs, or the distance from the contact at which a displacement is prescribed
-        (`datum_length`), need a prescribed displacement. This in turn needs bodies, or for
-        half-planes that distance, and a profile with two equal sides.
+        (`datum_length`), need a prescribed displacement (`load.is_driven`). This in turn needs
+        bodies, or for half-planes that distance, and a profile with two equal sides. A spring in
+        the normal direction needs a prescribed approach (`states_approach`).
         """
         rig = self.rig
         load = self.load
@@ -336,6 +346,8 @@ class Scene(Frozen):
             raise ValueError(
                 "rig.normal_stiffness goes with load.approach: P is given here; leave it out"
             )
+
+        # Under a prescribed displacement.
         if not load.is_driven:
             return
         if not self.profile.symmetric:
@@ -380,8 +392,10 @@ class Scene(Frozen):
     @property
     def smallest_friction(self) -> float:
         """Smallest coefficient of friction at which the loads cause no gross sliding: the largest
-        |Q|/P on the load path. Infinite where P is negative, or zero while Q is not. InputError
-        where a displacement is prescribed.
+        |Q|/P on the load path.
+
+        Infinite where P is negative, or zero while Q is not. InputError where a displacement is
+        prescribed.
 
         >>> from scenes import load_scene
         >>> scene = load_scene("cattaneo-mindlin")
@@ -425,6 +439,7 @@ class Scene(Frozen):
         """
         upper_material = self.material.upper
         lower_material = self.material.lower
+        # Least and largest P (or approach) and Q (or U of the actuator) on the load path.
         normal_range, tangential_range = self.ranges_of_load()
         least_normal, largest_normal = normal_range
         least_tangential, largest_tangential = tangential_range
@@ -462,10 +477,10 @@ class Scene(Frozen):
 
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
         """P and Q [force per thickness], two lists, at the ends and turning points of all load
-        segments, so that their extremes are among them.
+        segments, so that their extremes are among them; of a record of loads at its rows.
 
-        Where the rig's actuators are driven, the lists are what they prescribe: normal approach or
-        P, and tangential displacement U [length].
+        Where the rig's actuators are driven (`load.is_driven`), the lists are what they prescribe:
+        normal approach or P, and tangential displacement U [length].
         """
         if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()
@@ -476,6 +491,7 @@ class Scene(Frozen):
         for segment in (*path.initial_loading, *path.cycle):
             normal_turns = segment.turning_points(NORMAL_LOAD)
             tangential_turns = segment.turning_points(TANGENTIAL_LOAD)
+            # Ends of the segment, and times at which P or Q turns.
             times = np.array([segment.start, segment.end, *normal_turns, *tangential_turns])
             normal_load, tangential_load = segment.loads(times)
             normal_loads += normal_load.tolist()
@@ -490,7 +506,7 @@ class Scene(Frozen):
     def save(self, path: str | Path) -> None:
         """Write the scene to a .toml or .json file from which it can be loaded again.
 
-        Rows that were read from CSV files are written into it, and the keys on how these were read
+        Rows that were read from text files are written into it, and the keys on how these were read
         are left out.
 
         Raises
@@ -574,6 +590,7 @@ def scene_companions(name: str) -> dict[str, str]:
     >>> list(scene_companions("time-series"))
     ['time-series.csv']
     """
+    # Folder of the library that holds the scene; None for an unknown name.
     folder = _folder_of(name)
     if folder is None:
         return {}
@@ -611,6 +628,7 @@ def load_scene(source: str | Path) -> Scene:
     """
     path = Path(source)
     name = str(source)
+    # Folder of the library that holds a scene of this name; None without one.
     library_folder = _folder_of(name)
     if library_folder is not None:
         keys = parsed_toml(scene_text(name))
@@ -638,6 +656,8 @@ def load_scene(source: str | Path) -> Scene:
             )
         name = path.stem
         folder = path.parent
+
+    # A validated scene; the file's keys override the name taken from the file.
     return checked(Scene, {"name": name} | keys, str(path), of_file=True, folder=folder)
 
 

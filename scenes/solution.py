@@ -274,7 +274,8 @@ class ContactSolution:
         measure of how far the solution is from a steady cycle.
 
         0 where the last cycle ends in the state it started from, NaN where there is no cycle before
-        it or no friction work.
+        it or no friction work. `steady_from` is the index of the first cycle that ends in the state
+        it started from, None if none does; `cycle_dissipation` (n_cycles,) is W of each.
         """
         if self.steady_from is not None:
             return 0.0
@@ -289,6 +290,8 @@ class ContactSolution:
         """
         force_unit, length_unit, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
+
+        # `period` is None for a path that does not repeat; a NaN uncertainty is unknown.
         half_width = np.nanmax(self.contact_half_width, initial=0.0)
         interval_text = "whole path" if self.scene.load.path().period is None else "last cycle"
         uncertainty = self.dissipation_uncertainty
@@ -330,6 +333,7 @@ class ContactSolution:
         """
         import xarray as xr
 
+        # `_ARRAY_FIELDS`: the arrays of a solution by name, with the dimensions of each.
         columns: dict[str, NDArray[Any]] = {}
         for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
@@ -357,8 +361,9 @@ class ContactSolution:
         """Content of the NetCDF file of the solution: its arrays with dimensions, units and
         descriptions, and attributes.
 
-        Attributes are single numbers, and JSON texts of the scene, of the `Record` of the run
-        (convergence, messages) and of the `Work` (what was done, skipped, and how long it took).
+        Attributes are single numbers, and JSON texts of the scene, of the `record` of the run
+        (convergence, messages) and of the `work` (what was done, skipped, and how long it took).
+        `steady_from`, the index of the first steady cycle, is -1 where none is.
         """
         record = {
             "converged": self.record.converged,
@@ -372,6 +377,7 @@ class ContactSolution:
             "skipped": dict(self.work.skipped),
             "seconds": dict(self.work.seconds),
         }
+        # `_NAMES_OF_NUMBERS`: dissipation, its uncertainty, loop work, permanent stick half-width.
         attributes: dict[str, Any] = {"engine": self.engine}
         attributes |= {name: getattr(self, name) for name in _NAMES_OF_NUMBERS}
         attributes |= {
@@ -396,7 +402,8 @@ class ContactSolution:
         descriptions: fields along the contact, time series, and the record's admissibility checks
         and energies of each step.
 
-        Loads and energies are per unit thickness.
+        Loads and energies are per unit thickness. `record.certificates` are the checks, by name:
+        dimensionless residuals of the laws of contact.
         """
         force_unit, length_unit, stress_unit = self.scene.unit_words
         unit_texts = {
@@ -408,6 +415,8 @@ class ContactSolution:
             "": "1",
         }
         arrays = {_SIDE_COORDINATE: StoredArray((_SIDE_COORDINATE,), np.array(["left", "right"]))}
+        # Fields and time series; None for those of other kinds of scenes. The metadata of each hold
+        # its description ("words"), its dimensions ("over") and the kind of its unit.
         for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
@@ -419,6 +428,8 @@ class ContactSolution:
             if name == "time" and self.scene.load.kind == "ellipse":
                 attributes["units"] = "rad"
             arrays[name] = StoredArray(array_field.metadata["over"], values, attributes)
+
+        # Checks and energies have names with a prefix of their own.
         for name, values in self.record.certificates.items():
             arrays[_CERTIFICATE_PREFIX + name] = StoredArray(("time",), values)
         for name, values in self.record.energy.items():
@@ -427,22 +438,25 @@ class ContactSolution:
 
     @classmethod
     def _from_file_content(cls, content: StoredArrays) -> ContactSolution:
-        """The solution whose file content is `content`: the inverse of `_file_content`.
+        """The solution whose NetCDF file has this `content`: arrays by name, and attributes
+        (numbers, and JSON texts of scene, record and settings).
 
         Arrays that only scenes with bulk stress, tilt or an unsymmetric profile have may be
-        missing.
+        missing. KeyError or ValueError for content that is no solution.
         """
         attributes = content.attributes
         record_entries = json.loads(attributes["record"])
         arrays = {name: array.values for name, array in content.arrays.items()}
 
         def arrays_named(prefix: str) -> dict[str, Array]:
+            """Arrays whose names begin with `prefix`, by the rest of their names."""
             return {
                 name.removeprefix(prefix): read_only_copy(values)
                 for name, values in arrays.items()
                 if name.startswith(prefix)
             }
 
+        # Arrays of the solution itself; those in `_AXES_OF_ARRAYS` every solution has.
         names_present = [
             name
             for name in _ARRAY_FIELDS
@@ -459,6 +473,8 @@ class ContactSolution:
                 if name == "dissipation_uncertainty"
                 else attributes[name]
             )
+
+        # A `steady_from` below 0 means that no cycle is steady.
         return cls(
             engine=attributes["engine"],
             scene=Scene.model_validate_json(attributes["scene"]),
@@ -492,6 +508,7 @@ class ContactSolution:
         InputError
             For a file that can't be read, is too large, or holds something else.
         """
+        # Arrays with their dimensions checked, and attributes of the file.
         content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FILE_FORMAT)
         try:
             return cls._from_file_content(content)
@@ -586,6 +603,8 @@ def last_whole_cycle(
     round_off = 1e-9 * period
     n_cycles = np.floor((time[-1] - cycle_start + round_off) / period)
     end_of_last_cycle = cycle_start + n_cycles * period
+
+    # A cycle with an instant at both its ends: the last of the path, else the last period.
     for end in (end_of_last_cycle, time[-1]):
         begin_index = _instant_at(time, end - period, round_off)
         end_index = _instant_at(time, end, round_off)
@@ -594,6 +613,8 @@ def last_whole_cycle(
             first_index = np.searchsorted(time, time[begin_index] - round_off, side="left")
             index_beyond = np.searchsorted(time, time[end_index] + round_off, side="right")
             return np.arange(first_index, index_beyond), True
+
+    # No whole cycle.
     is_after_begin = time >= end_of_last_cycle - period - round_off
     is_before_end = time <= end_of_last_cycle + round_off
     return np.flatnonzero(is_after_begin & is_before_end), False

@@ -72,8 +72,13 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
     """Check the text of a standard uncertainty and return it without blanks at its ends: a
     percentage of the value, such as "5 %", or an amount with a unit, such as "0.1 mm".
 
-    ValueError, with what to write, for a bare number, for text of another form, for an amount where
-    a percentage alone is taken (kind "share"), and for more than half of the value.
+    `kind` "share" takes a percentage alone, "length" and "stress" also an amount.
+
+    Raises
+    ------
+    ValueError
+        With what to write: for a bare number, for text of another form, for an amount where a
+        percentage alone is taken, and for more than half of the value.
     """
     what_to_write = f"write {_EXAMPLES_BY_KIND[kind]}, in quotation marks"
     if not isinstance(value, str):
@@ -81,6 +86,7 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
             f"{shortened_repr(value)} is a bare number, which may be a share or an amount;"
             f" {what_to_write}"
         )
+    # Number and unit, "%" for a percentage; None where the text does not begin with a number.
     amount = _parsed_amount(value)
     if amount is None:
         raise ValueError(f"{shortened_repr(value)} does not begin with a number; {what_to_write}")
@@ -133,7 +139,7 @@ def _in_degrees(value: Any) -> Any:
     if amount.unit == "%":
         raise ValueError(f"{shortened_repr(value)}: no share of a phase is taken; {rule}")
     try:
-        # Angles do not depend on the units of the scene, so that none are given.
+        # Factor to radians. Angles do not depend on the units of the scene, so that none are given.
         radians_per_unit, _ = unit_factor(amount.unit, "angle", "")
     except ValueError as reason:
         raise ValueError(f"{shortened_repr(value)}: {reason}; {rule}") from reason
@@ -269,8 +275,12 @@ class Uncertainty(Frozen):
 
     @model_validator(mode="after")
     def _require_possible_correlations(self) -> Uncertainty:
-        """Refuse correlations of inputs that have no standard uncertainty, of one input with
-        itself, that are stated twice, or that no random numbers can have together (ValueError).
+        """Return this table; refuse (ValueError) correlations of inputs that have no standard
+        uncertainty, of one input with itself, that are stated twice, or that no random numbers can
+        have together.
+
+        `correlations` holds (key, key, coefficient) of pairs of inputs; the correlation matrix of
+        all inputs must have no negative eigenvalue.
         """
         uncertain_keys = [key for key, _ in self.stated()]
         pairs_so_far = set()
@@ -315,6 +325,9 @@ class Uncertainty(Frozen):
     def correlation_matrix(self) -> Array:
         """Correlation matrix (n, n) of the n inputs with a standard uncertainty, in the order in
         which the scene lists them; 1 on the diagonal, 0 where nothing is stated.
+
+        `stated()` yields (key, standard uncertainty) of these inputs; `correlations` holds (key,
+        key, coefficient) of pairs of them.
         """
         keys = [key for key, _ in self.stated()]
         matrix = np.eye(len(keys))
@@ -428,8 +441,7 @@ S = TypeVar("S", bound=HasInputs)
 def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
     """Inputs of a scene for which a standard uncertainty is stated, each with its value.
 
-    `standard_uncertainty` of each is a fraction of the value; for the phase it is
-    in degrees.
+    `standard_uncertainty` of each is a fraction of the value; for the phase it is in degrees.
 
     Raises
     ------
@@ -440,14 +452,19 @@ def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
     if scene.uncertainty is None:
         return ()
     inputs = []
-    for key, stated in scene.uncertainty.stated():
+    # `stated_uncertainty`: a text, such as "5 %" or "0.1 mm", or the number of degrees of the
+    # phase.
+    for key, stated_uncertainty in scene.uncertainty.stated():
+        # In the scene's units; None for a load, whose uncertainty scales all its values.
         value = _value_of_input(scene, key)
-        if isinstance(stated, str):
-            standard_uncertainty = _relative_uncertainty(key, stated, value, scene.units)
-            stated_text = stated
+        if isinstance(stated_uncertainty, str):
+            standard_uncertainty = _relative_uncertainty(
+                key, stated_uncertainty, value, scene.units
+            )
+            stated_text = stated_uncertainty
         else:  # the phase, in degrees
-            standard_uncertainty = stated
-            stated_text = f"{stated:.4g}°"
+            standard_uncertainty = stated_uncertainty
+            stated_text = f"{stated_uncertainty:.4g}°"
         inputs.append(Input(key, _words_of(key), stated_text, value, standard_uncertainty))
     return tuple(inputs)
 
@@ -473,13 +490,14 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
     ValueError
         For a unit that is not known, and for more than half of the value.
     """
+    # Number and unit, "%" for a percentage.
     amount = _parsed_amount(stated_text)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
         return share_of(stated_text)
     kind: Kind = "stress" if key.endswith("young_modulus") else "length"
     try:
-        units_of_scene_per_unit, _ = unit_factor(amount.unit, kind, units)
+        factor_to_scene_units, _ = unit_factor(amount.unit, kind, units)
     except ValueError as reason:
         # A file's column has a scale to state instead; an uncertainty has none.
         reason_text = str(reason).removesuffix("; use scale")
@@ -488,7 +506,7 @@ def _relative_uncertainty(key: str, stated_text: str, value: float | None, units
             ' share, such as "1 %"'
         ) from reason
     assert value is not None  # loads are stated in per cent
-    relative_uncertainty = amount.number * units_of_scene_per_unit / value
+    relative_uncertainty = amount.number * factor_to_scene_units / value
     try:
         _require_small(relative_uncertainty, stated_text)
     except ValueError as reason:
@@ -501,14 +519,19 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
     whose uncertainty scales all its values alike.
 
     `key` is "friction" or a load (no point), "table.name", such as "profile.radius", or
-    "table.body.name", such as "material.upper.poisson_ratio". ValueError where the scene has no
-    such input.
+    "table.body.name", such as "material.upper.poisson_ratio".
+
+    Raises
+    ------
+    ValueError
+        Where the scene has no such input, with what to state instead.
     """
     if "." not in key:
         return _value_of_load_input(scene, key)
     table, *body_of_table, name = key.split(".")
+    # The part of the scene that has the input, or the reason why none has it.
     reason = ""
-    part_of_scene: Any = getattr(scene, table)  # then the body's own part of it
+    part_of_scene: Any = getattr(scene, table)
     if table == "material":
         is_one_material = scene.material.alike
         if not body_of_table and not is_one_material:
@@ -518,6 +541,8 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
         part_of_scene = getattr(part_of_scene, body_of_table[0] if body_of_table else "upper")
     elif body_of_table:
         part_of_scene = getattr(part_of_scene, body_of_table[0])
+
+    # The radius of cylinders, which is that of the profile, is no input of its own.
     if table == "profile" and scene.bodies.relative_radius() is not None:
         reason = "the profile follows from the cylinders; state the radius of the bodies"
     value = getattr(part_of_scene, name, None)
@@ -534,7 +559,13 @@ def _value_of_load_input(scene: HasInputs, key: str) -> float | None:
     """Value of the friction coefficient, or phase lag of Q behind P [degrees], for an uncertainty
     stated under this `key`; None for P, Q, approach or displacement, which are scaled.
 
-    ValueError where the scene has no such input, with the one to state instead.
+    `load.states_approach`: the approach is prescribed in the place of P; `load.is_driven`: a
+    displacement in the place of Q.
+
+    Raises
+    ------
+    ValueError
+        Where the scene has no such input, with the one to state instead.
     """
     load = scene.load
     reason = ""
@@ -590,6 +621,7 @@ def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
     >>> round(scene.friction.coefficient, 12), scene.load.phase_degrees
     (1.1, 93.0)
     """
+    # Parts of the scene with the entries that change; those of the load are collected first.
     changed_tables: dict[str, Any] = {"uncertainty": None, "expected": ()}
     changes_of_load: dict[str, float] = {}
     for key, change in changes.items():
@@ -600,6 +632,7 @@ def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
         else:
             table, entries = _changed_entry(scene, key, change)
             changed_tables[table] = _merged_entries(changed_tables.get(table, {}), entries)
+
     if changes_of_load:
         changed_tables["load"] = _changed_load(scene, changes_of_load)
     # The profile of cylinders follows from their radii.
@@ -622,6 +655,7 @@ def _changed_entry(scene: HasInputs, key: str, change: float) -> tuple[str, dict
         part_of_scene = part_of_scene.upper
     for body in body_of_table:
         part_of_scene = getattr(part_of_scene, body)
+    # Nested as in the scene: the body's name around the entry.
     entries: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
     for body in body_of_table:
         entries = {body: entries}
@@ -657,12 +691,14 @@ def _changed_load(scene: HasInputs, changes: Mapping[str, float]) -> dict[str, A
     "tangential_displacement" to relative changes, and "phase_degrees" to degrees.
     """
     load = scene.load
+    # Factors of P (or the approach) and Q (or U), and the added lag in degrees.
     normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
     displacement_change = changes.get("tangential_displacement", 0.0)
     tangential_factor = 1 + changes.get("tangential_load", displacement_change)
     added_lag = changes.get("phase_degrees", 0.0)
 
     def scaled_points(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Points (P, Q) with both loads scaled."""
         return [
             (normal_factor * normal_load, tangential_factor * tangential_load)
             for normal_load, tangential_load in points
@@ -693,7 +729,8 @@ def _changed_ellipse(
     and the phase lag of Q behind P increased by `added_lag` [degrees].
 
     Under displacement control, the approach and the relative tangential displacement U stand in the
-    place of P and Q.
+    place of P and Q; they are None where the loads are given. A lag beyond 180 degrees is taken
+    back between -180 and 180.
     """
     entries: dict[str, Any] = {}
     if load.approach is not None:
@@ -734,7 +771,8 @@ def _changed_harmonics(
     and Q delayed behind P by `added_lag` [degrees] of the cycle: its k-th harmonic by k times that.
 
     Under displacement control, the approach and the relative tangential displacement U stand in the
-    place of P and Q. A harmonic is (amplitude, phase in degrees).
+    place of P and Q; they are None where the loads are given. A harmonic is (amplitude, phase lag
+    in degrees) of k = 1, 2, ...
     """
     entries: dict[str, Any] = {}
     approach = load.approach
@@ -750,6 +788,7 @@ def _changed_harmonics(
     else:
         entries["mean_normal_load"] = normal_factor * load.mean_normal_load
         entries["normal_harmonics"] = normal_harmonics
+
     displacement = load.tangential_displacement
     stated_harmonics = load.tangential_harmonics if displacement is None else displacement.harmonics
     tangential_harmonics = [
@@ -773,8 +812,9 @@ def _changed_record(
     """Changed entries of the table of a recorded load: rows (n, 3) of time, P and Q, with P and Q
     scaled by the two factors.
 
-    The rows are those that the load path goes through. The keys that chose them (start and end,
-    averaging, thresholds) are reset: on scaled loads a threshold would choose other rows.
+    The rows are those that the load path goes through (`kept_rows`), or all `rows` where bulk
+    stress or tilt has an entry for each. The keys that chose them (start and end, averaging,
+    thresholds) are reset: on scaled loads a threshold would choose other rows.
     """
     factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # their lists have an entry for each row: no row may go
