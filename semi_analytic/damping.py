@@ -59,13 +59,14 @@ def hysteresis(
     Parameters
     ----------
     solution
-        of finite bodies, which counts U from their supports, or of half-planes, which needs one of
-        the other two; it holds the tangential displacement and the dissipation
+        of finite bodies, which counts U from their supports; or of half-planes, which needs either
+        `datum_length` or `effects`. It holds the tangential displacement and the dissipation
     datum_length
         L, distance from the load at which the surface of a half-plane is taken not to move
         [length]; `scene.profile.datum_length` is that of the solution
     effects
-        what finite bodies add, `halfplane_fe.body_effects(scene)`; of it c_t
+        what finite bodies add, `halfplane_fe.body_effects(scene)`; of it the tangential compliance
+        c_t is taken, with its datum length
 
     Raises
     ------
@@ -94,6 +95,7 @@ def hysteresis(
         )
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
+    # Added to U per Q: change of the datum length, and c_t of finite bodies.
     compliance_to_datum = added_compliance(solution, "hysteresis", datum_length, effects)
     displacement = solution.tangential_displacement + compliance_to_datum * solution.tangential_load
     force_amplitude = np.ptp(solution.tangential_load[cycle]) / 2
@@ -129,7 +131,18 @@ def added_compliance(
     U of half-planes needs a datum length L, a distance from the load at which the surface does not
     move. The difference is c + (A/pi) ln(L/L_solution), A = 2/E*: c = c_t and L are those of
     `effects`, or c = 0 and L = `datum_length`. It is 0 for finite bodies, whose U counts from their
-    supports. `caller` begins the messages.
+    supports.
+
+    Parameters
+    ----------
+    solution
+        solution of half-planes or of finite bodies
+    caller
+        name of the function that begins the messages
+    datum_length
+        L [length]; None if `effects` are given
+    effects
+        datum length L and tangential compliance c_t of finite bodies; None if L is given
 
     Raises
     ------
@@ -159,6 +172,7 @@ def added_compliance(
         compliance_of_bodies = 0.0
     if not 0 < stated_length < math.inf:
         raise InputError(f"{caller}: datum_length = {stated_length} is refused: a length above 0")
+    # A/pi of half-planes.
     unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
     return compliance_of_bodies + unit_compliance * math.log(stated_length / datum_of_solution)
 
@@ -193,9 +207,11 @@ def compliance(
     is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     if not is_half_plane_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
+    # Added to dU/dQ: change of the datum length, and c_t of finite bodies.
     compliance_to_datum = added_compliance(solution, "compliance", datum_length, effects)
     unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
     twice_datum_length = 2 * solution.scene.profile.datum_length
+    # A half-width of 0 gives an infinite compliance.
     with np.errstate(divide="ignore"):
         compliance_in_slip = (
             unit_compliance * np.log(twice_datum_length / np.nan_to_num(solution.stick_half_width))

@@ -143,14 +143,26 @@ class ArcIntegrals:
     _error_of_panels: float
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
-        """Integrals of one kernel times dQ at |x| = `x` (k,) along the arc of a memory curve's
-        piece, up to the end of each panel of time.
+        """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, up to the end of each
+        panel of time: what this arc of the memory curve adds to shear, slip or displacement.
 
         An arc is a curved segment of the load path that was travelled in full stick while P grew.
         The kernel is the shear, slip or displacement ("shift") that a unit of load on a flat punch
         makes. The arc is cut into panels, at the loads of the profile's corners too. P_x is the
         load at which the edge of contact is at the point. On a panel far from P_x the integral is a
         Chebyshev series in time; near P_x it is taken by Gauss' rule.
+
+        Parameters
+        ----------
+        contact
+            normal contact of the profile: P(a), loads of its corners, and the kernels
+        kernel
+            "shear", "slip" or "shift" (displacement)
+        piece
+            piece of the memory curve with the arc: `arc` are times of its ends on the load segment
+            of `anchor`, the instant at which the arc was made
+        x
+            (k,) distances from the middle; not used for the displacement
         """
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
@@ -163,6 +175,7 @@ class ArcIntegrals:
         # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
         last_time = piece.anchor.time
+        # Corners of the profile within the arc, and the times at which P had their loads.
         corner_loads = contact.corner_loads
         corner_loads = corner_loads[
             (corner_loads > piece.bottom_load) & (corner_loads < piece.anchor.normal_load)
@@ -170,6 +183,7 @@ class ArcIntegrals:
         corner_times = (
             time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
         )
+        # Turning point of P at, or just beyond, each end of the arc.
         self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
         self._turn_at_end = _turning_point(self._segment, last_time, first_time)
         # A smooth part lies between two corners. Its panels have equal lengths: one that began just
@@ -181,8 +195,8 @@ class ArcIntegrals:
             np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _FIRST_PANELS), 1
         ).astype(int)
         begins_of_panels = [
-            np.linspace(a, b, n, endpoint=False)
-            for a, b, n in zip(
+            np.linspace(begin_of_part, end_of_part, n_panels, endpoint=False)
+            for begin_of_part, end_of_part, n_panels in zip(
                 ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
             )
         ]
@@ -221,6 +235,7 @@ class ArcIntegrals:
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """
+        # Panels of time along the arc, and the integrals up to the begin of each, (panels, k).
         panel_ends = self._panel_ends
         time = np.clip(time, panel_ends[0], panel_ends[-1])
         different_times, number_in_times = np.unique(time, return_inverse=True)
@@ -228,13 +243,14 @@ class ArcIntegrals:
             np.searchsorted(panel_ends, different_times, side="right") - 1, 0, len(panel_ends) - 2
         )
         integrals = self._integrals_before_panel[panel_of_time]
-        share_of_panel = np.clip(
+        fraction_of_panel = np.clip(
             (different_times - panel_ends[panel_of_time])
             / (panel_ends[panel_of_time + 1] - panel_ends[panel_of_time]),
             0.0,
             1.0,
         )
-        polynomials = chebyshev.chebvander(2 * share_of_panel - 1, CHEBYSHEV_DEGREE + 1)
+        # Primitive of the Chebyshev series on the panel, at each time.
+        polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
         for first_number, end_number in pairwise(
             [*first_time_in_panel.tolist(), len(different_times)]
@@ -250,6 +266,7 @@ class ArcIntegrals:
         range_number, point = np.nonzero(
             self._is_near[panel_of_time] & (different_times > range_begins)[:, None]
         )
+        # Points near the edge of contact: Gauss' rule over these ranges, at point number `point`.
         near_integrals = np.zeros(integrals.shape)
         near_integrals[range_number, point], error_of_near_integrals = (
             self._near_integrals_and_error(
@@ -260,6 +277,7 @@ class ArcIntegrals:
         self.error = max(
             self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
+        # Sums from the begin of each panel to each time.
         sums = np.cumsum(near_integrals, axis=0)
         sums_before_panel = (sums - near_integrals)[first_time_in_panel]
         integrals += sums - np.repeat(
@@ -276,6 +294,7 @@ class ArcIntegrals:
         resolved. On a panel near P_x the integral is taken by Gauss' rule in a variable that makes
         it smooth.
         """
+        # Of each panel: begin, end, Chebyshev coefficients and error, and which points are near.
         panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
         self._is_near = panels.is_near
         self._panel_ends = np.append(panels.begin, panels.end[-1])
@@ -298,9 +317,15 @@ class ArcIntegrals:
         """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
         the point or nearly, (m,), and an estimate of the error of their sum at one point.
 
-        The k-th goes from begins[k] to ends[k], at x[point[k]]. The error comes from a sample of
-        ranges that are halved: a multiple of the largest change, times the root of the number of
-        ranges at a point.
+        The error comes from a sample of 40 ranges that are halved: 2.5 times the largest change,
+        times the root of the largest number of ranges at one point.
+
+        Parameters
+        ----------
+        begins, ends
+            (m,) limits of each range of time
+        point
+            (m,) number of the point of each range, among those of the arc
         """
         sampled_ranges = np.empty(0, dtype=int)
         if len(point):
@@ -327,10 +352,13 @@ class ArcIntegrals:
         Panels between `begins` and `ends` (m,) are halved until the last coefficients of the series
         no longer count, or no number lies between their ends.
         """
+        # At most 9 halvings; resolved: errors of all series below 1e-14 of the largest integral.
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
         n_points = len(self._x)
         for halvings in range(_HALVINGS + 1):
+            # Coefficients for pairs of a panel and a point far from the edge, then as table (m, k,
+            # terms).
             far_series = self._far_series(begins, ends)
             largest_coefficient = float(np.max(np.abs(far_series.coefficients[:, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
@@ -362,8 +390,8 @@ class ArcIntegrals:
         return panels.take(np.argsort(panels.begin))
 
     def _near_integrals(self, begins: Array, ends: Array, point: Indices) -> Array:
-        """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
-        the point or nearly, (m,): the k-th from begins[k] to ends[k], at x[point[k]].
+        """Integrals of the kernel times dQ over m ranges of time in which the edge of contact
+        passes a point or nearly, (m,): range j from begins[j] to ends[j], at point number point[j].
 
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
@@ -374,6 +402,8 @@ class ArcIntegrals:
             (self._turn_at_begin, ~is_behind_middle),
             (self._turn_at_end, is_behind_middle),
         ):
+            # Quadrature in a variable that depends on the turning point; _edge_loads: P_x of each
+            # point.
             near_integral = _NearIntegral(self._contact, self._kernel, self._segment, turning_point)
             x_of_ranges = self._x[point[is_on_side]]
             edge_loads_of_ranges = self._edge_loads[point[is_on_side]]
@@ -383,8 +413,8 @@ class ArcIntegrals:
         return integrals
 
     def _far_series(self, begins: Array, ends: Array) -> _FarSeries:
-        """Chebyshev series in time of the integrand dQ/dt K on panels of time (n,), for the points
-        that the edge of contact does not pass nearby, and which points it does.
+        """Chebyshev series in time of the integrand dQ/dt K on panels of time (n,), for points that
+        the edge of contact does not pass nearby; and a mask of the points that it does pass nearby.
 
         P_x is the load at which the edge of contact is at a point. It is far from a panel where it
         lies outside the panel's loads by twice their range, on the side where the kernel K is not
@@ -394,6 +424,7 @@ class ArcIntegrals:
         contact = self._contact
         x = self._x
         edge_loads = self._edge_loads
+        # At the Chebyshev nodes of each panel, (n, nodes): time and P.
         time = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         load = np.maximum(self._segment.loads(time)[0], 0.0)
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
@@ -411,12 +442,13 @@ class ArcIntegrals:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         far_panel, far_point = np.nonzero(is_far)
+        # dQ/dt times the length of the panel; advance: what the kernels take for a(P).
         force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.edge_advance(load)
         coefficients = np.empty((len(far_panel), CHEBYSHEV_DEGREE + 1))
         pairs_at_once = _NODES_AT_ONCE // (CHEBYSHEV_DEGREE + 1)
-        for k in range(0, len(far_panel), pairs_at_once):
-            chunk = slice(k, k + pairs_at_once)
+        for first_pair in range(0, len(far_panel), pairs_at_once):
+            chunk = slice(first_pair, first_pair + pairs_at_once)
             panel_chunk = far_panel[chunk]
             point_chunk = far_point[chunk]
             load_above_edge = load[panel_chunk] - edge_loads[point_chunk, None]
@@ -438,7 +470,8 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
     arc's length; the end itself where there is none.
 
     An arc is the part of the load segment between the times `arc_end` and `other_end`, along which
-    P grows in time. Newton's method on dP/dt; the formulas of the segment hold beyond its ends too.
+    P grows in time. The turning point is found by Newton's method on dP/dt. The formulas of the
+    segment hold beyond its ends too.
     """
     arc_length = other_end - arc_end
     time_step = 1e-3 * arc_length
@@ -453,6 +486,7 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
         newton_step = (
             load_rate / load_curvature if load_curvature * sign_of_curvature > 0 else math.inf
         )
+        # A step that leads too far away, or into the arc: there is no turning point at this end.
         if abs(newton_step) > abs(arc_length) or (
             arc_end - turning_time + newton_step
         ) * sign_of_curvature < -abs(time_step):
@@ -469,9 +503,10 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
 
 
 def _force_rate_over_z(segment: LoadSegment, turning_point: TurningPoint, z: Array) -> Array:
-    """|dQ/dz| with the sign of dQ/dt, at z = sqrt(|P - P_t|) of any shape, from dP = 2 z dz; 0
-    where P rests. P_t is the load at the turning point of P.
+    """Rate of Q over z = sqrt(|P - P_t|) along a load segment, |dQ/dz| with the sign of dQ/dt, at z
+    of any shape; 0 where P rests. P_t is the load at the turning point of P.
     """
+    # Time at which P has this z; then |dP/dz| = 2 z over |dP/dt|.
     time = segment.time_of(
         NORMAL_LOAD, turning_point.sign * z * z, turning_point.time, turning_point.other_end_time
     )
@@ -495,7 +530,9 @@ def _punch_kernel(
     load_above_edge
         P - P_x, P_x the load at which the edge of contact is at x
     load, advance
-        P, and a(P) - a(0) [length]
+        P; a(P) - a(0) [length], which the kernels take for a(P); of a tilted contact P itself
+    contact
+        normal contact of the profile, which gives the kernels
     """
     if kernel == "shear":
         return contact.inverse_root(x, load_above_edge, advance)
@@ -550,12 +587,14 @@ class _NearIntegral:
         z_at_end = self._root_of_rise(end_time)
         least_z = np.minimum(z_at_begin, z_at_end)
         largest_z = np.maximum(z_at_begin, z_at_end)
+        # sign: +1 beside a least P, -1 beside a largest; load: P_t.
         squared_e = turning_point.sign * (edge_load - turning_point.load)
         # An e of 0 would stretch the variable for ever.
         least_square = 1e-36 * largest_z**2
         squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
         # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
         limit_function = _limits_beyond if self.acts_beyond_e else _limits_within
+        # Limits in s, and the integrals there.
         begin_s, end_s = limit_function(least_z, largest_z, squared_e)
         return self._over_ranges_of_s(begin_s, end_s, x, squared_e)
 
@@ -564,16 +603,17 @@ class _NearIntegral:
         `begin_s` to `end_s`, each at its own point `x` and with its own e^2; 0 for a range without
         length.
 
-        The integrand is smooth in s. Gauss' rule takes the more nodes the longer a range is; a rule
-        for singular ends takes its place where `_is_rough`. e^2 is the distance, with its sign, of
-        P_x from the turning point of P; P_x is the load at which the edge of contact is at the
-        point.
+        The integrand is smooth in s. Gauss' rule takes the more nodes the longer a range is. A rule
+        for singular ends takes its place in rough ranges, close to a logarithm of the slip kernel.
+        e^2 (`squared_e`) is the distance, with its sign, of P_x from the turning point of P. P_x is
+        the load at which the edge of contact is at the point.
         """
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
+        # All nodes of all ranges: s, weight, and the number of the range.
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
-        for k in range(0, len(nodes.s), _NODES_AT_ONCE):
-            chunk = slice(k, k + _NODES_AT_ONCE)
+        for first_node in range(0, len(nodes.s), _NODES_AT_ONCE):
+            chunk = slice(first_node, first_node + _NODES_AT_ONCE)
             range_number = nodes.range_number[chunk]
             integrand = self._integrand(nodes.s[chunk], x[range_number], squared_e[range_number])
             integrals += np.bincount(range_number, nodes.weight[chunk] * integrand, len(integrals))
@@ -596,6 +636,7 @@ class _NearIntegral:
         """
         if self.kernel == "shift":
             return np.ones(len(begin_s), dtype=bool)
+        # acts_beyond_e: whether the kernel is not 0 for z^2 > e^2, z^2 = |P - P_t|.
         if self.kernel != "slip" or self.acts_beyond_e:
             return np.zeros(len(begin_s), dtype=bool)
         load_at_turn = max(self.turning_point.load, 0.0)
@@ -608,11 +649,15 @@ class _NearIntegral:
         )
 
     def _integrand(self, s: Array, x: Array, squared_e: Array) -> Array:
-        """dQ/ds K(x, P) at nodes s (n,), each with its own point x and its own e^2, the distance,
-        with its sign, of P_x from the turning point of P; P_x is the load at which the edge of
-        contact is at x.
+        """Integrand dQ/ds K(x, P) at nodes s (n,) of the integration variable, each with its point
+        x and its e^2, (n,).
+
+        e^2 (`squared_e`) is the distance, with its sign, of P_x from P_t: P_x is the load at which
+        the edge of contact is at x, P_t that at the turning point of P. Q is a function of z =
+        sqrt(|P - P_t|) along the load path, and dz = root ds with root = sqrt(|z^2 - e^2|).
         """
         z, root = _z_and_root(s, squared_e, self.acts_beyond_e)
+        # P, what the kernels take for a(P), and P - P_x, or P_x - P for the slip.
         load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
         advance = self.contact.edge_advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
@@ -638,6 +683,7 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     where `is_rough`, (m,); none where a range has no length. One array for all, since a call for
     each rule would take longer than its arithmetic.
     """
+    # _NODES_BY_LENGTH: longest range for each number of Gauss nodes.
     s_length = end_s - begin_s
     rule_of_range = np.searchsorted([longest for longest, _ in _NODES_BY_LENGTH], s_length)
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
@@ -675,6 +721,7 @@ def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
     e = np.sqrt(np.abs(squared_e))
 
     def s_at(z_limit: Array) -> Array:
+        """s at a limit of z."""
         z = np.where(squared_e > 0, np.maximum(z_limit, e), z_limit)
         # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the
         # latter.
@@ -695,6 +742,7 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
     e = np.sqrt(np.maximum(squared_e, 0.0))
 
     def s_at(z_limit: Array) -> Array:
+        """s at a limit of z."""
         z = np.minimum(z_limit, e)
         return np.arctan2(z, np.sqrt((e - z) * (e + z)))
 
@@ -705,13 +753,18 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
 def _z_and_root(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array, Array]:
     """z and sqrt(|z^2 - e^2|) at values s of the integration variable, (n,) each, with dz =
     sqrt(...) ds: z > e where `acts_beyond_e`, else z < e.
+
+    z^2 is the distance of P from its turning point, `squared_e` = e^2 that of P_x with its sign.
+    P_x is the load at which the edge of contact is at the point.
     """
     e = np.sqrt(np.abs(squared_e))
     if not acts_beyond_e:
         return e * np.sin(s), e * np.cos(s)
-    by_cosh = e * np.cosh(s)
-    by_sinh = e * np.sinh(s)
-    return np.where(squared_e > 0, by_cosh, by_sinh), np.where(squared_e > 0, by_sinh, by_cosh)
+    e_times_cosh = e * np.cosh(s)
+    e_times_sinh = e * np.sinh(s)
+    return np.where(squared_e > 0, e_times_cosh, e_times_sinh), np.where(
+        squared_e > 0, e_times_sinh, e_times_cosh
+    )
 
 
 # Share of a load up to which a straight part of a memory curve is short: differences of slips keep
@@ -769,6 +822,8 @@ class KernelIntegrals:
         >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
         [[1.080800...]]
         """
+        # snapshot: at each instant P as `load`, P - P_c as `slip_zone_load` with P_c the load at
+        # the stick edge, direction of slip, and the piece of the curve on which P_c lies.
         stick_edge_load = snapshot.load - snapshot.slip_zone_load
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
@@ -811,12 +866,14 @@ class KernelIntegrals:
         from 0 up to the top of each of their pieces, (k,).
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
-        carry, K the kernel. A curve is given by its uppermost piece, which knows the piece below.
-        Curves share their lower pieces: each is integrated from its first stored piece on.
+        carry, K the kernel. A curve is given by its uppermost piece; each piece has the one below.
+        Curves share their lower pieces: each curve is integrated upwards from its first piece that
+        is already stored.
         """
         new_pieces: dict[int, CurvePart] = {}
 
         def is_not_stored(piece: CurvePart) -> bool:
+            """Whether the piece is neither stored nor about to be."""
             return id(piece) not in self._stored and id(piece) not in new_pieces
 
         for curve in curves:
@@ -825,6 +882,7 @@ class KernelIntegrals:
             new_pieces.update({id(piece): piece for piece in reversed(pieces_to_store)})
         if not new_pieces:
             return
+        # A piece is a straight line plus a curved remainder, between its bottom and its top load.
         slope_of_pieces = np.array([piece.straight_slope for piece in new_pieces.values()])
         loads_at_bottom = np.array([piece.bottom_load for piece in new_pieces.values()])
         loads_at_top = np.array([piece.top_load for piece in new_pieces.values()])
@@ -857,6 +915,7 @@ class KernelIntegrals:
         part_numbers = np.flatnonzero((slope != 0) & (upper_load != lower_load))
         is_short = np.zeros(len(part_numbers), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
+            # Parts shorter than 1 % of their upper load.
             load_length = upper_load[part_numbers] - lower_load[part_numbers]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
             corners = self.contact.corner_loads
@@ -865,6 +924,7 @@ class KernelIntegrals:
             is_short = (load_length < _SHARE_OF_SHORT_PART * upper_load[part_numbers]) & (
                 corners_below == corners_above
             )
+        # By differences of integrals from 0 on, and by integrals over the parts themselves.
         long_parts = part_numbers[~is_short]
         short_parts = part_numbers[is_short]
         if len(long_parts):
@@ -878,12 +938,13 @@ class KernelIntegrals:
         return straight_integrals
 
     def _difference_of_integrals(self, lower_load: Array, upper_load: Array) -> Array:
-        """int K d eta between loads (n,), at each point: (n, k), as a difference of integrals from
-        0 on, one for each different load.
+        """Integral of the kernel K d eta between two loads, for n pairs of loads and at each of k
+        points, (n, k), as a difference of two integrals from 0 on.
         """
         different_loads, number_in_loads = np.unique(
             np.concatenate([lower_load, upper_load]), return_inverse=True
         )
+        # Each different load is integrated once: int K d eta from 0, (loads, k).
         integrals_from_0 = self.moment(0, different_loads)
         return np.asarray(
             integrals_from_0[number_in_loads[len(lower_load) :]]
@@ -900,26 +961,28 @@ class KernelIntegrals:
         """
         contact = self.contact
         edge_loads = contact.load(self.x)
+        # Per range and point: upper limit, v at the lower load, and e.
         end_load = np.minimum(upper_load[:, None], edge_loads)
         v_at_lower_load = np.sqrt(np.maximum(end_load - lower_load[:, None], 0.0))
         integrals = np.zeros(end_load.shape)
         e_of_points = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
         is_near = e_of_points < 0.5 * v_at_lower_load
         # The range of s is the longer the nearer P_x is: it takes more nodes then.
-        for takes_rule, n_nodes in ((~is_near, 12), (is_near, 32)):
-            range_number, point = np.nonzero((v_at_lower_load > 0) & takes_rule)
+        for is_in_group, n_nodes in ((~is_near, 12), (is_near, 32)):
+            range_number, point = np.nonzero((v_at_lower_load > 0) & is_in_group)
             e = np.maximum(
                 e_of_points[range_number, point], 1e-4 * v_at_lower_load[range_number, point]
             )
-            nodes, weights = gauss_rule(n_nodes)
+            gauss_nodes, gauss_weights = gauss_rule(n_nodes)
             s_length = np.arcsinh(v_at_lower_load[range_number, point] / e)[:, None]
-            v = e[:, None] * np.sinh(s_length * nodes)
-            dv_ds = e[:, None] * np.cosh(s_length * nodes)
+            v = e[:, None] * np.sinh(s_length * gauss_nodes)
+            dv_ds = e[:, None] * np.cosh(s_length * gauss_nodes)
+            # P_x - eta, and what the slip kernel takes for a(eta).
             load_below_edge = np.square(v) + np.square(e_of_points[range_number, point])[:, None]
             advance = contact.edge_advance(end_load[range_number, point, None] - np.square(v))
             arccosh_ratio = contact.arccosh_ratio(self.x[point, None], load_below_edge, advance)
             integrals[range_number, point] = np.sum(
-                weights * s_length * 2 * v * dv_ds * arccosh_ratio, axis=1
+                gauss_weights * s_length * 2 * v * dv_ds * arccosh_ratio, axis=1
             )
         return integrals
 
@@ -939,6 +1002,7 @@ class KernelIntegrals:
         pieces_and_edge_loads
             pairs of a piece and the loads (n,) at the stick edge, up to which it counts
         """
+        # Parabolas by the first moment of the kernel, int eta K d eta; arcs are collected first.
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, stick_edge_load) in enumerate(pieces_and_edge_loads):
@@ -957,6 +1021,7 @@ class KernelIntegrals:
             stick_edge_loads = [
                 pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]
+            # Times at which P was the load at the stick edge, for all pieces of the arc at once.
             times_at_stick_edge = time_of_load_on_arc(piece, np.concatenate(stick_edge_loads))
             first_numbers = np.cumsum([len(loads_of_piece) for loads_of_piece in stick_edge_loads])[
                 :-1
@@ -976,8 +1041,8 @@ class KernelIntegrals:
         return max((arc.error for _, arc in self._arcs.values()), default=0.0)
 
     def moment(self, order: int, load: Array) -> Array:
-        """Integral of eta^order K(x, eta) d eta from 0 to each load (n,), at each point: (n, k);
-        `order` 0 or 1.
+        """Integral of eta^order K(x, eta) d eta from 0 to each load (n,), at each point x (k,): (n,
+        k); `order` is 0 or 1. K is the kernel of shear, slip or displacement.
         """
         contact = self.contact
         column = load[:, None]

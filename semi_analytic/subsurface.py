@@ -146,20 +146,26 @@ def stress(
         )
     depth = side * y_places  # <= 0: the upper body as the mirror image of a lower one
     poisson_ratio = getattr(scene.material, body).poisson_ratio
+    # In the upper body, mirrored to a lower one, shear and xy stress change their sign: `side`.
     stresses = np.zeros((len(times), len(x_places), 4))
-    if scene.unsymmetric:
+    if scene.unsymmetric:  # bulk stress, tilt or unequal sides: from the tractions of solutions
+        # For each instant a solution, and the number (row) of the instant in it.
         answers = _answers_with_tractions(source, times)
         _, profile = path_loads_and_contact(scene)
-        for k, (answer, row) in enumerate(answers):
-            stresses[k, :, :3] = _stress_by_sine_series(answer, row, profile, x_places, depth, side)
+        for instant_number, (answer, row) in enumerate(answers):
+            stresses[instant_number, :, :3] = _stress_by_sine_series(
+                answer, row, profile, x_places, depth, side
+            )
         stresses[..., 0] += _bulk_stresses(answers)[:, int(body == "upper"), None]
     else:
+        # From the memory curves of the instants, and Muskhelishvili's potentials N of pressure and
+        # T of shear, with their derivatives.
         contact, snapshot = memory_at(scene, times)
-        for k in np.flatnonzero(snapshot.load > 0).tolist():
+        for instant_number in np.flatnonzero(snapshot.load > 0).tolist():
             normal_potential, tangential_potential, normal_derivative, tangential_derivative = (
-                _potentials(contact, _curve_parts(snapshot, k), x_places, depth)
+                _potentials(contact, _curve_parts(snapshot, instant_number), x_places, depth)
             )
-            stresses[k, :, :3] = _stress_from_potentials(
+            stresses[instant_number, :, :3] = _stress_from_potentials(
                 normal_potential,
                 side * tangential_potential,
                 depth * normal_derivative,
@@ -175,6 +181,8 @@ def _places_and_times(
 ) -> tuple[Array, Array, Array]:
     """Checked places x and y, broadcast to one length (n,) [length], and times (m,) of the
     instants; InputError where one is missing, or x and y differ in length and neither is single.
+
+    `checked_numbers` returns a caller's finite numbers as an array, or None where none are given.
     """
     x_places = checked_numbers(x, "x")
     y_places = checked_numbers(y, "y")
@@ -203,9 +211,9 @@ def edge_tension(
     Parameters
     ----------
     source
-        the scene, its name or file, or a solution of it; of a solution that holds an instant and
-        has 60 points in the contact its own tractions are taken where the memory of friction is no
-        single curve
+        the scene, its name or file, or a solution of it. With bulk stress, tilt or unequal sides
+        the tractions of the solution itself are taken at instants that it holds, if it has 60
+        points in the contact
     instants
         (n_instants,) times of the load path
 
@@ -234,20 +242,22 @@ def edge_tension(
     uncertainties = np.zeros((len(times), 2, 2))
     sign_of_body = np.array([[1.0], [-1.0]])  # lower, upper
     if scene.unsymmetric:
+        # For each instant a solution, and the number (row) of the instant in it.
         answers = _answers_with_tractions(source, times)
         path_loads, profile = path_loads_and_contact(scene)
         coarse_shears = _shears_on_coarse_grids(answers, path_loads, profile)
-        for k, (answer, row) in enumerate(answers):
-            tension, uncertainties[k] = _edge_tensions_of_answer(
-                answer, row, profile, coarse_shears[k]
+        for instant_number, (answer, row) in enumerate(answers):
+            tension, uncertainties[instant_number] = _edge_tensions_of_answer(
+                answer, row, profile, coarse_shears[instant_number]
             )
-            values[k] = sign_of_body * tension
+            values[instant_number] = sign_of_body * tension
         return values + _bulk_stresses(answers)[..., None], uncertainties
+    # Memory curves of all instants; P is `snapshot.load`. At most 128 curves are summed at once.
     contact, snapshot = memory_at(scene, times)
     instants_in_contact = np.flatnonzero(snapshot.load > 0)
     signs = sign_of_body * [1.0, -1.0]  # (bodies, edges)
-    for begin in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
-        numbers = instants_in_contact[begin : begin + _CURVES_AT_ONCE]
+    for first_number in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
+        numbers = instants_in_contact[first_number : first_number + _CURVES_AT_ONCE]
         load = snapshot.load[numbers]
         half_width = np.atleast_1d(contact.half_width(load))
         tensions = _edge_tensions_of_curves(contact, snapshot, numbers, half_width)
@@ -288,14 +298,20 @@ def _edge_tensions_of_curves(
         (n,) numbers of the instants in the `snapshot`, which holds M of several instants
     contact_half_widths
         (n,) half-widths a(P) of the contact then [length]
+    contact
+        P(a) and dP/da (`stiffness`) of the profile on half-planes
     """
+    # Each panel has its instant, first and last half-width, and M' as a function of the load.
     panels = _panels_of_curves(contact, snapshot, instants_in_contact, contact_half_widths)
     instant_numbers = np.array([panel.instant for panel in panels])
     panel_begin = np.array([panel.first_half_width for panel in panels])[:, None]
     panel_end = np.array([panel.last_half_width for panel in panels])[:, None]
-    edge = contact_half_widths[instant_numbers, None]
+    # Half-widths a(eta) at the quadrature nodes of each panel, and their distances from the edge.
+    edge_half_width = contact_half_widths[instant_numbers, None]
     half_widths = _distances_to_nodes(0.0, panel_begin, panel_end)
-    distance_from_edge = _distances_to_nodes(edge, panel_begin, panel_end)  # a(eta) - a(P)
+    distance_from_edge = _distances_to_nodes(
+        edge_half_width, panel_begin, panel_end
+    )  # a(eta) - a(P)
     loads = contact.load(half_widths)
     slopes_at_nodes = np.empty_like(loads)  # M'
     for panel_number, panel in enumerate(panels):
@@ -306,10 +322,12 @@ def _edge_tensions_of_curves(
     panel_integrals = (
         load_steps
         * slopes_at_nodes
-        / np.sqrt(-distance_from_edge * (2 * edge + distance_from_edge))
+        / np.sqrt(-distance_from_edge * (2 * edge_half_width + distance_from_edge))
     ).sum(axis=1)
-    sums = np.bincount(instant_numbers, weights=panel_integrals, minlength=len(instants_in_contact))
-    return np.asarray(2 / math.pi * sums)
+    sums_over_panels = np.bincount(
+        instant_numbers, weights=panel_integrals, minlength=len(instants_in_contact)
+    )
+    return np.asarray(2 / math.pi * sums_over_panels)
 
 
 def _panels_of_curves(
@@ -329,28 +347,37 @@ def _panels_of_curves(
         counts its instant among these
     contact_half_widths
         (m,) half-widths a(P) of the contact then [length]
+    contact
+        half-widths a(P) of the profile on half-planes
     """
     instant_numbers: list[int] = []
     lower_loads: list[float] = []
     upper_loads: list[float] = []
-    slopes: list[Slope] = []
+    slope_functions: list[Slope] = []
+    # The parts of M between two kinks, each with its loads and its slope M' as a function of eta.
     for instant_number, snapshot_number in enumerate(instants_in_contact.tolist()):
-        for lower_load, upper_load, slope in _curve_parts(snapshot, snapshot_number):
+        for lower_load, upper_load, slope_function in _curve_parts(snapshot, snapshot_number):
             instant_numbers.append(instant_number)
             lower_loads.append(lower_load)
             upper_loads.append(upper_load)
-            slopes.append(slope)
+            slope_functions.append(slope_function)
     begin_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
-    edge = contact_half_widths[instant_numbers]
+    edge_half_width = contact_half_widths[instant_numbers]
     reaches_edge = np.array(upper_loads) == snapshot.load[instants_in_contact][instant_numbers]
-    half_width_at_upper_load = np.minimum(contact.half_width(np.array(upper_loads)), edge)
-    end_widths = np.where(reaches_edge, edge, half_width_at_upper_load)
+    half_width_at_upper_load = np.minimum(
+        contact.half_width(np.array(upper_loads)), edge_half_width
+    )
+    end_widths = np.where(reaches_edge, edge_half_width, half_width_at_upper_load)
     return [
-        _Panel(instant_number, panel_begin, panel_end, slope)
-        for instant_number, least_width, largest_width, slope in zip(
-            instant_numbers, begin_widths.tolist(), end_widths.tolist(), slopes, strict=True
+        _Panel(instant_number, panel_begin, panel_end, slope_function)
+        for instant_number, least_width, largest_width, slope_function in zip(
+            instant_numbers,
+            begin_widths.tolist(),
+            end_widths.tolist(),
+            slope_functions,
+            strict=True,
         )
         for panel_begin, panel_end in _panels_between(contact, least_width, largest_width)
     ]
@@ -365,6 +392,7 @@ def _answers_with_tractions(
 
     New solutions have points across several of the contacts, and close to the edges of all.
     """
+    # By time: a solution, and the number of the instant in it.
     answers: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
         scene = source.scene
@@ -375,6 +403,8 @@ def _answers_with_tractions(
     if len(missing_times):
         block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
         for times_at_once in np.array_split(missing_times, block_count):
+            # First without fields, for the edges of contact; then with points that are placed by
+            # them.
             edges = solve(scene, x=0.0, time=times_at_once, fields=()).contact_edges
             order_by_length = np.argsort(edges[:, 1] - edges[:, 0])
             places = _places_for_tractions(edges[order_by_length])
@@ -386,10 +416,10 @@ def _answers_with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """The answer and the number of its instant, by time, where that is in the answer with 60 points
-    of the contact at least, or without contact.
+    """The answer and the number of its instant, by time, for those `times` at which the answer has
+    pressure and shear at 60 points of the contact or more, or has no contact.
 
-    Empty where the answer has no pressure and shear.
+    Empty where the answer has no pressure or no shear.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
@@ -398,21 +428,28 @@ def _rows_with_tractions(
     has_enough_places = (places_in_contact >= _FEWEST_PLACES_IN_CONTACT) | (
         answer.normal_load[rows] <= 0
     )
+    # Times differ by at most 1e-9 of themselves.
     has_instant = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
     time_numbers = np.flatnonzero(has_enough_places & has_instant)
-    return {float(times[k]): (answer, int(rows[k])) for k in time_numbers}
+    return {
+        float(times[time_number]): (answer, int(rows[time_number])) for time_number in time_numbers
+    }
 
 
 def _places_for_tractions(edges: Array) -> Array:
-    """Places x, ascending [length]: across several of the contacts with the edges (n, 2), which
-    ascend in length, and close to the edges of all.
+    """Places x, ascending [length], at which tractions are to be solved for: across at most four of
+    the n contacts with the given edges, and close to the edges of all.
+
+    `edges` (n, 2) are left and right edge of each contact, in the order of their lengths.
     """
+    # The shortest, the longest and two between; 601 places across each.
     numbers = np.unique(
         np.linspace(0, len(edges) - 1, _MOST_CONTACTS_WITH_PLACES).round().astype(int)
     )
     chosen_edges = edges[numbers]
     cosines = np.cos(np.linspace(0, math.pi, _PLACE_COUNT_ACROSS_CONTACT))
     nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
+    # Distances from each edge: 1e-7 to 2e-2 of the contact's length.
     inwards = np.array([[1.0], [-1.0]])
     places_at_edges = (
         edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _WIDTH_SHARES_FROM_EDGE
@@ -423,26 +460,36 @@ def _places_for_tractions(edges: Array) -> Array:
 def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
     """Bulk stress of the lower and the upper body at the instant of each answer, (n, 2) [stress],
     tension positive.
+
+    `answers` are pairs of a solution and the number (row) of the instant in it. 0 where the
+    solution has no bulk stress.
     """
     stresses = np.zeros((len(answers), 2))
-    for k, (answer, row) in enumerate(answers):
+    for answer_number, (answer, row) in enumerate(answers):
         if answer.bulk_stress_lower is not None:
-            stresses[k, 0] = answer.bulk_stress_lower[row]
+            stresses[answer_number, 0] = answer.bulk_stress_lower[row]
         if answer.bulk_stress_upper is not None:
-            stresses[k, 1] = answer.bulk_stress_upper[row]
+            stresses[answer_number, 1] = answer.bulk_stress_upper[row]
     return stresses
 
 
 def _shears_on_coarse_grids(
     answers: list[tuple[ContactSolution, int]], path_loads: PathLoads, profile: TiltedProfile
 ) -> list[Array | None]:
-    """For each answer and number of its instant the shear (k,) at its points by grids of half as
-    many cells and increments [stress]; None where the answer is not from grids.
+    """Shear (k,) at the points of each answer [stress], by grids of half as many cells and
+    increments; None where the answer is not from grids.
 
-    All answers are of one scene, with these loads over time and this gap, as a contact under load
-    and tilt.
+    Parameters
+    ----------
+    answers
+        pairs of a solution and the number (row) of the instant in it, all of one scene
+    path_loads
+        P, Q, bulk strain and tilt of that scene over time
+    profile
+        its gap, as a contact under load and tilt
     """
     coarse_shears: list[Array | None] = [None] * len(answers)
+    # Instants of the same solution are solved together.
     numbers_by_answer: dict[int, list[int]] = {}
     for number, (answer, _) in enumerate(answers):
         if "grids" in answer.work.counts:
@@ -451,6 +498,7 @@ def _shears_on_coarse_grids(
         answer = answers[numbers[0]][0]
         rows = [answers[number][1] for number in numbers]
         scene = answer.scene
+        # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         coarse_path = follow_on_grid(
             path_loads,
             profile,
@@ -479,9 +527,10 @@ def _edge_tensions_of_answer(
     cos(phi) that is the mean over phi of 2 q cot(phi/2) at the left edge, of -2 q tan(phi/2) at the
     right one.
 
-    The uncertainty is a sum of the change by half of the points, the error of straight lines of q/p
-    between points, and of an answer from grids the change by coarse grids and a share of the stated
-    error of the shear. Both values are 0 where no point is in contact.
+    The uncertainty is a sum: the change if half of the points are used, and 1e-3 of f times the
+    largest pressure, since q/p is taken as straight lines between points. For an answer from grids
+    the change by coarse grids and a fraction of the stated error of the shear are added. Stress and
+    uncertainty are 0 where no point is in contact.
 
     Parameters
     ----------
@@ -496,6 +545,7 @@ def _edge_tensions_of_answer(
     points_in_contact = np.flatnonzero(pressure_at_points > 0)
     if not len(points_in_contact):
         return np.zeros(2), np.zeros(2)
+    # Angles phi and 512 places across the contact, with the exact pressure there.
     phi, places = _places_across(answer, row, _PLACES_OF_TENSION)
     pressure = _pressure_across(answer, row, profile, places)
     weighted_pressures = 2 * pressure * np.stack([1 / np.tan(phi / 2), -np.tan(phi / 2)])
@@ -535,7 +585,9 @@ def _places_across(answer: ContactSolution, row: int, count: int) -> tuple[Array
 def _pressure_across(
     answer: ContactSolution, row: int, profile: TiltedProfile, places: Array
 ) -> Array:
-    """Pressure (n,) at places in the contact of an answer at the instant number `row` [stress]."""
+    """Exact pressure at places x (n,) in the contact of an answer at the instant number `row`, (n,)
+    [stress]. `profile` is the gap, as a contact whose pressure follows from centre and half-width.
+    """
     edges = answer.contact_edges[row]
     return profile.pressure_over(places, edges.mean(keepdims=True), np.diff(edges) / 2)[0]
 
@@ -546,12 +598,22 @@ def _stress_by_sine_series(
     """Stress s_xx, s_yy, s_xy of a body below y = 0 at places x, y (n,), (n, 3), by sine series of
     the tractions of an answer at the instant number `row`; without the bulk stress.
 
+    Parameters
+    ----------
+    answer, row
+        half-plane solution with pressure and shear, and the number of its instant
+    profile
+        the gap, as a contact whose pressure follows from centre and half-width
+    x, y
+        (n,) places [length], y <= 0
+    side
+        1 for the lower body, -1 for the upper one, whose shear acts the other way
+
     # notation: zeta = (x + i y - middle)/half-width, omega = zeta - sqrt(zeta^2 - 1); N, T
     #           potentials of pressure and shear, N = pi sum A_k omega^k for p = sum A_k sin(k phi)
 
     p is exact, q/p linear between the points of the answer. The series of p and q across the
-    contact are summed by Horner's rule. `side` is 1 for the lower body and -1 for the upper one,
-    whose shear acts the other way. 0 where no point of the answer is in contact.
+    contact are summed by Horner's rule. The stress is 0 where no point of the answer is in contact.
     """
     is_in_contact = answer.pressure[row] > 0
     if not is_in_contact.any():
@@ -559,11 +621,13 @@ def _stress_by_sine_series(
     left_edge, right_edge = answer.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
+    # As many places as terms, with the exact pressure there.
     _, places = _places_across(answer, row, _SERIES_TERMS)
     pressure = _pressure_across(answer, row, profile, places)
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
     shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
-    # phi of the sine series is counted from the right edge
+    # phi of the sine series is counted from the right edge, so that places are reversed.
+    # A_k of pressure and of shear, (2, terms).
     sine_series = scipy.fft.dst(np.stack([pressure, side * shear])[:, ::-1], 2) / _SERIES_TERMS
     # Summed at the mirror image x - i y, above the cut of the root. The coefficients are real, so
     # that the conjugate of the sum is its value at x + i y.
@@ -577,6 +641,7 @@ def _stress_by_sine_series(
         terms_needed = np.minimum(
             np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _SERIES_TERMS
         )
+    # Terms of which |omega|^k is above 1e-17; points with most terms first.
     order_by_terms = np.argsort(-terms_needed, kind="stable")
     omega = omega[order_by_terms]
     points_with_term = np.searchsorted(
@@ -614,7 +679,8 @@ def _stress_from_potentials(
         pi s_yy = -Im N          + y (Re N' - Im T')
         pi s_xy =  Im T          + y (Im N' + Re T')
 
-    `y_normal_derivative` is y N', `y_tangential_derivative` y T', (n,) complex each.
+    N and T are functions of z = x + i y. `y_normal_derivative` is y N', `y_tangential_derivative`
+    y T', (n,) complex each.
     """
     stress_by_depth = y_normal_derivative.real - y_tangential_derivative.imag
     stress_by_pressure = -normal_potential.imag
@@ -632,10 +698,13 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
 
     The contact is a superposition of flat punches: those up to the load eta make up the contact
     under P = eta. M(eta) is the tangential force that they carry. From the load at the stick edge
-    to P the contact slips: M' is f or -f. Below that edge are the pieces stored with the snapshot.
+    to P the contact slips: M' is f or -f. Below that edge the curve consists of pieces. The
+    `snapshot` holds for each of several instants P as `load`, P minus the load at the stick edge as
+    `slip_zone_load`, the direction of slip, and the number of the piece on which the edge lies.
     """
     load = float(snapshot.load[instant_number])
     stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
+    # The slip zone: M' is f in the direction of slip.
     if stick_edge_load < load:
         slope = float(snapshot.direction[instant_number] * snapshot.friction)
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
@@ -664,10 +733,19 @@ def _potentials(
     """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
     y <= 0: complex (4, n), summed over the flat punches of a contact.
 
-    The memory curve M(eta) is the tangential force of the punches up to the load eta. `curve_parts`
-    are lower load, upper load and slope M' of its smooth parts; M' is the tangential load of a
-    punch per normal load. The derivatives are left 0 on the face, where they only occur times
-    y. Places with x < 0 follow by symmetry.
+    The memory curve M(eta) is the tangential force of the punches up to the load eta. The
+    derivatives are left 0 on the face, where they only occur times y. Places with x < 0 follow by
+    symmetry.
+
+    Parameters
+    ----------
+    contact
+        half-widths a(P) of the profile
+    curve_parts
+        lower load, upper load and slope M' of each smooth part of M; M' is the tangential load of a
+        punch per normal load
+    x, y
+        (n,) places [length]
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
@@ -684,8 +762,8 @@ def _potentials(
 def _panels_between(
     contact: SymmetricContact, least_width: float, largest_width: float
 ) -> Iterator[tuple[float, float]]:
-    """First and last half-width [length] of panels between two half-widths, cut where the profile
-    has a corner.
+    """First and last half-width of each panel into which the flat punches between two half-widths
+    are divided [length]: cut where the profile has a corner (`corner_half_widths`).
     """
     inner_corners = (
         place for place in contact.corner_half_widths if least_width < place < largest_width
@@ -696,10 +774,14 @@ def _panels_between(
 
 
 def _distances_to_nodes(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
-    """Distances from `place` of the quadrature nodes for inverse roots between `begin` and `end`,
-    without cancellation at either end; a new last axis is that of the nodes.
+    """Distances from `place` of the quadrature nodes between `begin` and `end`, without
+    cancellation at either end; a new last axis is that of the nodes.
+
+    The nodes are crowded at both ends, for integrands with inverse roots there. The arrays
+    broadcast.
     """
     rule = RULE_FOR_INVERSE_ROOTS
+    # Distances of the nodes from 0 and from 1, on a range of length 1.
     span_length = np.subtract(end, begin)
     distance_from_begin = np.subtract(begin, place) + span_length * rule.distance_from_begin
     distance_from_end = np.subtract(end, place) - span_length * rule.distance_from_end
@@ -717,21 +799,26 @@ def _add_panel_of_punches(
     """Add to Muskhelishvili's potentials (4, n) at places x >= 0, y <= 0 (n,) the flat punches with
     half-widths between the two `ends` [length].
 
-    `slope` is their tangential load per normal load, M'(eta). The potential of a punch is singular
-    at |x| equal to its half-width. The panel is cut there for points x between its ends.
+    `slope` is their tangential load per normal load, M', as a function of the load eta. `contact`
+    gives eta of a half-width. The potential of a punch is singular at |x| equal to its half-width.
+    The panel is cut there for points x between its ends.
     """
     begin_width, end_width = ends
     panel_width = end_width - begin_width
     rule = RULE_FOR_INVERSE_ROOTS
+    # A rule for inverse roots at both ends: distances of its nodes from 0 and from 1, and weights.
     in_lower_half = rule.distance_from_begin < 0.5
     half_widths = _distances_to_nodes(0.0, begin_width, end_width)
+    # Normal and tangential load at each node, (2, nodes).
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
     points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
+    # Points beside the panel, many at once.
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _distances_to_nodes(x[point_numbers, None], begin_width, end_width)
         _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
+    # Points whose |x| is a half-width of the panel: the panel is cut there into two parts.
     points_in_panel = np.flatnonzero(is_in_panel)
     for point_numbers in np.array_split(
         points_in_panel, 1 + len(points_in_panel) // points_at_once
@@ -752,11 +839,15 @@ def _add_panel_of_punches(
 def _loads_of_punches(
     contact: SymmetricContact, slope: Slope, half_widths: Array, node_weights: Array
 ) -> Array:
-    """Normal load d eta and tangential load M' d eta of the flat punches at quadrature nodes, (2,
-    ...) [force per thickness].
+    """Normal load d eta and tangential load M' d eta that belong to the flat punches at quadrature
+    nodes, (2, ...) [force per thickness].
+
+    `slope` is M' as a function of the load eta. `half_widths` (...) are those of the punches,
+    `node_weights` (...) the weights of the nodes as half-widths [length]. `contact.stiffness` is d
+    eta/da.
     """
-    rise = contact.stiffness(half_widths) * node_weights
-    return np.stack([rise, rise * slope(contact.load(half_widths))])
+    load_steps = contact.stiffness(half_widths) * node_weights
+    return np.stack([load_steps, load_steps * slope(contact.load(half_widths))])
 
 
 def _add_punches(
@@ -791,10 +882,12 @@ def _add_punches(
         -distance_to_punch * (2 * x_of_points + distance_to_punch) - y_of_points * y_of_points
     )
     squared_root.imag = 2 * x_of_points * -np.abs(y_of_points)
+    # 1/sqrt(z^2 - a^2), (m, nodes); the sum over the nodes with the loads of the punches.
     kernel = 1 / np.sqrt(squared_root)
     potentials[:2, point_numbers] += np.einsum(
         "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, kernel
     )
+    # Derivatives -z/(z^2 - a^2)^(3/2) inside the body; on the face they are left 0.
     numbers_in_body = np.flatnonzero(y_of_points[:, 0] != 0)
     if len(numbers_in_body):
         kernel = kernel[numbers_in_body] / squared_root[numbers_in_body]
