@@ -122,7 +122,7 @@ def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
     """A caller's numbers as an array (n,), a single number as (1,); None where none are given.
 
     InputError, with the `name` of the argument, for an empty list and for more than one dimension;
-    also for numbers that are not finite or above `LARGEST_NUMBER`.
+    also for numbers that are not finite or above `LARGEST_NUMBER`, 1e100.
     """
     if values is None:
         return None
@@ -196,33 +196,38 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
     """The solution that `solve` returns, read-only, from what half-plane theory found for a
     question.
 
-    Fields that the question did not ask for, and whatever the findings name as skipped, stand in
-    `work.skipped` with the reason.
+    Values, loads and dissipations come under their names in the solution. Fields that the question
+    did not ask for, and whatever the findings name as skipped, stand in `work.skipped` with the
+    reason.
     """
-    arrays: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(findings.values)
-    for name, values in arrays.items():
+    values_by_name: dict[str, Any] = {"time": findings.time, "x": findings.x} | dict(
+        findings.values
+    )
+    for name, values in values_by_name.items():
         if isinstance(values, np.ndarray) and values.flags.writeable:
-            arrays[name] = read_only_copy(values, values.dtype)
+            values_by_name[name] = read_only_copy(values, values.dtype)
     errors = dict(findings.errors)
     if not question.wants("loop_work"):
-        arrays["loop_work"] = math.nan
+        values_by_name["loop_work"] = math.nan
         errors.pop("loop_work", None)
-    instants = len(findings.time)
+    n_instants = len(findings.time)
+    # how the path ended, with checks, errors and notes
     record = Record(
         converged=True,
         termination=findings.termination,
         message=findings.message,
-        iterations=read_only_copy(np.zeros(instants), np.int64),
+        iterations=read_only_copy(np.zeros(n_instants), np.int64),
         certificates=findings.certificates,
         energy=findings.energy,
         notes=findings.notes,
         errors=errors,
     )
     not_asked_for = {
-        name: (instants, "not asked for") for name in FIELDS if name not in question.fields
+        name: (n_instants, "not asked for") for name in FIELDS if name not in question.fields
     }
+    # what was computed, skipped, and how long it took
     work = Work(
-        {"instants": instants, "points": len(findings.x), **findings.counts},
+        {"instants": n_instants, "points": len(findings.x), **findings.counts},
         not_asked_for | dict(findings.skipped),
         findings.seconds,
     )
@@ -240,7 +245,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         work=work,
         settings=settings,
         versions=dict(_versions()),
-        **arrays,
+        **values_by_name,
     )
 
 

@@ -165,7 +165,9 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
 
     The memory curve is the tangential force of the flat punches up to each normal load. With bulk
     stress or tilt one curve is enough for some load paths alone: `bulk_tilt_path` has such a path
-    and its tilted contact. It is None without bulk stress and tilt.
+    and its tilted contact. It is None without bulk stress and tilt. The question holds scene,
+    fields, and points and instants, None where theory chooses them; its `cycles` is "all" or
+    "steady", the steady cycle alone.
 
     Raises
     ------
@@ -174,8 +176,10 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     NotFoundError
         Where a value of a field, a half-width or an error is not a number.
     """
-    started = clock.perf_counter()
+    time_at_start = clock.perf_counter()
     scene = question.scene
+
+    # the friction history, and the instants
     path = path_of_question(question, bulk_tilt_path)
     time = question.time
     n_rows_left_out = 0
@@ -185,19 +189,28 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
         )
         if question.cycles == "steady":
             path = replace(path, covered=path.covered[-1:])
+
+    # contact, points and instants, then states at the instants and work of the cycles
     request = _request_of(question, bulk_tilt_path, path, time)
-    history_done = clock.perf_counter()
+    time_after_history = clock.perf_counter()
     path_answer = path_result(path, request)
-    work_done = clock.perf_counter()
+    time_after_work = clock.perf_counter()
+
+    # values over time, fields at the points, and their errors
     loads_and_edges = _values_over_time(request, path_answer.snapshot)
+    # arcs: curved pieces of the memory curve
     fields, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
-    fields_done = clock.perf_counter()
+    time_after_fields = clock.perf_counter()
     work_of_last_cycle = float(path_answer.works[-1])
+    # closed integral of Q dU of the last cycle
     loop_work = _loop_work_of(path_answer)
     errors = _relative_errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
+    # of loads below round-off that were left out
     errors_of_neglect = _errors_of_neglect(question, bulk_tilt_path)
     for name, error in errors_of_neglect.items():
         errors[name] = errors.get(name, 0.0) + error
+
+    # sentences for the record
     notes = [
         *neglected_coupling(scene.material),
         *_neglected_loads(bulk_tilt_path),
@@ -206,9 +219,14 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     ]
     termination, message = _term_and_sentence_of_end(path)
     permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
-    seconds = {"history": history_done - started, "fields": fields_done - work_done}
-    seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
-    # Work of each increment, where every instant is a row of the path.
+    seconds = {
+        "history": time_after_history - time_at_start,
+        "fields": time_after_fields - time_after_work,
+    }
+    seconds["dissipation"] = (
+        time_after_work - time_after_history + clock.perf_counter() - time_after_fields
+    )
+    # Work of each increment of load, where every instant is a row of the path.
     energy_over_time = {}
     if len(path_answer.work_increments):
         energy_over_time["dissipation"] = read_only_copy(path_answer.work_increments)
@@ -244,7 +262,8 @@ def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> Loa
 
     With bulk stress or tilt `bulk_tilt_path` has the P and Q to follow, and the tilted contact;
     None without these. A path comes as a `LoadSeries` where it is all straight, else as a
-    `History`.
+    `History`. `cycles` of the scene is the largest number of cycles to follow where no times are
+    asked for.
 
     Raises
     ------
@@ -285,9 +304,11 @@ def _request_of(
     """What is to be evaluated along a followed `path`: contact, fields, instants `time` (n,) and
     points x [length].
 
-    A question without points gets them across the contact at the largest P. On a long record with
-    no field that needs points it gets x = 0 alone. A symmetric contact is evaluated at the
-    different |x| only. `bulk_tilt_path` has the tilted contact; None without bulk stress and tilt.
+    The question holds scene, fields and points; `wants_pointwise` tells whether a field at points
+    and instants is among them. A question without points gets them across the contact at the
+    largest P. On a long record with no field that needs points it gets x = 0 alone. A symmetric
+    contact is evaluated at the different |x| only, the `distance` (k,); `distance_index` is that of
+    each point. `bulk_tilt_path` has the tilted contact; None without bulk stress and tilt.
     """
     scene = question.scene
     if bulk_tilt_path is not None:
@@ -306,6 +327,7 @@ def _request_of(
         distance, distance_index = distances_and_indices(x)
     else:
         distance, distance_index = np.unique(x, return_inverse=True)
+    # E*
     modulus = composite_modulus(scene.material)
     return Request(
         contact, modulus, time, x, distance, distance_index, question.fields, bulk_tilt_path
@@ -319,9 +341,9 @@ def distances_and_indices(x: Array) -> tuple[Array, Indices]:
     >>> distances_and_indices(np.array([-1.0, 0.0, 1.0 + 2.3e-16]))
     (array([0., 1.]), array([1, 0, 1]))
     """
-    distances, place_of_distance = np.unique(np.abs(x), return_inverse=True)
-    is_new = np.diff(distances, prepend=-np.inf) > 2 * np.finfo(float).eps * distances[-1]
-    return distances[is_new], (np.cumsum(is_new) - 1)[place_of_distance]
+    distances, index_of_distance = np.unique(np.abs(x), return_inverse=True)
+    is_distinct = np.diff(distances, prepend=-np.inf) > 2 * np.finfo(float).eps * distances[-1]
+    return distances[is_distinct], (np.cumsum(is_distinct) - 1)[index_of_distance]
 
 
 def _points_of(contact: Contact, largest_load: float) -> Array:
@@ -349,8 +371,10 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     path = _path_of(scene, time)
     if isinstance(path, History):
         return contact, path.snapshot(time)
-    # Memory curves are stored where a field needs them: shear does, at whichever point.
+    # A load series stores memory curves only where a field needs them: shear does, at whichever
+    # point.
     middle_point, middle_index = distances_and_indices(np.zeros(1))
+    # E*
     modulus = composite_modulus(scene.material)
     request = Request(
         contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
@@ -468,10 +492,11 @@ class _InstantsOnPath(NamedTuple):
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
         """Of the instants in `n_steps` steps from number `first_step` on: step counted from that
-        one, share of the step that is over, tolerance of that share; (k,) each.
+        one, share of the step that is over, tolerance of that share; (k,) each. `step`,
+        `share_of_step` and `share_tolerance` are those of all instants, in the order of the path.
         """
-        bounds = np.searchsorted(self.step, [first_step, first_step + n_steps])
-        instants = slice(*bounds.tolist())
+        first_and_last = np.searchsorted(self.step, [first_step, first_step + n_steps])
+        instants = slice(*first_and_last.tolist())
         return (
             self.step[instants] - first_step,
             self.share_of_step[instants],
@@ -542,7 +567,8 @@ class _SeriesSums:
 
         A record is a part of a step, with slip in one direction or in full stick. The memory curve
         M(eta) is the tangential force of the flat punches up to the load eta. Each step adds one
-        straight piece to it, and slip drops those that it passes.
+        straight piece to it, and slip drops those that it passes. Pieces alive are those of a curve
+        at one time, the most of all blocks.
 
         Parameters
         ----------
@@ -554,6 +580,7 @@ class _SeriesSums:
         n_records = len(block.records.step_number)
         n_slips = int(np.count_nonzero(block.records.direction))
         n_steps = len(block.rows) - 1
+        # pieces of the curve at the end of the block
         pieces_after = line_count_of(block.curve)
         self.counts["spans"] += n_records
         self.counts["slips"] += n_slips
@@ -577,24 +604,29 @@ class _SeriesSums:
         Parameters
         ----------
         part_number, first_step
-            number of the part of the path, and number of the block's first step in the whole path
+            number of the part of the path (initial loading or a cycle), and number of the block's
+            first step in the whole path
         request
-            contact, A/pi and the points of W(x)
+            holds the contact, A/pi as `unit_compliance`, and the points |x| of W(x), `distance`
         friction
             f
+        wanted_integrals
+            whether the work, the work of each step and W(x) are wanted
         """
         contact = request.contact
         work_per_integral = request.unit_compliance * friction
+        # parts of steps in which a part of the contact slips
         slipping_records = block.records.slipping()
         if wanted_integrals.work:
             integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
             if wanted_integrals.work_of_steps:
                 n_steps = len(block.rows) - 1
-                step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
-                self.step_works[step_numbers] = work_per_integral * np.bincount(
+                rows_after_steps = slice(first_step + 1, first_step + 1 + n_steps)
+                self.step_works[rows_after_steps] = work_per_integral * np.bincount(
                     slipping_records.step_number, integrals, n_steps
                 )
         if wanted_integrals.density:
+            # `density_of_records`: the sum of int p arccosh(|x|/c) dw over the records
             self.density += work_per_integral * density_of_records(
                 contact, slipping_records, request.distance
             )
@@ -611,8 +643,9 @@ class _SeriesSums:
 
         Work is f A/pi = `work_per_integral` times int Lam dw. Here w = +-Q - f P, the sign that of
         slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the
-        half-widths of contact and of stick.
+        half-widths of contact and of stick, P_c the load at the stick edge.
         """
+        # int Lam dw of each record, and number of quadrature nodes
         integrals, n_nodes = slip_work(contact, slipping_records)
         self.works[part_number] += work_per_integral * float(np.sum(integrals))
         self.work_errors[part_number] += work_per_integral * work_error(contact, slipping_records)
@@ -642,7 +675,7 @@ class _SeriesSums:
 
     def update_least_stick_load(self, block: StepBlock) -> None:
         """Lower the least load P_c at the stick edge of the last cycle to that of a block of load
-        steps, where it is lower.
+        steps, where it is lower; slip zones carry P - P_c.
         """
         records = block.records
         stick_loads = records.load_at_begin - records.slip_zone_load_at_begin
@@ -657,39 +690,47 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
     The path was followed once to find its cycles. Now the parts of it that the answer needs, its
     initial loading or cycles, are followed again. Work and states are gathered block by block, a
-    block being some thousand steps of a part.
+    block being at most ten thousand steps of a part. `covered_parts` are the numbers of the parts
+    that the answer covers, one for each whole cycle.
     """
     friction = series.friction
     wants_work = request.wants("dissipation")
     wants_density = request.wants("dissipation_density")
     instants = _InstantsOnPath.along(series, request.time)
-    wants_increments = wants_work and instants.all_at_rows
+    wants_work_of_steps = wants_work and instants.all_at_rows
     covered_parts = series.covered_parts
     last_part = covered_parts[-1]
+    # gathers the closed integral of Q dU of the last cycle; None where it is not wanted
     loop_integral = _empty_loop_integral(series, request)
     # With bulk stress and tilt the moment of the shear is in every answer.
     needs_curves = request.bulk_tilt_path is not None or request.wants(
         "shear", "slip", "tangential_displacement"
     )
+
+    # where the sums are gathered: friction states, and works (parts,) with their errors
     states = States(friction, needs_curves)
     path_sums = _SeriesSums(
         works=np.zeros(len(series.parts)),
         work_errors=np.zeros(len(series.parts)),
         slip_zone_shares=np.zeros(len(series.parts)),
-        step_works=np.zeros(1 + (series.first_steps[-1] if wants_increments else 0)),
+        step_works=np.zeros(1 + (series.first_steps[-1] if wants_work_of_steps else 0)),
         density=np.zeros(len(request.distance)),
     )
+
+    # follow the parts again, block by block
     for part_number in _parts_needed(series, instants.step):
         part: PathPart = series.parts[part_number]
         is_last = part_number == last_part
         wanted_integrals = _IntegralsOfPart(
-            work=wants_work and (wants_increments or part_number in covered_parts),
-            work_of_steps=wants_increments,
+            work=wants_work and (wants_work_of_steps or part_number in covered_parts),
+            work_of_steps=wants_work_of_steps,
             density=wants_density and is_last,
         )
+        # pieces of the memory curve
         pieces_before = line_count_of(part.curve)
         for first_row, block in blocks_of_part(part, friction, states.stores_curves):
             first_step = series.first_steps[part_number] + first_row
+            # the states at the instants within the block
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
             path_sums.update_slip_zone_share(block, part_number, part)
             path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
@@ -700,6 +741,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
                 if loop_integral is not None:
                     loop_integral.add_block(block)
 
+    # works of the covered cycles and their relative errors
     roundoff_errors_of_parts = path_sums.roundoff_errors_of_parts()
     relative_errors = path_sums.quadrature_errors_of_parts() + roundoff_errors_of_parts
     works = np.full(len(covered_parts), math.nan)
@@ -708,9 +750,11 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         works = path_sums.works[covered_parts]
         work_errors = relative_errors[covered_parts]
     work_increments = np.empty(0)
-    if wants_increments:
+    if wants_work_of_steps:
+        # copies of the last cycle by which instants lie beyond the followed path
         work_beyond = series.cycles_beyond(request.time) * path_sums.works[last_part]
         work_increments = _increments_of_work(path_sums, instants, work_beyond)
+    # friction states at the instants, and M(P) - Q of each
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathResult(
         snapshot=snapshot,
@@ -735,7 +779,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
     """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
-    added; None where it is not asked for, the cycle is not steady or has no load.
+    added; None where it is not asked for, the cycle is not steady or has no load. `covered` are the
+    cycles that the answer covers, `covered_parts` their numbers among the parts of the path;
+    `steady_from` is the first steady cycle, None without one.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
@@ -757,9 +803,10 @@ def _increments_of_work(
     Parameters
     ----------
     path_sums
-        with the work of each step of the path
+        with the work of each step of the path, after a 0 for its start
     instants
-        the load step that each instant ends
+        in the order of the path: the load step that each instant ends, and, for each instant of the
+        request, its place in that order
     work_beyond
         (n,) work of the whole cycles by which instants lie beyond the path that was followed
     """
@@ -774,6 +821,7 @@ def _increments_of_work(
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
     """Numbers of the parts of a path, initial loading or cycles, to be followed: those that the
     answer covers, and all from the part of the first to that of the last `step`, (n,) ascending.
+    `first_steps` are the numbers of the first step of each part.
     """
     first_part, last_part = np.searchsorted(series.first_steps, step[[0, -1]], side="right") - 1
     return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
@@ -791,7 +839,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     load path, from its spans: times of full stick, or of slip in one direction.
 
     W(x) and the closed integral of Q dU are those of the last covered cycle. The integral is None
-    where that cycle is not steady or no friction work was wanted.
+    where that cycle is not steady or no friction work was wanted. `covered` are the solved cycles
+    that the answer covers, `steady_from` is the first steady one, None without one.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -801,6 +850,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     integrated_spans = [
         span for cycle_number in works_of_cycles for span in history.cycles[cycle_number]
     ]
+    # W(x) at the distances of the request
     density: Array = np.full(len(request.distance), np.nan)
     density_error = 0.0
     if request.wants("dissipation_density"):
@@ -809,12 +859,14 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     loop_integral = None
     # Where W is no closed form, its error contains the difference of the closed integral from it.
     needs_loop = request.wants("loop_work") or not contact.has_closed_form
-    is_steady = history.steady_from is not None and last_cycle >= history.steady_from
-    if works_of_cycles and is_steady and needs_loop:
+    is_last_cycle_steady = history.steady_from is not None and last_cycle >= history.steady_from
+    if works_of_cycles and is_last_cycle_steady and needs_loop:
         loop_integral = LoopWork(0.0, 0.0)
         if works_of_cycles[last_cycle].work:
             loop_integral = closed_integral(contact, request.modulus, last_spans)
     n_slipping_spans = sum(span.direction != 0 for span in integrated_spans)
+
+    # one work for each covered cycle
     works = np.full(len(history.covered), math.nan)
     work_errors = np.zeros(len(history.covered))
     if works_of_cycles:
@@ -846,7 +898,8 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
     """Friction work per area W(x) of a cycle at the distances of a request, (k,), and its error
     over the largest W(x).
 
-    `spans` are the times of stick, or of slip in one direction, of the cycle.
+    `spans` are the times of stick, or of slip in one direction, of the cycle. A request holds the
+    normal contact, E* as `modulus` and the different |x|, `distance`.
     """
     density_parts = pointwise_dissipation(request.contact, request.modulus, spans, request.distance)
     density = density_parts.total
@@ -854,6 +907,7 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
     largest_error_of_points = float(np.max(density_parts.error))
     if largest_error_of_points:
         relative_error = largest_error_of_points / float(np.max(density))
+    # by the last digits of P_c, the load at the stick edge, where little slips
     relative_error += roundoff_error_of_little_slip("dissipation_density", slip_zone_share(spans))
     return density, relative_error
 
@@ -876,7 +930,9 @@ def _least_stick_load(spans: Sequence[Span]) -> float:
 
 def _force_error(snapshot: Snapshot) -> Array:
     """M(P) - Q at the instants of a curved path, (n,): the tangential force that the memory curve
-    carries, minus Q. It is 0 but for round-off [force per thickness].
+    carries, minus Q. It is 0 but for round-off [force per thickness]. The snapshot holds P, Q, the
+    load P - P_c of the slip zones, and the pieces of memory curves in which the stick edge P_c is,
+    each with the indices of its instants.
     """
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
@@ -892,7 +948,8 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     error, by the index of the cycle [energy per thickness].
 
     A steady ellipse of P and Q has formulas that keep their digits, however small the slip. Other
-    cycles are integrated over the times of slip.
+    cycles are integrated over the times of slip. `covered` are the cycles of the answer,
+    `steady_from` is the first steady one, None without one.
     """
     friction = history.spans[0].friction
     ellipses = None
@@ -911,7 +968,8 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
 
 def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _WorkOfCycle:
     """Friction work of a steady ellipse of P and Q, given as an array of one, and its relative
-    error by round-off; 0 where that is within what closed forms promise.
+    error by round-off; 0 where that is within what closed forms promise, 1e-12. `unit_compliance`
+    is A/pi, A = 2/E*; f is `friction`.
     """
     roundoff_error = float(error_by_digits_of_loads(ellipses)[0])
     work_forward, work_reverse = works_over_time(ellipses, request.contact)  # times pi E*/(2 f^2)
@@ -922,7 +980,7 @@ def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _
 
 def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
     """Friction work of a cycle by quadrature, and its relative error. `spans` are its times of
-    stick, or of slip in one direction.
+    stick, or of slip in one direction. The request holds the normal contact and E* as `modulus`.
     """
     work_parts = global_dissipation(request.contact, request.modulus, spans)
     error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
@@ -932,7 +990,8 @@ def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
 
 def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | None:
     """The ellipse of P and Q that a segment of the load path describes, for the formulas of steady
-    ellipses, as an array of one; None where the segment is no ellipse.
+    ellipses, as an array of one; None where the segment is no ellipse: P = P0 + P1 cos t,
+    Q = Q0 + Q1 cos(t - phase).
     """
     ellipse = segment.ellipse
     if ellipse is None:
@@ -953,7 +1012,8 @@ def _loop_work_of(answer: PathResult) -> float:
     dissipated.
 
     NaN where there is none, or where round-off leaves less than two digits of it, too few to
-    compare the friction work with.
+    compare the friction work with: its round-off is above 0.01 of the work. `works` are those of
+    the covered cycles.
     """
     if answer.loop_integral is None:
         return math.nan
@@ -970,9 +1030,11 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     names of a ContactSolution [force per thickness, length].
 
     With bulk stress and tilt also these, and the moments of the tractions; edges are then those of
-    the tilted contact. `snapshot` has the friction states at the instants. Displacements that were
-    not asked for are NaN, and so are the edges of no stick zone. Under a flat face the stick zone
-    is no narrower than the flat, at the very limit |Q| = f P too.
+    the tilted contact. `snapshot` has the friction states at the instants: P as `load`, Q as
+    `force`. A request holds its instants `time` (n,), the fields that it wants, and A/pi as
+    `unit_compliance`, A = 2/E*. Displacements that were not asked for are NaN, and so are the edges
+    of no stick zone. Under a flat face the stick zone is no narrower than the flat, at the very
+    limit |Q| = f P too.
 
     Raises
     ------
@@ -989,11 +1051,13 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
     scaled_displacement = np.full(len(request.time), np.nan)  # U pi/A
     approach = scaled_displacement
+    # the integral of ln(2 L/a) over the memory curve, at one point: x plays no part
     if request.wants("tangential_displacement"):
         scaled_displacement = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(
             snapshot
         )[:, 0]
     if request.wants("normal_approach"):
+        # A/pi int_0^P ln(2 L/a) d eta
         approach = request.unit_compliance * contact.approach_integral(snapshot.load)
     left_and_right = np.array([-1.0, 1.0])
     values = {
@@ -1017,13 +1081,17 @@ def _values_with_bulk_and_tilt(
     """What bulk stress and tilt add to the values over time, or change in them, by name: bulk
     stresses, tilt, moments of pressure and of shear, half-width, Q and approach (n,), edges (n, 2).
 
-    `values` are those of a contact centred at x = 0. `snapshot` has the friction states.
+    `values` are those of a contact centred at x = 0. `snapshot` has the friction states: P as
+    `load`, Q as `force`, P - P_c of the slip zones, P_c the load at the stick edge. A centre is the
+    middle of a contact or stick zone, NaN half-widths are those of no stick zone.
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
     # The curve may be locked-in bulk strain in terms of a load: the fraction of Q is then 0.
     tilted_values["tangential_load"] = snapshot.force * tilted_contact.tangential_fraction
+    # the same contact, whose kernel is the moment of the shear
     moment_contact = replace(tilted_contact, kernel_quantity="shear_moment")
+    # integrated over the memory curve
     shear_moment = KernelIntegrals(moment_contact, np.zeros(1), "shift").over_memory_curves(
         snapshot
     )[:, 0]
@@ -1060,13 +1128,14 @@ def _fields_at_points(
     (n, m) each, read-only; and the errors of shear and slip by integration along arcs.
 
     An arc is a curved piece of the memory curve M(eta), the tangential force of the flat punches up
-    to the load eta. A field that was not asked for is NaN, or open, and takes no memory. Tractions
-    are infinite at the tip of a sharp wedge.
+    to the load eta. A field that was not asked for is NaN, or open, and takes no memory. Fields are
+    computed at the different |x| of the request, `distance` (k,); `distance_index` (m,) is that of
+    each point. Tractions are infinite at the tip of a sharp wedge.
 
     Parameters
     ----------
     snapshot
-        friction states at the instants, with the memory curve of each
+        friction states at the instants, P among them, with the memory curve of each
     loads_and_edges
         half-widths and edges at each instant, by name
 
@@ -1083,6 +1152,8 @@ def _fields_at_points(
     }
     fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
     fields_at_distances: dict[str, NDArray[Any]] = {}
+
+    # integrals over memory curves: of the shear, and of slip over A/pi
     shear_integrals = KernelIntegrals(contact, distances, "shear")
     slip_integrals = KernelIntegrals(contact, distances, "slip")
     if request.wants("pressure"):
@@ -1095,6 +1166,8 @@ def _fields_at_points(
         )
     if request.wants("state"):
         fields_at_distances["state"] = _state_of(request, snapshot, loads_and_edges)
+
+    # from distances to points
     for name, values in fields_at_distances.items():
         _require_finite(name, values, request)
         field_at_points = values.take(request.distance_index, axis=1)
@@ -1108,6 +1181,7 @@ def _pressure_of(
 ) -> Array:
     """Contact pressure at the instants and distances of a request, (n, k) [stress]; with bulk
     stress and tilt from the edges and half-widths of the tilted contact in `loads_and_edges`.
+    `distance` (k,) are the different |x| (x with bulk stress and tilt), `snapshot.load` (n,) is P.
     """
     if request.bulk_tilt_path is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
@@ -1126,6 +1200,7 @@ def _state_of(
     A point in contact sticks between the stick edges. Outside of them it slips in the direction
     that `snapshot` has, and sticks where that is 0. Edges of contact and of stick, (n, 2), are in
     `loads_and_edges`. Where no edges of stick are left, NaN, the stick zone is x = 0 alone.
+    `snapshot` holds P as `load` and the direction, 1 forward, -1 in reverse, 0 none.
     """
     contact = request.contact
     distances = request.distance
@@ -1136,16 +1211,17 @@ def _state_of(
     codes_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     direction_at_points = snapshot.direction[:, None] * sign_at_points  # -1, 0 or 1
     state_of_slip = codes_by_direction[direction_at_points + 1]
-    is_stuck = is_between_edges(loads_and_edges["stick_edges"], distances)
+    is_between_stick_edges = is_between_edges(loads_and_edges["stick_edges"], distances)
     is_in_contact = is_between_edges(loads_and_edges["contact_edges"], distances)
     is_in_contact &= snapshot.load[:, None] > 0
-    contact_state = np.where(is_stuck, np.int8(STICK), state_of_slip)
+    contact_state = np.where(is_between_stick_edges, np.int8(STICK), state_of_slip)
     return np.where(is_in_contact, contact_state, np.int8(OPEN))
 
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
     """NotFoundError, with place and instant, where a value (n, k) of the field `name` is not
-    finite; tractions may be infinite at x = 0, the tip of a sharp wedge.
+    finite; tractions may be infinite at x = 0, the tip of a sharp wedge. The request holds its
+    instants `time` (n,) and the different |x|, `distance` (k,).
     """
     is_finite = np.isfinite(values)
     if name in ("pressure", "shear"):
@@ -1177,7 +1253,8 @@ def _relative_errors(
     Parameters
     ----------
     path_answer
-        friction states at the instants, and friction work of the cycles
+        friction states at the instants, and friction work of the covered cycles with their relative
+        errors
     loads_and_edges, fields
         the answer's values over time, and its fields, by name
     arc_errors
@@ -1194,10 +1271,12 @@ def _relative_errors(
     contact = request.contact
     errors = {"dissipation_density": path_answer.density_error}
     if request.wants("pressure", "shear", "slip"):
+        # points, loads and sizes from which the errors of fields follow
         kernel_sums = _kernel_sums(
             request, path_answer.snapshot, loads_and_edges, fields, arc_errors
         )
         errors |= errors_of_sums(contact, kernel_sums)
+    # by the last digits of P_c, the load at the stick edge, where little slips
     errors["slip"] = errors.get("slip", 0.0) + roundoff_error_of_little_slip(
         "slip", path_answer.largest_slip_zone_share
     )
@@ -1209,6 +1288,7 @@ def _relative_errors(
         )
     if request.wants("dissipation"):
         # The closed integral of Q dU is a second route to W: the two are compared.
+        # both relative to W; A/pi is `unit_compliance`
         kernel_error, difference_of_routes = error_of_work(
             contact,
             path_answer.spans,
@@ -1223,6 +1303,7 @@ def _relative_errors(
         error_of_worst_cycle = float(np.max(path_answer.work_errors))
         if error_of_worst_cycle > errors["dissipation"]:
             errors["cycle_dissipation"] = error_of_worst_cycle
+    # only what was asked for, and is not 0
     names_in_answer = (
         *request.fields,
         "cycle_dissipation",
@@ -1252,7 +1333,8 @@ def _kernel_sums(
     instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
-    straight piece of it adds its slope times the difference of a kernel at both its ends.
+    straight piece of it adds its slope times the difference of a kernel at both its ends. The
+    request holds the different |x|, `distance`, and A/pi, `unit_compliance`.
 
     Parameters
     ----------
@@ -1265,6 +1347,7 @@ def _kernel_sums(
     arc_errors
         errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
     """
+    # _SAMPLED_INSTANTS: 7
     sampled_instants = np.unique(
         np.linspace(0, len(snapshot.load) - 1, _SAMPLED_INSTANTS).astype(int)
     )
@@ -1272,6 +1355,7 @@ def _kernel_sums(
     slip = np.abs(fields["slip"])
     largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
     # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
+    # pieces of the curve at the sampled instants
     most_lines = _largest_piece_count(snapshot, sampled_instants) + 1
     return SumsOfKernels(
         distances=request.distance,
@@ -1293,7 +1377,8 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
 
 def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
     """Relative errors of the fields of friction, by name, where loads below round-off were left out
-    so that the frictional state is one memory curve; empty where they are negligible.
+    so that the frictional state is one memory curve; empty where they are negligible, below 1e-12
+    in all.
     """
     if bulk_tilt_path is None:
         return {}
@@ -1319,7 +1404,8 @@ def _notes_of_path(
 ) -> Iterator[str]:
     """Sentences for the notes of an answer: that the last cycle of a periodic path is not steady,
     where friction work was wanted; and that the answer to a measured record is given at `n_rows` of
-    its rows, without `n_rows_left_out`.
+    its rows, without `n_rows_left_out`. `covered` are the cycles of the answer, `steady_from` is
+    the first steady one, None without one.
     """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
@@ -1362,7 +1448,9 @@ def _skipped_work(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
-    are copies of the steady one, and quadratures over times of full stick.
+    are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
+    for each whole cycle of the answer, `cycles` the solved ones; `steady_from` is the first steady
+    one, None without one. `repeats` tells that cycles after it are copies.
     """
     skipped_work = {}
     n_copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
@@ -1384,7 +1472,8 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     an unsymmetric contact also its two edges [length]. NaN where nothing sticks throughout.
 
     The stick zone at an instant is as wide as the contact under a load P_c. The permanent one
-    belongs to the least P_c of the cycle. `largest_load` is the largest P of the path.
+    belongs to the least P_c of the cycle. `largest_load` is the largest P of the path,
+    `least_stick_load` of the answer the least P_c of the cycle.
     """
     # A P_c below the round-off of P counts as 0: nothing sticks at that instant, not even under a
     # flat face, whose half-width at no load is not 0.
@@ -1394,6 +1483,7 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     half_width = float(contact.half_width(stick_load)) if has_stick else math.nan
     half_width_and_edges: dict[str, Any] = {"permanent_stick_half_width": half_width}
     if isinstance(contact, TiltedProfile):
+        # left and right end of the contact under P_c
         edges = contact.interval(stick_load) if has_stick else np.full(2, math.nan)
         half_width_and_edges["permanent_stick_edges"] = edges
     return half_width_and_edges
@@ -1409,7 +1499,8 @@ def _admissibility_checks(
         cone                  the largest |q| - f p, over f times the largest p
 
     M(P) is the tangential force that the memory curve carries over the whole contact. The Coulomb
-    limit ("cone") is checked where `fields` have both tractions.
+    limit ("cone") is checked where `fields` have both tractions. `force_error` of the answer is
+    M(P) - Q, its snapshot holds P as `load` and f.
     """
     friction = answer.snapshot.friction
     largest_friction_force = friction * float(np.max(answer.snapshot.load))
@@ -1421,6 +1512,7 @@ def _admissibility_checks(
         # measure of the others.
         with np.errstate(invalid="ignore"):
             excess_shear = np.abs(fields["shear"]) - friction * pressure
+        # at each instant; NaN is ignored
         largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
         checks["cone"] = read_only_copy(

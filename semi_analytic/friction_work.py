@@ -86,8 +86,10 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     error [energy per unit thickness].
 
     A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
-    nothing sticks, nothing is added. From Q = 0 to k f P at constant P, with A = 2/E* and E* =
-    `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+    nothing sticks, nothing is added. W is f A/pi times the integral of w' Lam over the time of
+    slip, w = +-Q - f P, Lam the integral of ln(a/c) over the loads from P_c to P. P_c is the load
+    at the stick edge, c = a(P_c). From Q = 0 to k f P at constant P, with A = 2/E* and
+    E* = `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -100,21 +102,27 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    ranges = [
+    # one range of time for each span with slip; without a sticking piece the whole contact slips
+    ranges_of_spans = [
         _range_of_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
     def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
         """W pi/A of a range of time, (1,)."""
         span = span_range.span
+        # quadrature nodes and weights between begin and end of the range
         times, weights = rule(span_range.begin, span_range.end)
         load, _ = span.segment.loads(times)
         slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
         kernel = contact.dissipation_kernel(load, slip_zone_load)
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
-    split = _work_over_spans(contact, modulus, ranges, 1, _span_by_span(work_in_range))
-    return WorkByDirection(split.forward[0], split.reverse[0], split.error[0])
+    work_by_direction = _work_over_spans(
+        contact, modulus, ranges_of_spans, 1, _span_by_span(work_in_range)
+    )
+    return WorkByDirection(
+        work_by_direction.forward[0], work_by_direction.reverse[0], work_by_direction.error[0]
+    )
 
 
 QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
@@ -164,9 +172,9 @@ def _work_over_spans(
     There is one integral, for W, or one for each point x, for W(x); `integrals_along` holds the
     integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q - f P in slip.
 
-    A span is the time of one direction of slip. Each is integrated by one quadrature rule. Where
-    the edges of contact or stick move unevenly, or pass corners of the profile, it is halved until
-    the sum no longer changes.
+    A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
+    integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
+    corners of the profile, it is halved until the sum no longer changes.
 
     Parameters
     ----------
@@ -185,6 +193,7 @@ def _work_over_spans(
     WorkByDirection
         forward, reverse and the error of both, (n_integrals,) each
     """
+    # times at which an edge of contact or of stick passes a corner of the profile
     corner_times_of_spans = [
         corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
     ]
@@ -202,6 +211,8 @@ def _work_over_spans(
         [len(ranges_of_span.integral_number) > 0 for ranges_of_span in spans_with_ranges],
         dtype=bool,
     )
+
+    # a first estimate by one rule
     spans_by_rule_alone = np.flatnonzero(has_ranges & ~needs_halving).tolist()
     spans_to_halve = np.flatnonzero(has_ranges & needs_halving).tolist()
     integrals = np.zeros((len(spans_with_ranges), n_integrals))
@@ -212,9 +223,13 @@ def _work_over_spans(
         (crowded_nodes, spans_to_halve),
     ):
         if span_numbers:
-            integrals_of_spans = integrals_along([spans_with_ranges[k] for k in span_numbers], rule)
-            for k, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
-                integrals[k, spans_with_ranges[k].integral_number] = integrals_of_span
+            integrals_of_spans = integrals_along(
+                [spans_with_ranges[position] for position in span_numbers], rule
+            )
+            for position, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
+                integrals[position, spans_with_ranges[position].integral_number] = integrals_of_span
+
+    # halve until the sums no longer change
     if spans_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
@@ -228,7 +243,7 @@ def _work_over_spans(
             CONVERGED_CHANGE_SHARE,
         )
         allowed_error_of_span = relative_error * size_of_integrals
-        ranges_to_halve = [spans_with_ranges[k] for k in spans_to_halve]
+        ranges_to_halve = [spans_with_ranges[position] for position in spans_to_halve]
         span_number = np.repeat(
             spans_to_halve,
             [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
@@ -236,6 +251,7 @@ def _work_over_spans(
         integral_number = np.concatenate(
             [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
         )
+        # the integrals between given times, and what the last halving changed; cut at corners first
         integrals[span_number, integral_number], errors[span_number, integral_number] = (
             integrals_by_halving(
                 partial(
@@ -248,10 +264,14 @@ def _work_over_spans(
                 np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
                 np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
                 allowed_error_of_span[span_number],
-                np.unique(np.concatenate([corner_times_of_spans[k] for k in spans_to_halve])),
+                np.unique(
+                    np.concatenate([corner_times_of_spans[position] for position in spans_to_halve])
+                ),
                 first_estimate=integrals[span_number, integral_number],
             )
         )
+
+    # sum by the direction of slip
     is_forward = np.array(
         [ranges_of_span.span.direction > 0 for ranges_of_span in spans_with_ranges], dtype=bool
     )
@@ -289,15 +309,19 @@ def _integrals_of_parts(
         (n,) times at which the parts begin and end
     """
     spans_with_parts = np.unique(span_number[range_number]).tolist()
-    parts_of_spans = [np.flatnonzero(span_number[range_number] == k) for k in spans_with_parts]
+    parts_of_spans = [
+        np.flatnonzero(span_number[range_number] == number_of_span)
+        for number_of_span in spans_with_parts
+    ]
+    # a range of time for each part, by span
     part_ranges = [
         SpanRanges(
-            ranges[k].span,
+            ranges[number_of_span].span,
             integral_number[range_number[part_numbers]],
             begins[part_numbers],
             ends[part_numbers],
         )
-        for k, part_numbers in zip(spans_with_parts, parts_of_spans, strict=True)
+        for number_of_span, part_numbers in zip(spans_with_parts, parts_of_spans, strict=True)
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
@@ -322,7 +346,8 @@ def has_uneven_edges(contact: Contact, span: Span) -> bool:
     grow with a.
 
     An arc is a curved piece of the memory curve, tangential force of the flat punches up to each
-    load.
+    load. `half_width_may_be_steep` tells that P may hardly grow with a, the contact half-width. An
+    ellipse of P and Q has formulas.
     """
     if contact.half_width_may_be_steep:
         return True
@@ -330,6 +355,7 @@ def has_uneven_edges(contact: Contact, span: Span) -> bool:
         return False
     if span.sticking_piece is not None and span.sticking_piece.arc is not None:
         return True
+    # no formula: neither straight nor with P linear in time and Q(P) a parabola
     return not (span.segment.is_straight or span.segment.slope_and_bend(span.segment.end))
 
 
@@ -340,9 +366,11 @@ def pointwise_dissipation(
     its error, (k,) each [energy per area].
 
     A span is the time of one direction of slip, or of full stick. A point that always sticks, or is
-    never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip s
-    = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up to
-    P, P_c the load at the stick edge, A = 2/E*, E* = `modulus`.
+    never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip
+    s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up
+    to P, a the contact half-width, P_c the load at the stick edge, A = 2/E*, E* = `modulus`. In
+    general W(x) is f A/pi times the integral of p w' arccosh(|x|/c) over the time of slip,
+    w = +-Q - f P, c = a(P_c).
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -364,16 +392,22 @@ def pointwise_dissipation(
     """
     edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
     slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
-    ranges = []
+    ranges_of_spans = []
     for span in slip_spans:
+        # (k,) each; the end is not after the begin where a point never slips
         begin_time, end_time = slip_times(span, edge_loads)
-        points = np.flatnonzero(end_time > begin_time)
-        ranges.append(SpanRanges(span, points, begin_time[points], end_time[points]))
+        points_with_slip = np.flatnonzero(end_time > begin_time)
+        ranges_of_spans.append(
+            SpanRanges(
+                span, points_with_slip, begin_time[points_with_slip], end_time[points_with_slip]
+            )
+        )
 
     def density_in_ranges(span_range: SpanRanges, rule: QuadratureRule) -> Array:
         """W(x) pi/A at the points of a span's ranges of time, (n,)."""
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
+        # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
         x_of_points = x[span_range.integral_number, None]
         load, _ = span.segment.loads(times)
         stick_edge_load = load - span.slip_zone_load_at(times, load)
@@ -386,7 +420,9 @@ def pointwise_dissipation(
         density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
         return np.asarray(np.sum(density_at_nodes, axis=-1))
 
-    return _work_over_spans(contact, modulus, ranges, len(x), _span_by_span(density_in_ranges))
+    return _work_over_spans(
+        contact, modulus, ranges_of_spans, len(x), _span_by_span(density_in_ranges)
+    )
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -394,15 +430,15 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     each; the end is not after the begin where a point never slips.
 
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
-    or the edge of contact, reaches it. `edge_load` (k,) is P_x, the load at which the edge of
-    contact is at the point. The stick edge is at P_x when the path's excess +-Q - f P equals that
-    of the memory curve M(eta), the tangential force of the flat punches up to the load eta, at eta
-    = P_x.
+    or the edge of contact, reaches it. An instant holds its time and P. `edge_load` (k,) is P_x,
+    the load at which the edge of contact is at the point. The stick edge is at P_x when the path's
+    excess +-Q - f P equals that of the memory curve M(eta), the tangential force of the flat
+    punches up to the load eta, at eta = P_x.
     """
     assert span.sticking_piece is not None
     segment = span.segment
     # the combination +-Q - f P of the loads
-    excess = slip_combination(span.direction, span.friction)
+    slip_combination_of_loads = slip_combination(span.direction, span.friction)
     begin_instant = span.begin
     end_instant = span.end
     # The piece of the memory curve that holds the stick edge in this span.
@@ -414,9 +450,13 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
     excess_rise = excess_on_curve - float(
-        combination_change(span.sticking_piece.anchor, segment, excess, begin_instant.time)
+        combination_change(
+            span.sticking_piece.anchor, segment, slip_combination_of_loads, begin_instant.time
+        )
     )
-    time_of_stick_edge = segment.time_of(excess, excess_rise, begin_instant.time, end_instant.time)
+    time_of_stick_edge = segment.time_of(
+        slip_combination_of_loads, excess_rise, begin_instant.time, end_instant.time
+    )
     time_of_stick_edge = np.where(
         edge_load <= load_at_piece_bottom, end_instant.time, time_of_stick_edge
     )
@@ -428,11 +468,15 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     # From the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
     change_of_load = float(segment.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
+    # LEAST_LOAD_CHANGE: the least change of P that counts, next to 0
+    # P grows: the edge of contact reaches the point from within
     if change_of_load >= LEAST_LOAD_CHANGE:
-        time_of_touch = np.where(
+        time_of_first_contact = np.where(
             edge_load >= end_instant.normal_load, end_instant.time, time_of_contact_edge
         )
-        return np.maximum(begin_time, time_of_touch), end_of_span
+        return np.maximum(begin_time, time_of_first_contact), end_of_span
+
+    # P falls or keeps: the edge of contact leaves the point, or stays
     contact_reaches_point = edge_load < max(begin_instant.normal_load, end_instant.normal_load)
     end_time = time_of_contact_edge if change_of_load <= -LEAST_LOAD_CHANGE else end_of_span
     return begin_time, np.where(contact_reaches_point, end_time, begin_time)
@@ -443,8 +487,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     [energy per unit thickness], and the round-off error that U may leave in it.
 
     It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
-    where a constant added to U changes nothing; nor does any multiple of Q. A span is the time of
-    one direction of slip, or of full stick.
+    where a constant added to U, the relative tangential displacement, changes nothing; nor does any
+    multiple of Q. A span is the time of one direction of slip, or of full stick.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -473,7 +517,9 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     (0.017024392768, 0.017024392768)
     """
     largest_load = max(max(span.begin.normal_load, span.end.normal_load) for span in spans)
+    # U is counted from a datum at half the largest half-width
     contact = _with_moved_datum(contact, largest_load)
+    # integrals of ln(2 L/a) over memory curves, U pi/A; x plays no part
     integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
     # error counts along the whole way that Q goes.
@@ -487,10 +533,11 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     )
     roundoff = roundoff_of_displacement * total_change_of_force
 
-    ranges = [_range_of_span(span) for span in spans]
+    ranges_of_spans = [_range_of_span(span) for span in spans]
     work_along = partial(_works_of_ranges, integrals)
-    total = _work_over_spans(contact, modulus, ranges, 1, work_along).total[0]
-    return LoopWork(float(total), 2 / (math.pi * modulus) * roundoff)
+    # times A/pi
+    integral_of_loop = _work_over_spans(contact, modulus, ranges_of_spans, 1, work_along).total[0]
+    return LoopWork(float(integral_of_loop), 2 / (math.pi * modulus) * roundoff)
 
 
 def _works_of_ranges(
@@ -498,24 +545,25 @@ def _works_of_ranges(
 ) -> list[Array]:
     """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
 
-    U is the relative tangential displacement. It is evaluated by `integrals` at the quadrature
-    nodes of all spans in one call.
+    U is the relative tangential displacement, A = 2/E*. It is evaluated by `integrals` at the
+    quadrature nodes of all spans in one call.
     """
     nodes_of_spans = [rule(span_range.begin, span_range.end) for span_range in ranges]
     times_of_spans = [
         (span_range.span, times.ravel())
         for span_range, (times, _) in zip(ranges, nodes_of_spans, strict=True)
     ]
+    # U pi/A, the integral over the memory curve at each time
     displacement_at_nodes = integrals.over_memory_curves(snapshot_of(times_of_spans))[:, 0]
     first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
-    works = []
+    works_of_spans = []
     for span_range, (times, weights), displacement_in_span in zip(
         ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
     ):
         displacement = displacement_in_span.reshape(times.shape)
         force_rate = span_range.span.segment.rate_of(TANGENTIAL_LOAD, times)
-        works.append(-np.sum(displacement * force_rate * weights, axis=1))
-    return works
+        works_of_spans.append(-np.sum(displacement * force_rate * weights, axis=1))
+    return works_of_spans
 
 
 def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
@@ -544,8 +592,10 @@ def _means_along_records(
     quadrature nodes that it took.
 
     A record is a part of a load step in which P and P_c, the load at the stick edge, change
-    linearly. The function is singular at P = 0 and P_c = 0. Behind a load d above that of a corner
-    of the profile it goes as d^(3/2), which nodes that crowd to both ends resolve.
+    linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
+    which a(P) is smooth. A part holds the number of its record as `step_number` and its share of
+    the record as `step_share_at_end`. Behind a load d above that of a corner of the profile it goes
+    as d^(3/2), which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
@@ -553,12 +603,13 @@ def _means_along_records(
         the function of (record numbers (n,), P, P - P_c (n, nodes)): (n, nodes)
     """
     smooth_parts = _cut_where_unsmooth(contact, records)
+    # the nearer a singularity, or a corner below, the more nodes
     rule_number_of_part = _rule_numbers(
         _closeness_of_loads(smooth_parts, np.empty(0)),
         _closeness_of_loads(smooth_parts, contact.corner_loads),
     )
     means = np.zeros(len(records.step_number))
-    node_count = 0
+    n_nodes = 0
     for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
@@ -578,8 +629,8 @@ def _means_along_records(
         share_of_record = parts_of_rule.step_share_at_end
         means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
         means += np.bincount(parts_of_rule.step_number, means_of_parts, len(means))
-        node_count += load.size
-    return means, node_count
+        n_nodes += load.size
+    return means, n_nodes
 
 
 def _gauss_rule(count: int) -> QuadratureRule:
@@ -609,6 +660,8 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
     Closeness is 1 - d_min/d_max with the distances d of a load from the singularity, or from the
     load of the corner below, along the range of integration: 0 far away, 1 where it is reached.
     """
+    # _CLOSENESS_LIMITS: 0.05, 0.3, 0.6 and 0.9; above the last the graded rule, behind it the
+    # crowded one
     rule_number = np.searchsorted(_CLOSENESS_LIMITS, closeness_to_singularity)
     is_beside_corner = closeness_to_corner > np.maximum(
         closeness_to_singularity, _CLOSENESS_LIMITS[0]
@@ -624,6 +677,7 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
 
     It is 1 - d_min/d_max with the distances d along the part. P_c is the load at the stick edge.
     `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
+    `slip_zone_load_at_begin` is P - P_c there.
     """
     largest_closeness = np.zeros(len(parts.step_number))
     stick_edge_load = parts.load_at_begin - parts.slip_zone_load_at_begin
@@ -634,11 +688,14 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     ):
         least_load = np.minimum(load_at_begin, load_at_end)
         largest_load = np.maximum(load_at_begin, load_at_end)
+        # 0 below the first corner
         corner_load_below = np.append(0.0, corner_loads)[
             np.searchsorted(corner_loads, (least_load + largest_load) / 2)
         ]
-        closeness = _closeness(least_load - corner_load_below, largest_load - corner_load_below)
-        largest_closeness = np.maximum(largest_closeness, closeness)
+        closeness_of_load = _closeness(
+            least_load - corner_load_below, largest_load - corner_load_below
+        )
+        largest_closeness = np.maximum(largest_closeness, closeness_of_load)
     return largest_closeness
 
 
@@ -661,6 +718,7 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     `step_number` is the number of the record, and `step_share_at_end` the share of it that the part
     takes.
     """
+    # loads at which the edge of contact is at a corner
     cut_loads = contact.corner_loads
     if contact.half_width_may_be_steep and len(records.step_number):
         largest_load = max(float(np.max(records.load_at_begin)), float(np.max(records.load_at_end)))
@@ -668,6 +726,8 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
         cut_loads = np.append(cut_loads, contact.load(largest_half_width * _CUT_HALF_WIDTH_RATIOS))
     stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
     stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
+
+    # shares of the record at which P or P_c is a cut load, and its begin
     shares_at_cuts = [np.zeros((len(records.step_number), 1))]
     for load_at_begin, load_at_end in (
         (records.load_at_begin, records.load_at_end),
@@ -680,9 +740,13 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     share_at_begin = np.concatenate(shares_at_cuts, axis=1)
     share_at_begin.sort(axis=1)
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
+
+    # parts between neighbouring cuts
     record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
     begin_share = share_at_begin[record_number, cut_number]
     end_share = share_at_end[record_number, cut_number]
+
+    # P and P - P_c at the ends of the parts
     load = records.load_at_begin[record_number]
     load_growth = (records.load_at_end - records.load_at_begin)[record_number]
     slip_zone_load = records.slip_zone_load_at_begin[record_number]
@@ -705,23 +769,25 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
     """pi/(f A) times the friction work of each record of slip, int Lam dw, (m,) [force^2 per
     thickness^2], and the number of quadrature nodes that it took.
 
-    A record is a part of a load step with slip, w = +-Q - f P. Lam(P, P_c) is the integral of
-    ln(a/c) over the loads from P_c to P, c = a(P_c) the stick half-width.
+    A record is a part of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
+    the record. Lam(P, P_c) is the integral of ln(a/c) over the loads from P_c to P, c = a(P_c) the
+    stick half-width, A = 2/E*.
     """
-    mean_kernels, node_count = _means_along_records(
+    mean_kernels, n_nodes = _means_along_records(
         contact,
         records,
         lambda _, load, slip_zone_load: contact.dissipation_kernel(load, slip_zone_load),
     )
-    return records.level_rise * mean_kernels, node_count
+    return records.level_rise * mean_kernels, n_nodes
 
 
 def work_error(contact: Contact, records: Records) -> float:
     """Estimated error of pi/(f A) times the friction work of all slip records [force^2 per
-    thickness^2]; 0 for contacts with closed forms.
+    thickness^2], A = 2/E*; 0 for contacts with closed forms.
 
     It is the largest error of the kernel int ln(a/c) d eta, with that of the quadrature rule, in a
-    sample of records, times the sum of their `level_rise`, the growth of +-Q - f P along a record.
+    sample of 200 records, times the sum of the `level_rise` of all, the growth of +-Q - f P along a
+    record.
 
     Raises
     ------
@@ -738,6 +804,7 @@ def work_error(contact: Contact, records: Records) -> float:
     slip_zone_load = np.append(
         sampled_records.slip_zone_load_at_begin, sampled_records.slip_zone_load_at_end
     )
+    # kernel: int ln(a/c) d eta over the loads from P_c to P
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
     error_of_rule = _RELATIVE_ERROR_OF_GAUSS_RULES * contact.dissipation_kernel(
         load, slip_zone_load
@@ -754,11 +821,13 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """pi/(f A) times the friction work per area of all records of slip, at |x| = `x` (k,): the sum
     of int p arccosh(|x|/c) dw, (k,) [stress times force per thickness]; A = 2/E*.
 
-    A record is a part of a load step with slip. w = +-Q - f P grows in slip, p is the pressure at x
-    and c the stick half-width.
+    A record is a part of a load step with slip. A record is cut into parts along which the edges of
+    contact and stick pass no corner of the profile. w = +-Q - f P grows in slip, p is the pressure
+    at x and c the stick half-width.
     """
     density = np.zeros(len(x))
     smooth_parts = _cut_where_unsmooth(contact, records)
+    # _NODES_AT_ONCE: 200,000
     parts_at_once = max(_NODES_AT_ONCE // len(x), 1)
     for first_part in range(0, len(smooth_parts.load_at_begin), parts_at_once):
         parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
@@ -776,6 +845,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     where P_c = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as
     the nearest of these needs.
     """
+    # P_x
     edge_loads = contact.load(x)
     load_of_parts = parts.load_at_begin[:, None]
     load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
@@ -783,14 +853,17 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     stick_edge_drop = (parts.slip_zone_load_at_end - parts.slip_zone_load_at_begin)[
         :, None
     ] - load_growth
+    # of the part, between which each point slips, (parts, k) each
     begin_shares, end_shares = _shares_in_slip(
         load_of_parts, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
-    part_number, point = np.nonzero(end_shares > begin_shares)
-    begin_share = begin_shares[part_number, point][:, None]
-    end_share = end_shares[part_number, point][:, None]
-    x_of_pairs = x[point, None]
-    edge_load_of_pairs = edge_loads[point, None]
+
+    # pairs of a part and a point that slips in it
+    part_number, point_number = np.nonzero(end_shares > begin_shares)
+    begin_share = begin_shares[part_number, point_number][:, None]
+    end_share = end_shares[part_number, point_number][:, None]
+    x_of_pairs = x[point_number, None]
+    edge_load_of_pairs = edge_loads[point_number, None]
 
     def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
         """P and P_c at shares of the part, (n, nodes) each, for pairs of part and point (n,)."""
@@ -801,6 +874,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
         load_at_nodes = load_of_parts[part_of_pairs] + load_growth[part_of_pairs] * shares_at_nodes
         return load_at_nodes, np.maximum(stick_edge_load_at_nodes, 0.0)
 
+    # how near the integrand comes to its singularities, 0 far away, 1 where it reaches one
     all_pairs = np.arange(len(part_number))
     load_at_begin, stick_edge_load_at_begin = loads_at(all_pairs, begin_share)
     load_at_end, stick_edge_load_at_end = loads_at(all_pairs, end_share)
@@ -817,11 +891,13 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     )[:, 0]
     closeness_to_corner = _closeness_of_loads(parts, contact.corner_loads)[part_number]
     rule_of_pair = _rule_numbers(closeness_to_singularity, closeness_to_corner)
+
+    # integrate the pairs rule by rule
     density = np.zeros(len(x))
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
-        for j in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
-            pairs = pairs_of_rule[j : j + _NODES_AT_ONCE // n_nodes]
+        for first_pair in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
+            pairs = pairs_of_rule[first_pair : first_pair + _NODES_AT_ONCE // n_nodes]
             shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
             load_at_nodes, stick_edge_load_of_pairs = loads_at(pairs, shares_at_nodes)
             load_outside_stick = np.maximum(
@@ -838,7 +914,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
             work_of_pairs = parts.level_rise[part_number[pairs]] * np.sum(
                 integrand_at_nodes, axis=1
             )
-            density += np.bincount(point[pairs], work_of_pairs, len(x))
+            density += np.bincount(point_number[pairs], work_of_pairs, len(x))
     return density
 
 
@@ -905,12 +981,15 @@ class LoopWorkOfSeries:
     def add_block(self, block: StepBlock) -> None:
         """Add the next block of load steps to the closed integral of Q dU of a cycle, as -int U dQ.
 
-        U pi/A is summed record by record, a record being a part of a load step with one direction
-        of slip or none. Each takes the change of Q times the mean of U along it. U follows from the
-        integral of ln(2 L/a) over the loads up to P, and up to P_c at the stick edge.
+        U is the relative tangential displacement, A = 2/E*. U pi/A is summed record by record, a
+        record being a part of a load step with one direction of slip or none. Each takes the change
+        of Q times the mean of U along it. U follows from the integral of ln(2 L/a) over the loads
+        up to P, and up to P_c at the stick edge. L is the length of the datum of U, a the contact
+        half-width. `level_rise` is the growth of +-Q - f P along a record.
         """
         contact = self._contact
         records = block.records
+        # dM/d eta of the memory curve, tangential force up to each load, and +-f in the slip zones
         slope_at_stick_edge = block.line_table.slope
         slope_in_slip_zones = records.direction * self._friction
         load_growth = records.load_at_end - records.load_at_begin
@@ -932,6 +1011,7 @@ class LoopWorkOfSeries:
                 + part_of_slip_zones
             )
 
+        # growth of U pi/A along each record, and change of Q
         loads_at_ends = np.stack([records.load_at_begin, records.load_at_end], axis=1)
         slip_zone_load = np.stack(
             [records.slip_zone_load_at_begin, records.slip_zone_load_at_end], axis=1
@@ -945,7 +1025,10 @@ class LoopWorkOfSeries:
         force_change = np.where(
             records.direction == 0, slope_at_stick_edge * load_growth, force_change_in_slip
         )
+
+        # -int U dQ: U at the begin of the record plus the mean of its growth
         displacement_after = self._scaled_displacement + np.cumsum(rise_at_end - rise_at_begin)
+        # mean of the function along each record
         mean_rise, _ = _means_along_records(contact, records, displacement_rise)
         self._scaled_integral -= float(
             np.sum(force_change * (displacement_after - rise_at_end + mean_rise))
@@ -992,7 +1075,8 @@ def integrals_by_halving(
     first_estimate: Array | None = None,
 ) -> IntegralsAndErrors:
     """Integrals of m integrands, number k from begin[k] to end[k], by halving their ranges until
-    the sum no longer changes, and their errors (adaptive quadrature).
+    the sum no longer changes, and their errors (adaptive quadrature). An integral is the sum over
+    its parts.
 
     Parameters
     ----------
@@ -1032,11 +1116,13 @@ def integrals_by_halving(
     estimates = first_estimate
     if estimates is None:
         estimates = integrals_over(integrand_numbers, begins, ends)
+
+    # each turn halves all parts that have not converged
     while len(integrand_numbers):
-        cuts = (begins + ends) / 2
+        cut_of_parts = (begins + ends) / 2
         # The cut place next above the middle, else the one below it, else the middle itself. Not
         # close to an end: a part of next to no length would change nothing.
-        number_of_place_above = np.searchsorted(all_cut_places, cuts)
+        number_of_place_above = np.searchsorted(all_cut_places, cut_of_parts)
         least_length = (ends - begins) / 16
         for nearest_place in (
             all_cut_places[number_of_place_above - 1],
@@ -1045,31 +1131,35 @@ def integrals_by_halving(
             is_inside = (nearest_place > begins + least_length) & (
                 nearest_place < ends - least_length
             )
-            cuts = np.where(is_inside, nearest_place, cuts)
+            cut_of_parts = np.where(is_inside, nearest_place, cut_of_parts)
             # After a cut at a place the halvings count from 0 again.
             n_halvings = np.where(is_inside, -1, n_halvings)
         # In one call: the lower halves of all parts, then the upper ones.
-        halves = integrals_over(
-            np.tile(integrand_numbers, 2), np.r_[begins, cuts], np.r_[cuts, ends]
+        integrals_of_halves = integrals_over(
+            np.tile(integrand_numbers, 2), np.r_[begins, cut_of_parts], np.r_[cut_of_parts, ends]
         )
-        left_halves, right_halves = np.split(halves, 2)
-        sums = left_halves + right_halves
-        changes_by_halving = np.abs(sums - estimates)
-        is_last = (n_halvings == _MOST_HALVINGS) | (
+        lower_halves, upper_halves = np.split(integrals_of_halves, 2)
+        sums_of_halves = lower_halves + upper_halves
+        changes_by_halving = np.abs(sums_of_halves - estimates)
+
+        # 17 halvings, or more than 64 parts for each integral and 256 besides
+        is_halved_no_more = (n_halvings == _MOST_HALVINGS) | (
             len(integrand_numbers) > _MOST_PARTS_PER_INTEGRAL * len(integrals) + _MOST_PARTS_BESIDES
         )
         is_final = (
             (changes_by_halving <= allowed_errors[integrand_numbers])
             | ~np.isfinite(changes_by_halving)
-            | is_last
+            | is_halved_no_more
         )
-        np.add.at(integrals, integrand_numbers[is_final], sums[is_final])
+        np.add.at(integrals, integrand_numbers[is_final], sums_of_halves[is_final])
         np.add.at(errors, integrand_numbers[is_final], changes_by_halving[is_final])
         is_halved_again = ~is_final
-        new_begins = np.r_[begins[is_halved_again], cuts[is_halved_again]]
-        ends = np.r_[cuts[is_halved_again], ends[is_halved_again]]
-        begins = new_begins
+
+        # the parts of the next turn
+        begins_of_halves = np.r_[begins[is_halved_again], cut_of_parts[is_halved_again]]
+        ends = np.r_[cut_of_parts[is_halved_again], ends[is_halved_again]]
+        begins = begins_of_halves
         integrand_numbers = np.tile(integrand_numbers[is_halved_again], 2)
-        estimates = np.r_[left_halves[is_halved_again], right_halves[is_halved_again]]
+        estimates = np.r_[lower_halves[is_halved_again], upper_halves[is_halved_again]]
         n_halvings = np.tile(n_halvings[is_halved_again] + 1, 2)
     return IntegralsAndErrors(integrals, errors)

@@ -135,10 +135,12 @@ def _findings(question: Question) -> Findings:
     holds for its scene.
 
     In this order: rigs, with a prescribed displacement; finite bodies; one memory curve; the steady
-    cycle alone; a numerical solution on grids. A memory curve is the tangential force, or the bulk
-    strain, locked in up to each load.
+    cycle alone; a numerical solution on grids. STEADY_FIELDS are those that do not depend on how
+    the steady cycle was reached. A memory curve is the tangential force, or the bulk strain, locked
+    in up to each load.
     """
     scene = question.scene
+    # a displacement is prescribed
     if scene.load.is_driven:
         from semi_analytic.answer_of_rig import findings_of_rig  # noqa: PLC0415 - rigs
 
@@ -147,8 +149,10 @@ def _findings(question: Question) -> Findings:
         from semi_analytic.corrected import findings_with_effects  # noqa: PLC0415 - finite bodies
 
         return findings_with_effects(question)
+    # neither bulk stress nor tilt, nor unequal sides
     if not scene.unsymmetric:
         return findings_by_memory(question, None)
+    # tilted contact and path with one memory curve, None if there is no such curve
     contact_and_path = one_curve(scene)
     if contact_and_path is not None:
         return findings_by_memory(question, contact_and_path)
@@ -169,7 +173,8 @@ def _findings_on_grids(question: Question) -> Findings:
     the contact, for scenes without a single memory curve.
 
     A memory curve is the tangential force, or the bulk strain, locked in up to each load. The work
-    of the steady cycle is taken from a method without grids where there is one.
+    of the steady cycle is taken from a method without grids where there is one and the path ends in
+    a steady cycle, `steady_from`. WORK_FIELDS are the fields of friction work.
     """
     from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
         WORK_FIELDS,
@@ -194,6 +199,7 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
     that depend on how the steady cycle was reached, like the moment of the shear, are NaN.
     """
     scene = question.scene
+    # contact and loads of the cycle, None without one curve
     cycle_with_one_curve = steady_curve(scene)
     if cycle_with_one_curve is not None:
         method_name = "one memory curve"
@@ -202,6 +208,7 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
         from semi_analytic.answer_in_phase import findings_in_phase  # noqa: PLC0415
         from semi_analytic.loops_in_phase import strokes_in_phase  # noqa: PLC0415
 
+        # the forward and the reverse stroke, where loads are in phase; else None
         strokes = strokes_in_phase(scene)
         if strokes is None:
             return None
@@ -212,7 +219,7 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
         " followed: the number of cycles until then and the moment of the shear are not known,"
         ' `cycles="all"` finds them on grids'
     )
-    loading_segment_count = len(scene.load.path().initial_loading)
+    n_loading_segments = len(scene.load.path().initial_loading)
     unknown_values = np.full(len(findings.time), np.nan)
     return replace(
         findings,
@@ -222,7 +229,7 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
         notes=(*findings.notes, note),
         skipped={
             **findings.skipped,
-            "initial loading": (loading_segment_count, "the steady cycle does not depend on it"),
+            "initial loading": (n_loading_segments, "the steady cycle does not depend on it"),
         },
     )
 

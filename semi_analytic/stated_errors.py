@@ -65,19 +65,22 @@ def roundoff_error_of_little_slip(quantity: str, share: float) -> float:
     the load at the stick edge.
 
     `share` is the load P - P_c of the slip zones over P. The error is 0 where it is below the
-    accuracy of closed forms, or nothing slips.
+    accuracy of closed forms, 1e-12, or nothing slips. _ERROR_OVER_THAT_OF_SLIP_LOAD is 8 for slip,
+    3 for both others: the error over that of P - P_c.
     """
-    error = LAST_DIGITS / share if share > 0 else 0.0
-    if max(_ERROR_OVER_THAT_OF_SLIP_LOAD.values()) * error <= PROMISED_ERROR:
+    # LAST_DIGITS: four round-offs
+    error_of_slip_load = LAST_DIGITS / share if share > 0 else 0.0
+    if max(_ERROR_OVER_THAT_OF_SLIP_LOAD.values()) * error_of_slip_load <= PROMISED_ERROR:
         return 0.0
-    return _ERROR_OVER_THAT_OF_SLIP_LOAD[quantity] * error
+    return _ERROR_OVER_THAT_OF_SLIP_LOAD[quantity] * error_of_slip_load
 
 
 def error_of_displacement(friction: float, approaches: Array, displacements: Array) -> float:
     """Relative error of the tangential displacement over all instants, by round-off of its
     logarithmic integrals, sums that cancel.
 
-    0 where it is below the accuracy of closed forms, or nothing moves.
+    0 where it is below the accuracy of closed forms, 1e-12, or nothing moves. L is the length of
+    the datum, a the contact half-width.
 
     Parameters
     ----------
@@ -94,6 +97,7 @@ def error_of_displacement(friction: float, approaches: Array, displacements: Arr
     if largest_displacement <= 0:
         return 0.0
     largest_approach = float(np.max(np.abs(approaches)))
+    # LAST_DIGITS: four round-offs
     error = 2 * LAST_DIGITS * friction * largest_approach / largest_displacement
     return error if error > PROMISED_ERROR else 0.0
 
@@ -113,10 +117,11 @@ def error_of_work(
     """Relative error of the friction work W of a cycle, and relative difference of the closed
     integral of Q dU from W.
 
-    The error of W is that of its kernel Lam = int ln(a/c) d eta. Where slip is tiny W keeps more
-    digits than the closed integral, whose error the difference then is. Elsewhere the difference
-    counts for W too, unless round-off of the integral explains it. The error of closed forms is 0;
-    so is the difference where W is 0 or the integral is not known.
+    The error of W is that of its kernel Lam = int ln(a/c) d eta; a and c are the half-widths of
+    contact and of stick. Where slip is tiny W keeps more digits than the closed integral, whose
+    error the difference then is. Elsewhere the difference counts for W too, unless round-off of the
+    integral explains it. The error of closed forms is 0; so is the difference where W is 0 or the
+    integral is not known.
 
     Parameters
     ----------
@@ -126,7 +131,7 @@ def error_of_work(
     work
         W over A/pi, A = 2/E* [force^2 per thickness^2]
     loop_integral
-        the closed integral of Q dU over A/pi
+        the closed integral of Q dU over A/pi, and its round-off
     """
     difference = 0.0
     if math.isfinite(loop_integral.work) and work > 0:
@@ -135,7 +140,9 @@ def error_of_work(
         return 0.0, difference
     error = math.fsum(_error_of_span(contact, span) for span in spans) / work
     # Round-off of U in the loop is no error of W.
+    # _ROUNDOFF_OF_LOOP: 100
     is_unexplained = difference > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
+    # share: largest P - P_c over the largest P; _LEAST_SLIPPED_SHARE: 1e-6
     if is_unexplained and slip_zone_share(spans) > _LEAST_SLIPPED_SHARE:
         error += difference
     return error, difference
@@ -143,17 +150,20 @@ def error_of_work(
 
 def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
-    over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip.
+    over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip;
+    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
+    # seven times within the span
     times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
     load, _ = span.segment.loads(times)
+    # of Lam, from P and P - P_c
     error = contact.quadrature_error("dissipation_kernel", load, span.slip_zone_load(times))
-    growth = np.maximum(
+    growth_rate = np.maximum(
         span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
     )
-    return span.friction * largest_error(growth * error) * (span.end.time - span.begin.time)
+    return span.friction * largest_error(growth_rate * error) * (span.end.time - span.begin.time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,13 +204,17 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
     They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the
-    edge" behind the name they hold at the points themselves, however near. Pressure and shear are
-    over the largest p and f p, slip over the largest slip; without pressure or slip they are left
-    out. Of closed forms, and of tilted contacts, only errors along arcs are there, above 1e-12.
+    edge" behind the name they hold at the points themselves, however near. A kernel is a pressure
+    or slip integral of the contact under one load; a sum has at most `n_kernels`. Pressure and
+    shear are over the largest p and f p, slip over the largest slip; without pressure or slip they
+    are left out. Of closed forms, and of tilted contacts, only errors along arcs are there, above
+    1e-12.
     """
-    places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]
+    # 25 points
+    sampled_places = sums.distances[_evenly_spread_numbers(len(sums.distances), _SAMPLED_PLACES)]
     load = sums.loads[:, None]
-    largest_pressure = _largest_finite(contact.pressure(places, load))
+    # finite values only
+    largest_pressure = _largest_finite(contact.pressure(sampled_places, load))
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     errors_of_arcs = {
         name: largest_error(sums.arc_errors[name]) / size if size > _SMALLEST_FLOAT else 0.0
@@ -212,10 +226,11 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     if largest_pressure <= _SMALLEST_FLOAT:
         return errors
     half_width = contact.half_width(load)
-    is_off_edge = np.abs(places - half_width) > _NEAR_EDGE * half_width
-    kernel_errors = contact.quadrature_error("pressure", places, load)
+    is_off_edge = np.abs(sampled_places - half_width) > _NEAR_EDGE * half_width
+    kernel_errors = contact.quadrature_error("pressure", sampled_places, load)
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
     for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
+        # by the error of the half-widths of contact and of stick
         error_by_edge, error_by_stick_edge = (
             _error_beside_edges(contact, sums.distances, half_widths, nearest_share)
             / largest_pressure
@@ -225,7 +240,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
         error_of_shear_sum = errors_of_arcs["shear"] + sums.n_kernels * kernel_error
         errors[f"shear{suffix}"] = error_of_shear_sum + error_by_edge + 2 * error_by_stick_edge
     if sums.largest_slip > _SMALLEST_FLOAT:
-        slip_kernel_errors = contact.quadrature_error("slip_integral", places, load)
+        slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load)
         slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
         errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
     return errors
@@ -248,8 +263,8 @@ def _error_beside_edges(
     of its half-width a.
 
     At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. d is that of the nearest of
-    the points x (k,) ascending, and at least `nearest_share` times a. The `half_widths` a (n,) may
-    be NaN.
+    the points x (k,) ascending, and at least `nearest_share` times a. P(a) is the load under which
+    the contact has the half-width a. The `half_widths` a (n,) may be NaN.
     """
     a = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
@@ -258,8 +273,10 @@ def _error_beside_edges(
     distance_after = np.abs(x[np.minimum(point_after, last_point)] - a)
     distance = np.maximum(np.minimum(distance_before, distance_after), nearest_share * a)
     stiffness = contact.stiffness(a)
+    # of P(a) by round-off
     error_of_load = contact.relative_roundoff * contact.load(a)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)
+    # 40 last digits of a, and what the error of P makes of it
     error_of_edge = _DIGITS_OF_EDGE * _EPS * a + error_of_load / positive_stiffness
     change_of_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)
     return largest_error(stiffness / np.pi * np.sqrt(2 / a) * change_of_root)
