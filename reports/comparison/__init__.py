@@ -215,7 +215,8 @@ def compare(
         reference_cycle = interpolated_cycle(last_cycle(reference), result_cycle, reference.engine)
     else:
         reference_cycle = cycle_interpolated_by_time(reference, result_cycle)
-    # displacements of one solution count from the supports of the bodies, those of the other do not
+    # Displacements of one solution count from the supports of the bodies. Those of the other do
+    # not: it is half-plane theory, which lacks a datum.
     has_other_datum = lacks_datum(reference) != lacks_datum(result)
     if not has_other_datum:
         effects = None
@@ -223,6 +224,7 @@ def compare(
         reference_cycle = cycle_from_supports(reference_cycle, effects)
     elif effects is not None:
         result_cycle = cycle_from_supports(result_cycle, effects)
+    # both solutions and their last cycles on common points and instants
     pair = Pair(
         reference,
         result,
@@ -260,7 +262,12 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
 
 def _notes_on_pair(pair: Pair) -> Iterator[str]:
     """Sentences that a reader of a comparison must not miss: interpolation, instants with too light
-    a load to be judged, no convergence, and the notes of both solutions.
+    a load to be judged, no convergence, no steady cycle, displacements that count from different
+    places, and the notes of both solutions.
+
+    `pair` holds reference and result. Its masks (k,): `is_in_contact` where a point carries
+    pressure, `is_judged` where also P is at least 0.1 P_ref. `effects` are the compliances that
+    lead from one datum of displacements to the other, where one is needed and known.
     """
     from reports.charts.templating import in_template
 

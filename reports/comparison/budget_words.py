@@ -45,7 +45,11 @@ def budget_table(
     leave, its uncertainty u, and a verdict. Sources named in `left_out`, and columns with "none" in
     every row, are not shown. The verdict says, for half-planes, whether u covers the unexplained
     part; for real bodies, whether the idealisation error is larger than u.
+
+    An entry of `budget.budgets` is the budget of one metric; `headline` states whether the page's
+    first table shows the metric.
     """
+    # sources of error, the same for all metrics: mesh, penalty layer, ...
     term_names = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
     are_half_planes = all(entry.are_half_planes for entry in budget.budgets)
     name_of_rest = "unexplained" if are_half_planes else "idealisation"
@@ -75,7 +79,9 @@ def budget_table(
 
 
 def _budget_row(budget: Budget) -> tuple[str, ...]:
-    """Cells of one metric: name, error, terms, the rest that they leave, uncertainty, verdict."""
+    """Cells of one metric: name, error, terms, the rest that they leave, uncertainty, verdict. A
+    term is the error by one source; the rest is the error minus all terms.
+    """
     metric = budget.metric
     uncertainty = "not measured"
     if budget.uncertainty is not None:

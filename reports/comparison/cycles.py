@@ -87,10 +87,12 @@ def _names_of_bulk_series(source: ContactSolution | Cycle) -> tuple[str, ...]:
 def last_cycle(solution: ContactSolution) -> Cycle:
     """Fields, edges and loads of the last whole cycle of `solution`. Of all its instants where it
     states that it holds no whole cycle. InputError where it should hold one and does not.
+
+    `fraction` of the returned cycle is 0 where a cycle of the load path starts, 1 where it ends.
     """
     if "whole_cycle" in solution.work.skipped:
         return _cycle_of_all_instants(solution)
-    indices = solution.last_cycle
+    indices = solution.last_cycle  # of the instants of the last whole cycle, both ends included
     if len(indices) < 2:
         raise InputError(
             f"{solution.engine}: the solution holds no whole cycle (its times run from"
@@ -137,22 +139,23 @@ def _cycle_at_instants(
 
     def array_at_instants(name: str) -> Any:
         """The named array of the solution at the instants, read-only."""
-        values = getattr(solution, name)
+        array = getattr(solution, name)
         # Arrays of a path that is one cycle are not copied: those of a long record take tens of
         # megabytes each.
-        if len(indices) == len(values):
-            return values
-        return read_only_copy(values[indices], values.dtype)
+        if len(indices) == len(array):
+            return array
+        return read_only_copy(array[indices], array.dtype)
 
+    # fields (k, n), edges (k, 2), loads and displacements (k,), bulk stress and tilt where stated
     names = (*_FIELD_NAMES, "state", *_EDGE_NAMES, *_SERIES_NAMES, *_names_of_bulk_series(solution))
-    values: dict[str, Any] = {name: array_at_instants(name) for name in names}
+    array_by_name: dict[str, Any] = {name: array_at_instants(name) for name in names}
     return Cycle(
         time=read_only_copy(solution.time[indices]),
         fraction=read_only_copy(fraction),
         is_whole=is_whole,
         x=solution.x,
         dissipation_density=solution.dissipation_density,
-        **values,
+        **array_by_name,
     )
 
 
@@ -164,7 +167,8 @@ def cycle_interpolated_by_time(reference: ContactSolution, target_cycle: Cycle) 
     whole cycle.
 
     Instants are matched by their times: a target time after the end of the reference is moved back
-    by whole periods, into the last cycle of the reference.
+    by whole periods, into the last cycle of the reference. In both cycles `fraction` is the time
+    itself.
     """
     reference_cycle = _cycle_of_all_instants(reference)
     if np.array_equal(reference_cycle.time, target_cycle.time):
@@ -201,11 +205,13 @@ def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     InputError
         Where `target_cycle` has points beyond an end of `cycle` at which there is still pressure.
     """
-    # fractions above 1: the target starts within a cycle of the load path and ends in the next one
+    # `fraction` (k,): place of each instant in the cycle of the load path, from 0 to 1. Above 1 the
+    # target starts within a cycle of the load path and ends in the next one.
     starts_later = target_cycle.fraction[-1] > cycle.fraction[-1] + _FRACTION_TOLERANCE
     if starts_later and cycle.is_whole and target_cycle.is_whole:
         return _interpolated_for_later_start(cycle, target_cycle, engine)
 
+    # name of a field -> estimated error of its interpolation, over its largest value
     error_by_field: dict[str, float] = {}
     if not _are_same_places(cycle.fraction, target_cycle.fraction, _FRACTION_TOLERANCE):
         cycle, error_by_field = _interpolate_to_instants(cycle, target_cycle)
@@ -233,6 +239,8 @@ def _interpolated_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str
 
     Those instants are moved one period back. All are then interpolated in the order of time, and
     the values are put back into the order of `target_cycle`. `engine` names `cycle` in messages.
+    `fraction` (k,) is the place of an instant in the cycle of the load path: 0 at its start, 1 at
+    its end.
     """
     is_in_next_cycle = target_cycle.fraction > 1 + _FRACTION_TOLERANCE
     fraction_in_cycle = target_cycle.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
@@ -246,19 +254,21 @@ def _interpolated_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str
 
     # the inverse of the sorting
     places_in_target = np.argsort(indices_by_time, kind="stable")
-    values_by_name: dict[str, Any] = {}
+    array_by_name: dict[str, Any] = {}
+    # fields (k, n), states (k, n), edges (k, 2), loads and displacements (k,)
     for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series_names):
-        values = getattr(sampled_cycle, name)
-        values_by_name[name] = read_only_copy(values[places_in_target], values.dtype)
+        array = getattr(sampled_cycle, name)
+        array_by_name[name] = read_only_copy(array[places_in_target], array.dtype)
     return replace(
-        sampled_cycle, time=target_cycle.time, fraction=target_cycle.fraction, **values_by_name
+        sampled_cycle, time=target_cycle.time, fraction=target_cycle.fraction, **array_by_name
     )
 
 
 def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
     """InputError, naming `engine`, where `x` (ascending) has points beyond the first or last point
     of `cycle`, and there is still pressure at that point at some instant: nothing is known beyond
-    it. Pressures up to 1e-12 of the largest count as zero.
+    it. Pressures up to 1e-12 of the largest count as zero. `cycle.pressure` is (k instants, n
+    points).
     """
     pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
     least_pressure = _LEAST_PRESSURE_SHARE * np.max(cycle.pressure)
@@ -276,11 +286,12 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
 def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, dict[str, float]]:
     """Interpolate a cycle to the instants of another solution's cycle, `target_cycle`.
 
-    Returns that cycle, and an estimate of the interpolation error of each field and edge, over its
-    largest value. Interpolation is linear in the fraction of the cycle; states are those of the
-    nearest instant.
+    Returns the interpolated cycle, and an estimate of the interpolation error of each field (k, n)
+    and edge (k, 2), over its largest value. Interpolation is linear in the fraction of the cycle, 0
+    at its start and 1 at its end; states are those of the nearest instant.
     """
     sampled_values: dict[str, Any] = {}
+    # pressure, shear and slip; edges of contact and stick; loads and displacements
     for name in (*_FIELD_NAMES, *_EDGE_NAMES, *cycle.series_names):
         sampled_values[name] = read_only_copy(
             _interpolate_linearly(target_cycle.fraction, cycle.fraction, getattr(cycle, name))
@@ -300,12 +311,12 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
 def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
     """Interpolate a cycle to the surface points `x`.
 
-    Returns that cycle, and an estimate of the interpolation error of each field and of the
-    pointwise dissipation, over its largest value. Interpolation is linear in x; states are those of
-    the nearest point, and open beyond the range of the cycle's points.
+    Returns the interpolated cycle, and an estimate of the interpolation error of each field and of
+    the pointwise dissipation, over its largest value. Interpolation is linear in x; states are
+    those of the nearest point, and open beyond the range of the cycle's points.
     """
-    # points first, as `_interpolate_linearly` takes them: (n_points, k), the pointwise dissipation
-    # (n_points,)
+    # Pressure, shear and slip with points along the first axis, (n_points, k instants), since the
+    # interpolation is along that; the pointwise dissipation is (n_points,).
     given_values: dict[str, Array] = {
         name: getattr(cycle, name).T for name in (*_FIELD_NAMES, "dissipation_density")
     }
@@ -353,17 +364,18 @@ def _interpolate_linearly(places: Array, samples: Array, values: Array) -> Array
         (k, ...) values at the places. NaN where a neighbouring sample has NaN, except at a place
         that coincides with the other sample
     """
-    sample_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
-    sample_below = sample_above - 1
-    spacing = samples[sample_above] - samples[sample_below]
-    weight = np.clip((places - samples[sample_below]) / spacing, 0.0, 1.0)
+    index_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
+    index_below = index_above - 1
+    spacing = samples[index_above] - samples[index_below]
+    # of the sample above, with as many axes as the values
+    weight = np.clip((places - samples[index_below]) / spacing, 0.0, 1.0)
     weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
-    value_below = values[sample_below]
-    value_above = values[sample_above]
-    interpolated = (1 - weight) * value_below + weight * value_above
-    # A weight of exactly 0 or 1 must not let a NaN of the other end in.
-    interpolated = np.where(weight == 1, value_above, interpolated)
-    return np.where(weight == 0, value_below, interpolated)
+    value_below = values[index_below]
+    value_above = values[index_above]
+    interpolated_values = (1 - weight) * value_below + weight * value_above
+    # A weight of exactly 0 or 1 must not let a NaN of the other sample in.
+    interpolated_values = np.where(weight == 1, value_above, interpolated_values)
+    return np.where(weight == 0, value_below, interpolated_values)
 
 
 def _interpolation_error(samples: Array, values: Array) -> float:
@@ -386,12 +398,12 @@ def _interpolation_error(samples: Array, values: Array) -> float:
         return 0.0
     worst_error = 0.0
     for first_index in (1, 2):
-        left_out = np.arange(first_index, len(samples) - 1, 2)
-        remaining = np.delete(np.arange(len(samples)), left_out)
+        omitted_indices = np.arange(first_index, len(samples) - 1, 2)
+        remaining_indices = np.delete(np.arange(len(samples)), omitted_indices)
         interpolated_values = _interpolate_linearly(
-            samples[left_out], samples[remaining], values[remaining]
+            samples[omitted_indices], samples[remaining_indices], values[remaining_indices]
         )
-        difference = np.abs(interpolated_values - values[left_out])
+        difference = np.abs(interpolated_values - values[omitted_indices])
         worst_error = max(worst_error, float(np.nanmax(difference, initial=0.0)))
     return worst_error / largest_value
 
@@ -417,15 +429,17 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
     slip ends.
     """
+    # index of the instant in the cycle -> what happens there
     labels = _labels_of_extremes(cycle, friction, first_index)
     if not labels:
         labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
     for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(labels)):
-        distance = _distance_in_time(cycle, labels)
-        distance[:first_index] = 0.0
-        farthest_index = int(np.argmax(distance))
+        # (k,) time from each instant to the nearest chosen one
+        distance_in_time = _distance_in_time(cycle, labels)
+        distance_in_time[:first_index] = 0.0
+        farthest_index = int(np.argmax(distance_in_time))
         # instants may share one time, where a result was placed on the path by its loads
-        if distance[farthest_index] <= 0:
+        if distance_in_time[farthest_index] <= 0:
             break
         labels[farthest_index] = "between"
     return tuple(Event(index, labels[index]) for index in sorted(labels))
@@ -446,14 +460,16 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
 
     Where several instants have the extreme value the first counts; an instant that is extreme in
     two quantities keeps the first label. Left out: instants before `first_index`, and quantities
-    that are constant. `friction` is the coefficient f.
+    that are constant. `friction` is the coefficient f. Tilt and moment of the shear of `cycle` are
+    None in a scene without bulk stress and tilt.
     """
     normal_load = cycle.normal_load[first_index:]
     tangential_load = cycle.tangential_load[first_index:]
     # With bulk stress or tilt slip ends at other instants, another one for each contact edge.
-    ends_slip = cycle.tilt is None and cycle.shear_moment is None
-    label_of_largest = "forward slip ends" if ends_slip else "Q − f P largest"
-    label_of_least = "reverse slip ends" if ends_slip else "Q + f P least"
+    slip_ends_there = cycle.tilt is None and cycle.shear_moment is None
+    label_of_largest = "forward slip ends" if slip_ends_there else "Q − f P largest"
+    label_of_least = "reverse slip ends" if slip_ends_there else "Q + f P least"
+    # label -> a load that is largest at the instant to be labelled
     quantities = {
         "P largest": normal_load,
         "P least": -normal_load,

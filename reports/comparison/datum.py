@@ -19,7 +19,9 @@ def effects_between(reference: ContactSolution, result: ContactSolution) -> Body
 
     With them theory and finite elements can be compared. None where they are not needed, since both
     solutions count their displacements from the same place. None too where they are not known:
-    curved faces, coupled materials, bulk stress.
+    curved faces, coupled materials (Dundurs' beta is not 0), bulk stress.
+
+    c_t: tangential displacement by the bodies per Q, c_n: approach by the bodies per P [1/stress].
     """
     scene = result.scene
     if lacks_datum(reference) == lacks_datum(result) or has_coupled_tractions(scene):
@@ -42,7 +44,8 @@ def lacks_datum(solution: ContactSolution) -> bool:
 
 def cycle_from_supports(cycle: Cycle, effects: BodyEffects) -> Cycle:
     """A cycle of half-plane theory, with tangential displacement and normal approach counted from
-    the supports of the bodies: U + c_t Q and approach + c_n P.
+    the supports of the bodies: U + c_t Q and approach + c_n P, (k,) at the instants of the cycle.
+    c_t and c_n are the compliances of the finite bodies in `effects` [1/stress].
     """
     displacement_of_bodies = effects.tangential_compliance.value * cycle.tangential_load
     approach_of_bodies = effects.normal_compliance.value * cycle.normal_load

@@ -91,11 +91,12 @@ def scales_of_reference(reference: ContactSolution) -> Scales:
     - A = 2/E*, the compliance of the materials.
     """
     load_history = reference.scene.load
-    if isinstance(load_history, EllipseLoad):
+    if isinstance(load_history, EllipseLoad):  # P and Q go round an ellipse
         reference_load = load_history.mean_normal_load
     else:
         reference_load = float(np.max(reference.normal_load[reference.last_cycle]))
     indices_by_load = np.argsort(reference.normal_load, kind="stable")
+    # a at the reference load
     half_width = float(
         np.interp(
             reference_load,

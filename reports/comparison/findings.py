@@ -113,7 +113,10 @@ def read_run_values(source: str | Path) -> ValuesOfRun:
 def _run_values_in_folder(folder: Path, source: str | Path) -> ValuesOfRun:
     """The values of every converged solution of an engine (*.json) in a run folder that holds no
     comparison. InputError where there is no solution, where none converged, where one is damaged,
-    or where they answer different scenes.
+    or where they answer different scenes. `source` is the folder as the user named it.
+
+    The values are one mapping, with keys such as "semi_analytic.dissipation"; beside it stand
+    settings and versions of the engines.
     """
     contents = [_json_object(file, file) for file in sorted(folder.glob("*.json"))]
     solutions = [
@@ -136,6 +139,7 @@ def _run_values_in_folder(folder: Path, source: str | Path) -> ValuesOfRun:
             f"{source}: it holds only the steps before an engine failed:"
             f" {solutions[0].get('message')}"
         )
+    # entries of the scenes that a solution depends on
     physical_contents = [_physical_content(run_values.scene) for run_values in values_of_engines]
     if any(content != physical_contents[0] for content in physical_contents):
         raise InputError(
@@ -154,6 +158,8 @@ def run_values_of_content(content: Mapping[str, Any], source: str) -> ValuesOfRu
     """The values in the content of comparison.json, <engine>.json or a baseline. InputError, naming
     `source`, where "format" names another kind of file or another version, or an entry is absent or
     of the wrong kind.
+
+    "format" is "halfplane KIND VERSION". Version 2 is read; 1 is that of halfplane 0.1.
     """
     format_name = content.get("format")
     match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
@@ -191,6 +197,9 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> V
     "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
     "semi_analytic.counts.steps_solved", for example.
 
+    A baseline also holds tolerances: pattern of keys -> largest admitted difference. Settings and
+    versions are those of each engine. Sentences name the engines that did not converge.
+
     An absent entry, or one of the wrong kind, raises KeyError, TypeError, ValueError or
     AttributeError.
     """
@@ -222,6 +231,7 @@ def _run_values_of_kind(kind: str, content: Mapping[str, Any], source: str) -> V
     else:
         solutions = {_key_without_blanks(content["engine"]): content}
     for name, solution in solutions.items():
+        # dissipation, largest pressure, ...; those of bulk stress and tilt where the file has them
         keys = (
             *_KEYS_OF_SOLUTION,
             *(key for key in NAMES_OF_UNSYMMETRIC_VALUES if key in solution),
@@ -249,11 +259,14 @@ def run_values_of_solution(solution: ContactSolution, source: str) -> ValuesOfRu
 
 
 def write_baseline(run_values: ValuesOfRun, path: Path, tolerances: Mapping[str, float]) -> None:
-    """Write the values of a run (`run_values`) to `path` as a baseline that later runs are compared
-    with. The file is written completely or not at all.
+    """Write the values of a run to `path` as a baseline that later runs are compared with. The file
+    is written completely or not at all.
 
     Parameters
     ----------
+    run_values
+        `values_by_key` (key -> value), settings of the `engines`, `scene`, `source` (the name for
+        messages), and `unfinished`: a sentence for each engine that did not converge
     tolerances
         pattern of keys -> largest admitted difference, stored in the baseline
 
@@ -322,7 +335,8 @@ def _physical_content(scene: Scene) -> dict[str, Any]:
 
 def _with_dotted_names(value: Any, name: str = "") -> dict[str, Any]:
     """Flatten nested mappings and lists into one mapping: names are joined by dots, places in a
-    list stand in brackets. Keys called "file" are left out.
+    list stand in brackets. Keys called "file" are left out. `name` is that of `value` itself, ""
+    for the outermost.
 
     >>> _with_dotted_names({"load": {"cycle": [[1.0, 0.5]]}})
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
@@ -390,7 +404,8 @@ def difference_of_runs(
     Parameters
     ----------
     a, b
-        values of two runs of one scene
+        two runs of one scene: `values_by_key` ("ENGINE.QUANTITY" or "metric.KEY" -> value),
+        `engines`, `source` (name for messages), and the `tolerances` of a baseline
     tolerances
         pattern of keys, with wildcards -> tolerance. They have priority over those stored in a
         baseline, which have priority over the defaults
@@ -419,7 +434,8 @@ def difference_of_runs(
             raise InputError(
                 f"--tolerance {pattern}: no figure is called so; there are {', '.join(keys)}"
             )
-    patterns = [
+    # (pattern of keys, tolerance): the first pattern that fits a key counts
+    patterns_and_tolerances = [
         *(tolerances or {}).items(),
         *b.tolerances.items(),
         *a.tolerances.items(),
@@ -427,7 +443,9 @@ def difference_of_runs(
     ]
     rows = []
     for key in keys:
-        fitting_tolerances = (value for pattern, value in patterns if fnmatchcase(key, pattern))
+        fitting_tolerances = (
+            tolerance for pattern, tolerance in patterns_and_tolerances if fnmatchcase(key, pattern)
+        )
         rows.append(_row_of_key(key, a, b, tolerance=next(fitting_tolerances)))
     notes = []
     for letter, groups in (("A", groups_of_a), ("B", groups_of_b)):
@@ -462,8 +480,9 @@ def _differing_keys(of_a: Mapping[str, Any], of_b: Mapping[str, Any]) -> list[tu
 
 
 def _notes_on_runs(a: ValuesOfRun, b: ValuesOfRun) -> Iterator[str]:
-    """Sentences on settings and versions in which two runs differ, and on engines that did not
-    converge.
+    """Sentences on settings and versions in which two runs `a` and `b` differ, and on engines that
+    did not converge. `engines`: name -> its settings and versions; `unfinished`: a sentence for
+    each engine that did not converge.
     """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
         settings_of_a = _with_dotted_names(a.engines[engine])
@@ -502,8 +521,8 @@ def _row_of_key(key: str, a: ValuesOfRun, b: ValuesOfRun, tolerance: float) -> V
 
     The difference is divided by the larger of the two absolute values, of energies at least by a
     small share of a typical energy; a metric is relative already, and is not divided. A key that
-    one run lacks has the verdict "only in A" or "only in B". Values that are None in both are the
-    same.
+    one run lacks has the verdict "only in A" or "only in B". Values that are None ("no such thing")
+    in both are the same. `values_by_key` maps a key such as "metric.dissipation" to its value.
     """
     value_of_a = a.values_by_key.get(key)
     value_of_b = b.values_by_key.get(key)
@@ -526,6 +545,7 @@ def _row_of_key(key: str, a: ValuesOfRun, b: ValuesOfRun, tolerance: float) -> V
 def _least_scale(key: str, run_values: ValuesOfRun) -> float:
     """The smallest number that a difference is divided by: for energies 1e-6 of A f^2 P^2, P being
     largest pressure times largest half-width; 0 for other values, and where these two are unknown.
+    A key is "ENGINE.QUANTITY".
     """
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):

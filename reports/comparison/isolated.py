@@ -49,7 +49,7 @@ def spike_mask(values: Array) -> Mask:
 def _is_far_larger(values: Array, factor: float) -> Mask:
     """(k instants, n points) whether a value of a field is far larger than the others: a local
     peak, more than 5 times its neighbours in x and in time, and more than `factor` times every
-    value that is no local peak.
+    value that is no local peak. NaN counts as 0.
     """
     sizes = np.abs(np.nan_to_num(values))
     padded_sizes = np.pad(sizes, 1)
@@ -72,7 +72,7 @@ def _has_enough_points(values: Array) -> Mask:
 def without_spikes(values: Array) -> Array:
     """A field of values (n_steps, n_points) without its spikes, single values that are far larger
     than all others: each is replaced by the mean of its neighbours in x that are no spikes, by 0
-    where both are.
+    where both are spikes.
     """
     is_spike = spike_mask(values)
     if not is_spike.any():
@@ -92,13 +92,14 @@ def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dic
     """Isolated values in the last cycle of a result, which no neighbour supports: masks (k
     instants, n points) of "pressure", "shear" and "slip".
 
-    A value is isolated if it is far larger than its neighbours and than all values that do not
-    stand out so. A pressure or shear is isolated too if this is true of its difference from the
-    reference, and that is above a share of the largest reference. Such a pressure lies away from
-    the edges of contact, such a shear from those of stick too. The difference of the slip is not
-    used: each solution counts slip from another origin.
+    A value is isolated if it is a spike: 5 times as large as its neighbours in x and in time, and 3
+    times as large as all values that do not stand out so. A pressure or shear is isolated too if
+    its difference from the reference is 5 times as large as its neighbours and as all others, and
+    above a tenth of the largest reference. Such a pressure lies away from the edges of contact,
+    such a shear from those of stick too. The difference of the slip is not used: each solution
+    counts slip from another origin.
     """
-    # edges (k, 2) at which a difference may be large
+    # edges (k, 2), left and right, beside which a difference may be large
     edges = {
         "pressure": [reference_cycle.contact_edges],
         "shear": [reference_cycle.contact_edges, reference_cycle.stick_edges],
@@ -112,7 +113,7 @@ def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dic
         largest_reference = np.max(np.abs(reference_values), initial=0.0)
         is_large = np.abs(difference) > _LEAST_SHARE_OF_DIFFERENCE * largest_reference
         is_far_larger = _is_far_larger(difference, _FACTOR_OVER_DIFFERENCES)
-        # with pressure at a few points only, no value can be told from the others
+        # with pressure at six points or fewer, no value can be told from the others
         is_isolated = is_far_larger & is_large & _has_enough_points(result_cycle.pressure)
         is_near_edge = _is_near_edge(edges_of_field, reference_cycle)
         masks[name] = masks[name] | (is_isolated & ~is_near_edge)
@@ -120,8 +121,9 @@ def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dic
 
 
 def _is_near_edge(edges: Sequence[Array], cycle: Cycle) -> Mask:
-    """(k, n) whether a point lies within two point spacings of one of the edges (k, 2) at an
-    instant.
+    """(k instants, n points) whether a point of a cycle lies within two point spacings of one of
+    the `edges` at an instant. Each of `edges` is (k, 2), left and right [length]; no point is near
+    an edge that is NaN.
     """
     spacings = np.diff(cycle.x)
     spacing_after = np.append(spacings, spacings[-1])

@@ -57,7 +57,8 @@ def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dic
     value is finite or missing ("finite"); the instant and x/a_ref of its worst error.
 
     `is_covered`: whether its stated uncertainty covers its known error, None where that is not
-    known.
+    known. Texts on the last cycle are changed to the whole path where the loads of `scene` do not
+    repeat: "norm" (how errors at points become one value), "region" (which points count).
     """
     return {
         **{name: getattr(metric, name) for name in _FIELDS_OF_METRIC},
@@ -74,7 +75,10 @@ def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dic
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
     """A solution without its fields, for JSON: energies, largest half-width and pressure,
     convergence, laws of contact, counts of work, settings. `checks` are the results of checking the
-    laws of contact.
+    laws of contact: largest violation, its limit, its time. Energies are per unit thickness.
+
+    Beside them, where there are any: work and stick ends of scenes with bulk stress or tilt, load
+    cycles of a measured record, and quality of the finite-element meshes.
     """
     names_of_values = (
         "engine",
@@ -90,6 +94,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         "versions",
     )
     names_in_record = ("converged", "termination", "message", "notes")
+    # meshed bodies; none in a solution that is not of finite elements, or was read from a file
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
     cycles = load_cycles(solution)
     return {

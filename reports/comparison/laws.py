@@ -85,9 +85,10 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
 
     From its fields: no tension, |q| <= f p ("cone"; left out where the solution has no shear), slip
     along the shear, loads as in the scene. From its record: the residuals that the engine states.
-    For an external result a law is left out if the fields were derived from it. The limit allows
-    for printed digits there, and for straight load steps in theory corrected by responses of finite
-    bodies.
+    For an external result a law is left out if the fields were derived from it.
+
+    The limit is 1e-9; for printed digits of an external result 1e-3, and for straight load steps of
+    theory corrected by responses of finite bodies 1e-6. A violation is (n_steps,), dimensionless.
     """
     violations_in_fields = {"tension": _violation_by_tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -117,7 +118,8 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
 
 def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
     """The check of a law from its violation over `time`, (n_steps,) each: the largest counts, and a
-    NaN as largest.
+    NaN as largest. It holds if that is at most `limit`. `source` is "fields" where the violation is
+    computed from the fields of a solution, "record" where the engine states it.
     """
     worst_step = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
     return Certificate(
@@ -148,7 +150,7 @@ def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
 def _violation_in_slip(solution: ContactSolution) -> Array:
     """Violation of Coulomb's law in slip, (n_steps,): the largest |q − f p| of points in forward
     slip, and |q + f p| in reverse slip, over f times the largest pressure of the path; over that
-    pressure itself where f = 0.
+    pressure itself where f = 0. 0 at an instant at which no point slips.
     """
     friction = solution.scene.friction.coefficient
     # 1 forward, -1 reverse, 0 no slip
@@ -167,11 +169,11 @@ def _difference_of_loads(solution: ContactSolution) -> Array:
     (n_steps,).
     """
     normal_load, tangential_load = solution.scene.load.path().at(solution.time)
-    difference = np.maximum(
+    largest_difference = np.maximum(
         np.abs(solution.normal_load - normal_load),
         np.abs(solution.tangential_load - tangential_load),
     )
-    return np.asarray(difference / np.max(normal_load))
+    return np.asarray(largest_difference / np.max(normal_load))
 
 
 def _largest_pressure(solution: ContactSolution) -> float:
@@ -196,7 +198,8 @@ class ExpectedNumber(PythonNumbers):
 
 def _lower_face_displacement(solution: ContactSolution) -> float:
     """Displacement along y of the middle of the lower face at the largest load of the last cycle
-    [length]; NaN for a half-plane, whose displacement has no datum.
+    [length]; NaN for a half-plane, whose displacement has no datum, and for a solution that is not
+    of finite elements.
     """
     from halfplane_fe import FiniteElementSolution, fields
 
@@ -205,6 +208,7 @@ def _lower_face_displacement(solution: ContactSolution) -> float:
         or solution.scene.bodies.lower.kind == "half_plane"
     ):
         return math.nan
+    # displacements at the nodes of the lower body; the node nearest to x = y = 0 is the middle
     lower_body = fields(solution, [solution.time[_index_of_largest_load(solution)]])[0].bodies[0]
     return float(lower_body.displacement[np.argmin(np.hypot(*lower_body.points.T)), 1])
 
@@ -326,6 +330,8 @@ def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
     number. Where that is 0, a typical size of its kind in the solution: of an energy A f^2 P^2, of
     a stress the largest p, of a length the largest half-width a, of a moment P a, P the largest
     load; 1 of a share.
+
+    `expected.quantity` names the number, such as "dissipation"; `QUANTITIES` has its kind.
     """
     if expected.value:
         return abs(expected.value)
@@ -343,8 +349,8 @@ def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
 
 
 def largest_load_ratio(solution: ContactSolution) -> float:
-    """Largest |Q|/(f P) of the last cycle of a solution, from its own loads, which under a
-    prescribed displacement are found by solving; NaN without friction.
+    """Largest |Q|/(f P) of the last cycle of a solution, 1 at gross sliding; NaN without friction.
+    The loads are those of the solution, which under a prescribed displacement are found by solving.
     """
     friction = solution.scene.friction.coefficient
     if not friction:
@@ -359,7 +365,11 @@ def expected_numbers(
     """The numbers that a scene expects of theory or finite elements, each beside the value of that
     engine's solution, in the order of the scene. Engines without a solution are left out, and so is
     theory corrected by responses of finite bodies.
+
+    An entry of `scene.expected` has the engine's name in words, the name of the quantity, its value
+    and tolerance. The difference is (engine's value − expected value)/scale of the tolerance.
     """
+    # "half-plane theory", "finite elements" -> solution
     solution_by_engine = {
         engine_in_words(solution.engine): solution
         for solution in solutions
@@ -376,6 +386,9 @@ def expected_numbers(
 def expected_rows(findings: Iterable[ExpectedNumber]) -> list[tuple[str, ...]]:
     """Cells of the table of expected numbers that the terminal shows: quantity, engine, expected
     number, value of the engine, difference, tolerance, whether the difference is within it.
+
+    A finding has the expected number (`expected`), the `value` of the engine (NaN: none), their
+    relative `difference`, and `is_met`.
     """
     return [
         (
@@ -395,7 +408,10 @@ EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "me
 
 
 def expected_content(findings: Iterable[ExpectedNumber]) -> list[dict[str, Any]]:
-    """The expected numbers of a scene beside the values of the engines, for JSON."""
+    """The expected numbers of a scene beside the values of the engines, as mappings for JSON: the
+    entries of the scene, then "found" (value of the engine), "difference" (over the scale of the
+    tolerance), and "met" (whether that is within the tolerance).
+    """
     return [
         {
             **finding.expected.model_dump(mode="json"),

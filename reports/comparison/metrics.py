@@ -96,8 +96,9 @@ class Metric(MetricValue):
 
     @property
     def verdict(self) -> Verdict | None:
-        """Whether the value lies within the tolerance, by its uncertainty; None without a tolerance
-        or a value. A value that is not finite is outside, with or without a tolerance.
+        """Whether the value of the metric lies within its tolerance, by its uncertainty; None
+        without a tolerance or a value. A value that is not finite is outside, with or without a
+        tolerance.
         """
         if self.value is None:
             return None
@@ -113,15 +114,16 @@ class Metric(MetricValue):
         return None if self.verdict is None else self.verdict is Verdict.WITHIN
 
     def with_value(self, measured: MetricValue, tolerance: float | None) -> Metric:
-        """The metric with its value and the tolerance that judges it. Amounts are kept for metrics
-        of the first table only.
+        """The metric with its value and the tolerance that judges it. The amounts in reference and
+        result, and their stated uncertainties, are kept for metrics of the first table only.
         """
-        values = dict(vars(measured))
+        measured_fields = dict(vars(measured))
         if not self.headline:
-            values["amounts"] = None
-            values["stated"] = (None, None)
+            measured_fields["amounts"] = None
+            measured_fields["stated"] = (None, None)
+        # absolute: not over the amount of the reference, which is 0
         unit = self.absolute_unit if measured.absolute else self.unit
-        return replace(self, unit=unit, tolerance=tolerance, **values)
+        return replace(self, unit=unit, tolerance=tolerance, **measured_fields)
 
     def tolerance_from(self, tolerances: Mapping[str, float]) -> float | None:
         """The tolerance that judges the metric: its own, else that of the metric `judged_by`; None
@@ -136,8 +138,9 @@ class Metric(MetricValue):
 def reason_by_missing_field(solution: ContactSolution) -> dict[str, str]:
     """Fields that some metric needs and a solution lacks: name of the field -> reason.
 
-    The solution states them in `work.skipped`, whether its engine was not asked for the field or an
-    external result does not have it.
+    The solution states them in `work.skipped` (name -> count and reason), whether its engine was
+    not asked for the field or an external result does not have it. `METRICS` is the table of all
+    metrics, by key; `needs` are the fields that a metric is computed from.
     """
     needed_fields: set[str] = set()
     for metric in METRICS.values():
@@ -154,19 +157,24 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
     A metric that needs a field which a solution lacks has no value, and the reason as its note. It
     keeps its tolerance, unless it is one of shear or slip and the contact carries no shear. Other
     metrics without a value, and those of friction in a frictionless scene, have no tolerance.
+
+    A row of the table `METRICS` states by `exists` which pairs have the metric (None: all), by
+    `needs` the fields of a solution that it takes, and by `measure` the function that computes it.
     """
+    # name of the engine -> name of a field that its solution lacks -> why
     reasons_by_engine = {
         engine_in_words(solution.engine): reason_by_missing_field(solution)
         for solution in (pair.result, pair.reference)
     }
+    # more shear than 1e-9 of f p_ref, which is round-off
     largest_shear = np.abs(np.nan_to_num(pair.reference_cycle.shear)).max()
     carries_shear = bool(largest_shear > _NEGLIGIBLE_SHARE_OF_SHEAR * pair.scales.shear)
     metrics = []
     for metric in METRICS.values():
         if metric.exists is not None and not metric.exists(pair):
             continue
-        tolerance = metric.tolerance_from(tolerances)
-        reason = _reason_for_none(metric, reasons_by_engine)
+        tolerance = metric.tolerance_from(tolerances)  # largest |E|; None where it is not judged
+        reason = _reason_for_none(metric, reasons_by_engine)  # "" where all fields are there
         if FRICTION in metric.needs and not pair.result.scene.friction.coefficient:
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
@@ -186,8 +194,8 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
 
 def _reason_for_none(metric: Metric, reasons_by_engine: Mapping[str, Mapping[str, str]]) -> str:
     """In words, the first field that the metric needs and a solution lacks, with the reason; ""
-    where both solutions have all fields. `reasons_by_engine`: name of the engine -> field -> why it
-    is absent.
+    where both solutions have all fields. `metric.needs` are the names of the fields;
+    `reasons_by_engine` maps the name of an engine to field -> why it is absent.
     """
     for engine, reason_by_field in reasons_by_engine.items():
         for field_name in metric.needs:
@@ -205,7 +213,8 @@ def tolerances_of(
     """Key of a metric -> largest |E| admitted: that of `tolerances`, else that of the scene, else
     that of the project's own engines where theory is exact for the bodies.
 
-    A metric whose tolerance is infinite is not judged, and is left out.
+    A metric whose tolerance is infinite is not judged, and is left out. `is_theory_exact`: whether
+    the bodies are half-planes whose normal and shear tractions are not coupled.
     """
     engine_tolerances = OWN_TOLERANCES if is_theory_exact else {}
     scene_tolerances = {
@@ -240,9 +249,12 @@ _SHORT_PHRASES = {
 def _markdown_rows() -> Iterator[str]:
     """Rows of the manual's table of metrics as Markdown: name, method, reason, unit, norm and
     region, tolerance.
+
+    Norm: how the errors at points and instants become one value; region: which of them count.
     """
     for metric in METRICS.values():
         norm_and_region = f"{metric.norm}; {metric.region}"
+        # phrases of most rows, which the manual explains before the table
         for phrase, short_phrase in _SHORT_PHRASES.items():
             norm_and_region = norm_and_region.replace(phrase, short_phrase)
         if not metric.signed:
@@ -250,7 +262,7 @@ def _markdown_rows() -> Iterator[str]:
         tolerance = "–"
         if metric.tolerance is not None:
             tolerance = f"{metric.tolerance:g}"
-            if metric.judged_by:
+            if metric.judged_by:  # key of the metric that lends the tolerance
                 tolerance += f" (`{metric.judged_by}`)"
         name = f"{metric.label}: `{metric.key}`"
         method = metric.how.replace("|", "\\|")

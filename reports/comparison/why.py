@@ -114,7 +114,10 @@ class Why(PythonNumbers):
     @property
     def all_parts(self) -> list[ErrorPart]:
         """The parts of the bodies, the unexplained part, and that of mesh and steps; their sum is
-        E. Empty where the difference is not split.
+        E, the difference of W. Empty where the difference is not split.
+
+        A part has its cause in words, its share of W with uncertainty, and the sum of the parts
+        before it.
         """
         if not self.parts:
             return []
@@ -136,7 +139,8 @@ class Why(PythonNumbers):
 
         "" where the difference is not split or not resolved, where the largest part has the other
         sign or is not resolved, where it is less than half of the sum of the sizes of all parts, or
-        where more than a third of it is unexplained. Resolved: larger than two uncertainties.
+        where the unexplained part is more than a third of it. Resolved: larger than two
+        uncertainties. `parts` maps a cause to its part of the difference with uncertainty.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause
@@ -188,6 +192,7 @@ class Why(PythonNumbers):
         elements and theory and the part of each cause, over theory's W; the main cause; and why the
         difference was not split, if so.
         """
+        # in the order in which they lead from theory to finite elements; empty where not split
         steps_from_theory = [
             {"cause": cause, "value": change.value, "uncertainty": change.uncertainty}
             for cause, change, _ in self.all_parts

@@ -56,8 +56,9 @@ def bulk_work(source: ContactSolution | Cycle, materials: Materials) -> float:
     """Work of the bulk stress over the instants of a solution or a cycle: −(closed integral of
     m_q d(eps)) by the trapezoidal rule [energy / thickness]; 0 without bulk stress.
 
-    m_q is the moment of the shear about x = 0, where U is read. This work and the closed integral
-    of Q dU add up to the dissipation.
+    m_q is the moment of the shear about x = 0, where U is read; eps is the bulk strain of the lower
+    body minus that of the upper one. This work and the closed integral of Q dU add up to the
+    dissipation.
     """
     if source.shear_moment is None:
         return 0.0
@@ -73,9 +74,10 @@ def normal_work(solution: ContactSolution) -> float | None:
 
     None where it is always 0: where P and the tilt are constant, and for half-planes of like
     materials, whose V and M depend on P and the tilt only. None too where V is not known, as in a
-    solution that is not of the project's finite elements.
+    solution that is not of the project's finite elements, or holds no closed cycle (`loop_work` is
+    NaN).
     """
-    instants = solution.last_cycle
+    instants = solution.last_cycle  # indices
     has_constant_tilt = solution.tilt is None or np.ptp(solution.tilt[instants]) == 0
     has_constant_loads = np.ptp(solution.normal_load[instants]) == 0 and has_constant_tilt
     has_approach = solution.engine == "halfplane_fe" and not np.isnan(solution.loop_work)
@@ -91,10 +93,11 @@ def solution_on_straight_steps(solution: ContactSolution) -> ContactSolution:
     """The solution with the dissipation that it would have if the load path were straight between
     its instants: the work that finite elements add for the curve of the path is subtracted.
     """
-    # (n_steps,) work added in each increment
+    # (n_steps,) work added for the curve in each increment
     curve_work = solution.record.energy.get("curve")
     if curve_work is None or not solution.dissipation > 0:
         return solution
+    # without the first instant, which ends an increment of the cycle before
     curve_work_of_cycle = float(curve_work[solution.last_cycle[1:]].sum())
     share_of_straight_lines = 1 - curve_work_of_cycle / solution.dissipation
     return replace(
