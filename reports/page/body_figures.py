@@ -63,14 +63,15 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         half-width of the contact, drawn to scale [length]
     """
     _, unit_of_length, _ = units(scene)
+    # by body: (n, 2) x, and y upwards from the contact plane [length]
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
-    frame = _frame_of_sketch(outlines)
+    frame = _frame_of_sketch(outlines)  # scales from lengths to pixels
     marks: list[Mark] = []
-    for name, corners in outlines.items():
+    for name, points in outlines.items():
         shape = getattr(scene.bodies, name)
-        marks += _marks_of_body(frame, corners, shape, name)
+        marks += _marks_of_body(frame, points, shape, name)
         outward_sign = 1.0 if name == "lower" else -1.0
-        marks += _marks_of_supports(frame, shape, corners, outward_sign)
+        marks += _marks_of_supports(frame, shape, points, outward_sign)
         y_of_label = 16.0 if name == "upper" else frame.height - 6
         marks.append(Note(6.0, y_of_label, _label_of_body(scene, name), "word"))
     x_of_contact = frame.x.pixels_of([-half_width, half_width])
@@ -93,10 +94,11 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     )
     table: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
-        f"x [{unit_of_length}]": np.concatenate([corners[:, 0] for corners in outlines.values()]),
-        f"y [{unit_of_length}]": np.concatenate([corners[:, 1] for corners in outlines.values()]),
+        f"x [{unit_of_length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
+        f"y [{unit_of_length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
     shapes = (scene.bodies.lower, scene.bodies.upper)
+    # The arguments after `columns` fill the caption. A half-plane is cut off by the drawing.
     return figure_with_texts(
         "bodies",
         [panel],
@@ -123,10 +125,13 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     half_width
         half-width of the largest contact [length]
     """
+    # the measured rows, the standard deviation of their heights (`noise`), and the root mean square
+    # of row minus curve (`residual`)
     fit = profile_fit_of(scene)
     if fit is None:
         return None
     _, unit_of_length, _ = units(scene)
+    # the rows, and the fitted curve at each
     trace = _trace_of(scene, fit)
     panels = (
         _panel_of_trace(trace, unit_of_length),
@@ -139,6 +144,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         f"row - fit [{unit_of_length}]": trace.residuals,
         "fitted": trace.is_fitted.astype(float),
     }
+    # The arguments after `columns` fill the caption; `every`: one in so many rows is drawn.
     return figure_with_texts(
         "profile_fit",
         panels,
@@ -189,7 +195,12 @@ class _Trace(NamedTuple):
 
 
 def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
-    """The rows of a measured profile and the height of the fitted curve at each."""
+    """The rows of a measured profile and the height of the fitted curve at each. Of the fitted rows
+    at most 400 are drawn, evenly chosen.
+
+    `fit` holds the rows [x, height] (n, 2), x of the middle (`centre`), indices of the rows that
+    were fitted, and the numbers, from 1 on, of those left out as spikes.
+    """
     x = fit.rows.values[:, 0] - fit.centre
     is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
     stride = -(-int(is_fitted.sum()) // _MOST_DOTS)
@@ -206,6 +217,9 @@ def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
 def _panel_of_trace(trace: _Trace, unit_of_length: str) -> Panel:
     """A panel of a measured profile: the height of its rows, with tilt and offset taken out, and
     the curve that was fitted to them.
+
+    `trace` holds x (n,), height of the rows and of the curve (n,) [length], which rows were fitted
+    (n,), indices of those drawn, and of those left out as spikes.
     """
     height = trace.levelled_height
     order_of_x = np.argsort(trace.x)
@@ -240,6 +254,9 @@ def _panel_of_residuals(
 
     Parameters
     ----------
+    trace
+        x (n,) and residuals (n,) of the rows [length], which were fitted (n,), and indices of those
+        drawn
     noise
         standard deviation of the height of a row [length]
     half_width
@@ -272,7 +289,8 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     """Scales of the sketch of both bodies, from lengths to pixels: the same in both directions.
     Room is left above for the arrows of the loads, and on the other sides for supports.
 
-    `outlines` are the outlines of the bodies, (n, 2) each: x, y [length].
+    `outlines` are the outlines of the bodies, (n, 2) each: x, y [length]. The sketch is 440 pixels
+    wide and at most 310 high.
     """
     points = np.concatenate(list(outlines.values()))
     left_x, least_y = points.min(axis=0)
@@ -281,10 +299,11 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     pixel_by_height = (largest_y - least_y) / (
         _LARGEST_SKETCH_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES
     )
-    pixel = max(pixel_by_width, pixel_by_height)  # [length]
+    pixel = max(pixel_by_width, pixel_by_height)  # length that a pixel stands for
     height = float((largest_y - least_y) / pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
     middle_x = (left_x + right_x) / 2
     half_width_shown = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
+    # a scale: first and last value [length], and where they lie [pixels, y downwards]
     x_scale = Scale(
         float(middle_x - half_width_shown),
         float(middle_x + half_width_shown),
@@ -296,8 +315,9 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
-    """Outline of a body, (n, 2): x, and y upwards from the contact plane [length]. It goes from the
-    left end of the face to the right end, then round the base; of a cylinder it is the face alone.
+    """Outline of a body, (n, 2): x, and y upwards from the contact plane [length]. It goes along
+    181 points of the face from its left end to the right, then round the base; of a cylinder it is
+    the face alone.
 
     A half-plane is drawn as a rectangle, 1.3 times as wide as the body that it faces. Where both
     are half-planes it is 6 times as wide as the contact, whose half-width is `half_width`. `name`
@@ -315,12 +335,14 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
         height = 0.5 * face_half_width
     # Finer towards the ends, where an arc is steep.
     x = face_half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
+    # `depth`: of the face below the plane of first contact, into the body [length]
     face = np.column_stack([x, -outward_sign * face_of(shape, scene.profile).depth(x)])
     if isinstance(shape, Cylinder):
         return face
     # x and depth of the corners beside and below the face
     right_side = [(face_half_width, height)]
     if isinstance(shape, TShape | ShoulderedPad):
+        # at the depth of the step the width changes: below a flange, or at a shoulder
         half_width_below = shape.step.half_width
         right_side = [
             (face_half_width, shape.step.depth),
@@ -338,11 +360,12 @@ def _marks_of_body(frame: Frame, points: Array, shape: Shape, name: str) -> Iter
     Parameters
     ----------
     frame
-        the scales of the sketch
+        the scales of the sketch, from lengths to pixels
     shape
         the body's shape: a half-plane or a finite body
     points
-        (n, 2) outline, from the left end of the face to the right one and round the base [length]
+        (n, 2) outline, along 181 points from the left end of the face to the right one and round
+        the base [length]
     name
         "lower" or "upper"
     """
@@ -367,9 +390,9 @@ def _marks_of_supports(
     Parameters
     ----------
     frame
-        the scales of the sketch
+        the scales of the sketch, from lengths to pixels
     shape
-        the body's shape, with its supports
+        the body's shape, with its supports: `base` fixed or on rollers, `sides` free or guided
     points
         (n, 2) outline of the body [length]
     outward_sign
@@ -377,13 +400,15 @@ def _marks_of_supports(
     """
     if isinstance(shape, HalfPlane):
         return
-    y_of_face = float(frame.y.pixels_of(points[0, 1]))
+    y_of_face = float(frame.y.pixels_of(points[0, 1]))  # at its left end
+    # the base: points farthest from the face
     farthest_point = np.argmax(-outward_sign * points[:, 1])
     is_at_base = points[:, 1] == points[farthest_point, 1]
     half_width_of_base = float(np.abs(points[is_at_base, 0]).max())
     left_x, right_x = frame.x.pixels_of([-half_width_of_base, half_width_of_base]).tolist()
     y_of_base = float(frame.y.pixels_of(points[farthest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
+    # ends of the plane, direction away from the body, whether with rollers; in pixels, y downwards
     yield from _marks_of_plane(
         (left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls
     )
@@ -466,7 +491,7 @@ def _marks_of_loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> I
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
     load = scene.load
-    y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8
+    y_of_top = float(frame.y.pixels_of(outlines["upper"][:, 1].max())) - 8  # [pixels, downwards]
     y_of_contact = float(frame.y.pixels_of(0.0))
     line_of_action = load.line_of_action
     x_of_action = frame.x.pixels_of(line_of_action.x if line_of_action else 0.0)
@@ -508,12 +533,14 @@ def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Ite
 
 
 def _bulk_arrows(frame: Frame, points: Array) -> Iterator[Mark]:
-    """Arrows of bulk stress away from both ends of a body, midway between face and base."""
-    left, right = frame.x.pixels_of(points[[0, _FACE_POINTS - 1], 0]).tolist()
-    level = float(np.mean(frame.y.pixels_of(points[[0, -1], 1])))
-    for end, outward in ((left, -1.0), (right, 1.0)):
-        yield Arrow((end + 3 * outward, level), (end + 23 * outward, level))
-        yield Note(end + 13 * outward, level - 9, "σ", "load", "middle")
+    """Arrows of bulk stress away from both ends of a body, midway between face and base. `points`
+    (n, 2) are its outline, first along the face from left to right [length].
+    """
+    left_x, right_x = frame.x.pixels_of(points[[0, _FACE_POINTS - 1], 0]).tolist()
+    middle_y = float(np.mean(frame.y.pixels_of(points[[0, -1], 1])))
+    for end_x, outward_sign in ((left_x, -1.0), (right_x, 1.0)):
+        yield Arrow((end_x + 3 * outward_sign, middle_y), (end_x + 23 * outward_sign, middle_y))
+        yield Note(end_x + 13 * outward_sign, middle_y - 9, "σ", "load", "middle")
 
 
 def _normal_loads(scene: Scene) -> Array:
@@ -530,7 +557,8 @@ def _tangential_loads(scene: Scene) -> Array:
 
 def _sample_times(scene: Scene) -> Array:
     """Many instants of initial loading and first cycle."""
-    return np.concatenate([sampled_times(leg, 181) for leg in scene.load.path().segments(1)])
+    segments = scene.load.path().segments(1)
+    return np.concatenate([sampled_times(segment, 181) for segment in segments])
 
 
 def _range_in_words(loads: Array) -> str:

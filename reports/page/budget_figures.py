@@ -52,6 +52,9 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     Terms that add to E lie right of zero, those that subtract lie left; their sum is E. Where no
     metric has a tolerance, the metrics of the page's first table are drawn in per cent. None where
     there are none.
+
+    An entry of `budget.budgets` is the budget of one metric: its terms, and whether the bodies are
+    the half-planes of theory. Then the rest of E is unexplained, else it is the idealisation error.
     """
     budgets_with_tolerance = [
         budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.tolerance
@@ -67,11 +70,13 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     rest_name = "unexplained" if budgets[0].are_half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
     block_names = [*term_names, rest_name]
+    # lengths of the blocks of each bar, in tolerances or per cent
     stacks = [_stack_of(budget_of_metric, is_judged) for budget_of_metric in budgets]
     axis_end = _half_width_of_bars(stacks, is_judged)
 
     marks: list[Mark] = []
     for row_number, stack in enumerate(stacks):
+        # a row has height 1; the first is on top
         lower_edge = float(len(stacks) - row_number - 1)
         marks += _limits_of_bar(lower_edge, is_judged)
         marks += _blocks_of_bar(lower_edge, stack, block_names, is_judged)
@@ -90,6 +95,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         _BAR_HEIGHT * len(budgets) + 60,
         room=(20.0, 12.0, 20.0, 46.0),
     )
+    # legend of the sources of error that have a block in some bar
     is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
     keys = [
         Key(f"term-{index}", name, is_patch=True)
@@ -109,6 +115,9 @@ def waterfall(why: Why) -> Plate | None:
     """A waterfall figure of the dissipation W: from half-plane theory, at zero, a bar for each
     cause of the difference leads to the finite elements, in per cent of theory's W. None where the
     difference is not split into causes.
+
+    A part of `why` has its cause in words, its change of W (a value with uncertainty, both over
+    theory's W), and the sum of the changes before it. `why.difference` is the sum of all.
     """
     parts = why.all_parts
     if not parts:
@@ -124,7 +133,7 @@ def waterfall(why: Why) -> Plate | None:
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines
-    n_rows = len(parts) + 1
+    n_rows = len(parts) + 1  # of height 1, the first on top, the total in the last
     for part_number, part in enumerate(parts):
         lower_edge = float(n_rows - part_number - 1)
         label = f"{part.cause}: {percent_of(part.change)}"
@@ -211,12 +220,15 @@ class _Stack(NamedTuple):
 def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
     """The budget of a metric as lengths of a stacked bar: over its tolerance where `is_judged`,
     else in per cent. What is unknown or infinite has no length.
+
+    A term of the budget is the error by one source; the rest of the error is what no term explains.
     """
     unit = 0.01
     if is_judged:
         unit = budget.metric.tolerance or 1.0
 
     def length_of(value: float | None) -> float:
+        """Length of the block for an error."""
         length = (value or 0.0) / unit
         return length if math.isfinite(length) else 0.0
 
@@ -258,7 +270,9 @@ def _blocks_of_bar(
     lower_edge
         height at which the row of the bar begins; a row has height 1
     stack
-        lengths of the blocks, in the order of `block_names`
+        `lengths` of the blocks, in the order of `block_names`
+    block_names
+        the sources of error, then what no source explains
     is_judged
         whether lengths are over the tolerance; else they are per cent
     """
@@ -281,7 +295,8 @@ def _blocks_of_bar(
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
     """The numbers of the budget figure as a table by column, a row for each metric: tolerance,
     difference E, the contribution of each source of error (`term_names`), what is left of E (in the
-    column `rest_name`), and uncertainty u. NaN where there is no value.
+    column `rest_name`), and uncertainty u. NaN where there is no value. A budget has the terms of
+    one metric, in the order of `term_names`.
     """
     columns: dict[str, list[float | None]] = {
         "tolerance": [budget.metric.tolerance for budget in budgets],
@@ -302,7 +317,8 @@ def _marks_of_total(
 ) -> Iterator[Mark]:
     """What is drawn for a total over a stacked bar: an upright line at its value and a whisker for
     its uncertainty. The axis goes from −`axis_end` to `axis_end`; an arrow head at its end shows
-    that line or whisker goes beyond. `lower_edge` is the height at which the row of the bar begins.
+    that line or whisker goes beyond. `lower_edge` is the height at which the row of the bar begins;
+    a row has height 1. Total and uncertainty are in the unit of the axis.
     """
     height_of_whisker = lower_edge + 0.32
     if abs(total) <= axis_end:
@@ -328,6 +344,9 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
     size, relative to that of the run itself.
 
     None for fewer than three meshes, or where no metric converges monotonically.
+
+    A run on a mesh has its `size` (element size over that of the run itself), `values` (key of a
+    metric -> value), and a reason where it failed. `headline` metrics are those of the first table.
     """
     runs = [run for run in budget.refinements.mesh_runs if not run.failure]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
@@ -343,6 +362,7 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
             continue
         sizes = tuple(size for size, _ in known_points)
         values = tuple(value for _, value in known_points)
+        # value at size zero, and how the values change with the size
         limit = extrapolate(
             Refinement(sizes, values, formal_order=2.0, rounding=ROUND_OFF_OF_METRIC)
         )
@@ -364,6 +384,9 @@ def study_convergence(study: MeshStudy) -> Plate | None:
     table converge: |metric − its limit at element size zero| over the element size.
 
     None for fewer than three meshes, or where no metric converges monotonically.
+
+    A level of the study is a mesh, with its element size at the contact. A row holds a metric, its
+    values on all meshes, and their extrapolation to size zero.
     """
     sizes = [level.size for level in study.levels]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
@@ -413,10 +436,12 @@ def _figure_of_convergence(
         return None
 
     sizes = np.array(sorted(element_sizes))
+    # (element size, distance) of all metrics
     all_points = [point for points in curves.values() for point in points]
     positive_distances = [distance for _, distance in all_points if distance > 0]
     largest_distance = max(positive_distances)
 
+    # straight lines of order 1 and 2 from the largest distance
     keys_of_orders = [Key(f"slope order-{order}", f"order {order}") for order in (1, 2)]
     marks: list[Mark] = []
     for order, key in enumerate(keys_of_orders, 1):

@@ -30,7 +30,9 @@ _FORMAT = "halfplane comparison 2"
 
 
 def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | None = None) -> str:
-    """A report as JSON text; what is not finite becomes null, its metric says "finite": false."""
+    """A report as JSON text. A number that is not finite becomes null, with "finite": false in its
+    metric. `command` reproduces the report; `seconds` holds the wall time of each stage.
+    """
     return json.dumps(
         strict_json_values(whole_content(report, command, seconds or {})),
         allow_nan=False,
@@ -41,7 +43,8 @@ def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | No
 
 def common_content(report: Report) -> dict[str, Any]:
     """What the page and comparison.json both hold, by its names there: the headline, the rows of
-    the first table, and sentences on the question, the bodies and the idealisation.
+    the table of both solutions' values, and sentences on the scene, the bodies, the idealisation,
+    and what a comparison of two codes can prove ("claim").
     """
     comparison = report.comparison
     scene = comparison.scene
@@ -60,10 +63,11 @@ def common_content(report: Report) -> dict[str, Any]:
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite.
 
-    `command` reproduces the report; `seconds` holds the wall time of each stage.
+    `command` reproduces the report; `seconds` holds the wall time of each stage. A report holds the
+    comparison, its error budget, and of an external result the guesses, evidence and diagnoses.
     """
     comparison = report.comparison
-    budget = report.budget
+    budget = report.budget  # None where no error budget was measured
     scales = comparison.scales
     # The solutions that hold every instant of the scene. An external result may have few instants,
     # and then the reference beside it is solved at these alone.
@@ -73,6 +77,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
     verdicts = {
         name: getattr(comparison, name) for name in ("passed", "accurate", "verdict", "admissible")
     }
+    # of metrics with a tolerance and no value
     unscored_keys = [metric.key for metric in comparison.unscored]
     return {
         "format": _FORMAT,

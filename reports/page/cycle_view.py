@@ -60,7 +60,7 @@ class CycleView:
     def __init__(self, comparison: Comparison) -> None:
         """Take the last cycle of both solutions of a comparison. Choose the instants that figures
         mark by numbers, the one of them that is shown first (most points slipping), and the range
-        of x that is drawn.
+        of x that is drawn. Times are shares of the period where the loads repeat.
         """
         self.comparison = comparison
         self.scene = comparison.scene
@@ -75,6 +75,8 @@ class CycleView:
             EngineView("f", self.result_cycle, engine_in_words(comparison.result.engine)),
         )
         self.keys = [Key(f"{view.line_css} p", view.name) for view in self.engines]
+        # at most six instants, such as those of the largest P and Q, from the first on the rows of
+        # a table of loads
         self.chosen_events = events(
             self.result_cycle,
             self.scene.friction.coefficient,
@@ -87,7 +89,7 @@ class CycleView:
         if self.scene.load.path().period is not None and self.result_cycle.is_whole:
             self.time = self.result_cycle.fraction
             self.time_words = "time / period"
-        self.x = self.result_cycle.x / self.scales.half_width
+        self.x = self.result_cycle.x / self.scales.half_width  # over a_ref
         self.largest_x = self._largest_distance() / self.scales.half_width
 
     def _slip_points_and_load(self, instant: int) -> tuple[int, float]:
@@ -148,15 +150,17 @@ def difference_in_words(
     ... )
     'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
+    # NaN: nothing to compare at that place
     is_known = np.isfinite(difference) & (True if is_compared is None else is_compared)
     if not is_known.any():
         return "nothing to compare"
+    # (n,) length of x or time that belongs to each position
     lengths = np.gradient(positions) if len(positions) > 1 else np.ones(1)
     weights = np.maximum(lengths[is_known], 1e-300)
     rms = np.sqrt(np.average(difference[is_known] ** 2, weights=weights))
     worst_index = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
     worst_position = position_template.format(minus(f"{positions[worst_index] + 0.0:.3g}"))
-    largest_difference = difference[worst_index] + 0.0
+    largest_difference = difference[worst_index] + 0.0  # no "-0"
     rms_text = f"rms {_two_digits(rms)}{unit}"
     largest_text = f"largest {_two_digits(largest_difference)}{unit}"
     return minus(f"{rms_text}, {largest_text} at ") + worst_position
@@ -176,7 +180,9 @@ def broad_panel(
     height: float = 280.0,
     **panel_options: Any,
 ) -> Panel:
-    """A panel as wide as the page."""
+    """A panel as wide as the page, with the axes `x` and `y`. `alt` says what it shows, for readers
+    who can't see it; `height` is in pixels; `panel_options` are further fields of `Panel`.
+    """
     return Panel(name, x, y, marks, alt, 900.0, height, css="broad", **panel_options)
 
 
@@ -190,7 +196,8 @@ def permanent_edges(solution: ContactSolution) -> Array:
 def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     """Indices of up to `count` points of the result at which the page shows slip over time. They
     lie evenly from the right edge of the permanent stick zone (or the middle) to just inside the
-    right edge of the largest contact.
+    right edge of the largest contact. `may_tilt`: whether tilt, moment or unequal sides make the
+    contact unsymmetric. `contact_edges` are (k instants, 2) [length].
     """
     edges = comparison.reference_cycle.contact_edges
     x = comparison.result_cycle.x

@@ -60,7 +60,10 @@ def traction_keys(view: CycleView) -> tuple[Key, ...]:
 
 def tractions(view: CycleView) -> Plate:
     """A figure of pressure p and shear q of both engines over x, two panels for each numbered
-    instant: the tractions, and their difference. `view` holds the last cycles of both solutions.
+    instant: the tractions, and their difference.
+
+    `view` holds the last cycles of both solutions, with tractions (k instants, n points), points
+    `x` over a_ref, and the numbered instants (`chosen_events`, each with index and label).
     """
     instants = [event.index for event in view.chosen_events]
     cells = []
@@ -73,13 +76,14 @@ def tractions(view: CycleView) -> Plate:
             (320.0, 220.0),
             f"{number}  {event.label}",
         )
-        cells.append(Cell(panels, event.index))
+        cells.append(Cell(panels, event.index))  # a click on it shows that instant
     table = {
         "time": np.repeat(view.result_cycle.time[instants], len(view.x)),
         "x": np.tile(view.result_cycle.x, len(instants)),
         "x/a_ref": np.tile(view.x, len(instants)),
     }
     name_of_scale = {"p": "p_ref", "q": "(f p_ref)"}
+    # letter of a traction -> its name in a cycle, and the number that it is divided by
     for letter, (field, scale) in _traction_fields(view).items():
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
             column_name = f"{letter}_{role}/{name_of_scale[letter]}"
@@ -125,6 +129,7 @@ def traction_panels(
         whether the curves change to the instant that the page's slider chooses
     """
     width, height = size
+    # x/a_ref (n,); by letter p or q: reference and result, (instants, n), the drawn instant first
     x, traction_pairs = _tractions_at(view, (instant, *instants_of_axes))
     differences = {
         letter: 100 * (result_values - reference_values)
@@ -132,6 +137,7 @@ def traction_panels(
     }
 
     def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
+        """A curve over x; the slider replaces it by values of `field` in the page's script."""
         data_of_slider = {"field": field} if moves_with_slider else {}
         return Curve(x, values.copy(), css, label, data_of_slider)
 
@@ -190,7 +196,8 @@ def _tractions_at(
     """The x/a_ref of the points that are drawn, (n,); and by letter, "p" or "q", a pair of arrays
     (k, n): p/p_ref or q/(f p_ref) of the reference and of the result at these points.
 
-    The k instants are `instants` in their order, without repetitions.
+    The k instants are `instants` (indices) in their order, without repetitions. `view` holds the
+    last cycles of both solutions, all points over a_ref, and the largest that is drawn.
     """
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
     different_instants = np.array(list(dict.fromkeys(instants)))
@@ -206,7 +213,10 @@ def _tractions_at(
 def moving_instant(view: CycleView) -> Plate:
     """The figure that the slider moves: p and q of both engines over x at one instant, their
     difference, and their states along x. At first it shows the instant with most slip. Its axes fit
-    the whole cycle. `view` holds the last cycles of both solutions.
+    the whole cycle.
+
+    `view` holds the last cycles of both solutions with their loads, displacements U (k,) and states
+    (k, n), and the index of the instant that is shown first.
     """
     width = 560.0
     every_instant = range(len(view.result_cycle.time))
@@ -251,8 +261,9 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     """What is drawn for one engine's contact states at the instant shown: a strip along x, coloured
     by open, stick and slip, with the engine's name. The page's slider recolours it.
 
-    `strip_number` counts from 0 at the top. `view` holds the last cycles of both solutions. Heights
-    are in pixels.
+    `strip_number` counts from 0 at the top. `view` holds the instant that is shown, and the largest
+    x/a_ref that is drawn; `engine` its last cycle, with states (k, n) as codes 0 to 3. Heights are
+    in pixels.
     """
     top_y = 20.0 + 40.0 * strip_number
     bottom_y = top_y + 16
@@ -275,7 +286,10 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
 
 def state_map(view: CycleView) -> Plate:
     """A figure of open, stick, forward and reverse slip over x and time: a map for each engine, and
-    one of where they differ. `view` holds the last cycles of both solutions.
+    one of where they differ.
+
+    `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
+    3, the instants `time` (k,), the points `x` over a_ref, and the largest of them that is drawn.
     """
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
@@ -295,7 +309,7 @@ def state_map(view: CycleView) -> Plate:
             difference_title,
         ),
     )
-    pixels = _pixels(view)
+    pixels = _pixels(view)  # the instant and the point of each pixel of a map
     panels = []
     for name, states, palette, title in maps:
         marks = [Bitmap(states[pixels].astype(np.uint8), palette)]
@@ -314,6 +328,7 @@ def state_map(view: CycleView) -> Plate:
             )
         )
 
+    # the table of all states; of a long path evenly many instants, half a million states in all
     points = np.flatnonzero(np.abs(view.x) <= view.largest_x)
     instant_count = min(len(view.time), max(_MOST_STATES // len(points), 2))
     instants = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
@@ -340,7 +355,8 @@ def state_map(view: CycleView) -> Plate:
 
 def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
     """Index arrays that pick from values (k instants, n points) those of the rows and columns of a
-    map: of the instant and of the point nearest to each. Time goes up.
+    map: of the instant and of the point nearest to each. Time goes up. A map has 440 columns and
+    360 rows. `view.time` (k,) are the instants, `view.x` (n,) the points over a_ref.
     """
     places = np.linspace(-view.largest_x, view.largest_x, _MAP_COLUMNS)
     points = np.abs(view.x[:, None] - places).argmin(axis=0)
@@ -352,7 +368,9 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
 def dissipation_density(view: CycleView) -> Plate | None:
     """A figure of the friction work per area w(x) of the last cycle, both engines, and of their
     difference in per cent of the largest w of the reference. None where nothing is dissipated.
-    `view` holds the last cycles of both solutions.
+
+    `view` holds the last cycles of both solutions, with w (n,) at the points `x` over a_ref. The
+    scale of w is A f^2 P_ref^2/a_ref.
     """
     x = view.x
     scales = view.scales
@@ -362,6 +380,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
     if not (np.any(density_of_reference) or np.any(density_of_result)):
         return None
 
+    # ends of the zone that sticks through the whole cycle, over a_ref; NaN without one
     stick_edges = permanent_edges(view.comparison.reference) / scales.half_width
     density_marks: list[Mark] = [
         Rule(float(edge), "stick-line", is_upright=True)
@@ -409,6 +428,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         f"w_reference/{scale_in_words}": density_of_reference,
         f"w_result/{scale_in_words}": density_of_result,
     }
+    # the arguments after the legend fill the caption
     return figure_with_texts(
         "dissipation_density",
         (density_panel, difference_panel),

@@ -54,7 +54,10 @@ _LOOP_HEIGHT = 220.0
 def half_widths(view: CycleView) -> Plate:
     """A figure of the contact edges and stick edges of both engines through the cycle. Beside it
     stand the differences of the half-widths of contact and stick zone, result minus reference, per
-    cent of a_ref. `view` holds the last cycles of both solutions.
+    cent of a_ref.
+
+    `view` holds the last cycles of both solutions: `engines` (cycle, name, class of lines in the
+    style sheet) of reference and result, the axis of time, and words for the part of the path.
     """
     a_ref = view.scales.half_width
     curves: list[Curve] = []
@@ -63,7 +66,7 @@ def half_widths(view: CycleView) -> Plate:
     half_widths_of: dict[str, list[Array]] = {"contact": [], "stick": []}
     for role, engine in zip(("reference", "result"), view.engines, strict=True):
         for kind, css in (("contact", "p"), ("stick", "q")):
-            edges = getattr(engine.cycle, f"{kind}_edges")
+            edges = getattr(engine.cycle, f"{kind}_edges")  # (k instants, 2) [length]
             left_edge, right_edge = edges.T
             key = Key(f"{engine.line_css} {css}", f"{kind} edge, {engine.name}")
             keys.append(key)
@@ -106,6 +109,7 @@ def half_widths(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
+    # of the result's points
     spacing = _spacing_at_the_edge(view.result_cycle) / a_ref
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
     return figure_with_texts(
@@ -133,8 +137,10 @@ def discrepancies(view: CycleView) -> Plate:
     """A figure of how far the result is from the reference through the cycle: for each metric that
     has a tolerance and values over time, |difference| at each judged instant over that tolerance.
 
-    Where none has, the metrics by which half-planes are judged are drawn in per cent. `view` holds
-    the last cycles of both solutions.
+    Where none has, the metrics by which half-planes are judged are drawn in per cent.
+
+    `view` holds the comparison and the axis of time. A metric's `series` is its value at each
+    instant, (k,); `is_judged` (k,) is True at instants in contact with P of at least 0.1 P_ref.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -153,6 +159,7 @@ def discrepancies(view: CycleView) -> Plate:
         # Instants at a light load are not judged: errors relative to the small traction measure
         # the mesh only.
         judged_ratios = np.where(view.comparison.is_judged, ratios, np.nan)
+        # index
         worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
         largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
         marks.append(Curve(view.time, judged_ratios, css, metric.label))
@@ -165,6 +172,7 @@ def discrepancies(view: CycleView) -> Plate:
     if has_tolerances:
         last_time = float(view.time[-1])
         marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+        # at most 8 tolerances; larger ratios are cut off
         largest_drawn_ratio = min(max(1.0, largest_ratio), _LARGEST_DRAWN_RATIO)
         axis_words = "|discrepancy| / tolerance"
     else:
@@ -194,11 +202,16 @@ def discrepancies(view: CycleView) -> Plate:
 
 def slip_histories(view: CycleView) -> Plate:
     """A figure of the slip of a few points over time, by both engines: the slip since the start of
-    the cycle. `view` holds the last cycles of both solutions.
+    the cycle.
+
+    `view` holds the last cycles of both solutions: `engines` (cycle with slip (k, n), name) of
+    reference and result, points `x` over a_ref (n,), and the axis of time.
     """
+    # indices of up to four points between the stick zone and the edge of contact
     points = slip_points(view.comparison)
     unit_of_length = units(view.scene)[1]
     places = [f"x = {view.x[point]:.3f} a_ref" for point in points]
+    # (k, number of points) of reference and result [length]
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
     curves = []
     for line_width, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
@@ -241,10 +254,13 @@ def slip_histories(view: CycleView) -> Plate:
 def cumulative_work(view: CycleView) -> Plate | None:
     """A figure of the friction work from the start of a measured record of loads to each instant,
     by each solution that holds it; None for other loads, and where neither does.
+
+    `view` holds the comparison, its scene, and the legend entry (`keys`) of each solution.
     """
     solutions = (view.comparison.reference, view.comparison.result)
-    series = []
+    series = []  # (legend entry, times (n,), work up to each time (n,))
     for key, solution in zip(view.keys, solutions, strict=True):
+        # load cycles counted in the record, with the work up to each instant; None for other loads
         cycles_with_work = load_cycles(solution)
         if cycles_with_work is not None:
             series.append((key, cycles_with_work.time, cycles_with_work.cumulative))
@@ -278,13 +294,16 @@ def load_path(view: CycleView) -> Plate:
     """A figure of the load path in the P-Q plane: initial loading, cycle, Coulomb limit, dots with
     numbers at chosen instants, and a ring at the instant that the page shows first.
 
-    Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them. `view`
-    holds the last cycles of both solutions.
+    Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them.
+
+    `view` holds the last cycles of both solutions, the instants that figures mark by numbers
+    (`chosen_events`) and the index of the one that is shown first (`shown_instant`).
     """
     cycle = view.result_cycle
     scene = view.comparison.result.scene
     friction = scene.friction.coefficient
     unit = load_unit(scene)
+    # initial loading and cycle, each with P and Q at many instants
     parts = _parts_of_path(scene)
     normal_load = np.concatenate([part.normal_load for part in parts])
     tangential_load = np.concatenate([part.tangential_load for part in parts])
@@ -310,6 +329,7 @@ def load_path(view: CycleView) -> Plate:
     )
     marks += _numbered_dots(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
     shown_instant = view.shown_instant
+    # the page's slider moves it along Q over P
     marks.append(
         _slider_ring(
             "P", cycle.normal_load[shown_instant], cycle.tangential_load[shown_instant], "now"
@@ -343,7 +363,8 @@ def load_path(view: CycleView) -> Plate:
 
 def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
     """A low panel with lines over time (bulk stress, tilt or moment), beneath the load path. `name`
-    is that of the panel, `title` that of its vertical axis. `view` holds the axis of time.
+    is that of the panel, `title` that of its vertical axis. `view` holds the axis of time. A line
+    has values (k,) at the instants, its text, and its class in the style sheet (`css`).
     """
     marks: list[Mark] = [ZERO]
     marks += [Curve(view.time, line.values, line.css, line.text) for line in lines]
@@ -376,6 +397,7 @@ def _parts_of_path(scene: Scene) -> list[_PathPart]:
     nothing repeats, the whole path is one part.
     """
     path = scene.load.path()
+    # name, class of the line in the style sheet, load segments
     named_parts = [("path", "loop", path.initial_loading)]
     if path.cycle:
         named_parts = [
@@ -405,8 +427,9 @@ class _Line(NamedTuple):
 
 def _lines_of_bulk_and_tilt(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
     """Lines over the cycle for what acts beside P and Q: bulk stress, tilt and moment, as far as
-    the scene has them. Each comes as name of a panel, title of its axis with the unit, and lines.
-    `view` holds the last cycles of both solutions.
+    the scene has them. Each comes as name of a panel, title of its axis with the unit, and lines: a
+    class of the style sheet, a text, values (k,). `view.result_cycle` is the last cycle of the
+    result; what the scene does not have is None in it.
     """
     unit_of_force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
@@ -440,14 +463,15 @@ def _numbered_dots(
     x_values, y_values
         (k,) coordinates of the loop at all instants, in the units of the panel's axes
     events
-        the chosen instants, in the order of their numbers
+        the chosen instants, each with its `index` among all, in the order of their numbers
     """
     x = panel.frame.x.pixels_of(x_values)  # in pixels, as is y
     y = panel.frame.y.pixels_of(y_values)
     label_places: list[Array] = []  # of the numbers that are drawn
     for event_number, event in enumerate(events, start=1):
         instant = event.index
-        event_data = {"event": instant}
+        event_data = {"event": instant}  # a click shows that instant
+        # the number stands 13 pixels away from the middle of the loop, within the panel
         dot_place = np.array([x[instant], y[instant]])
         wanted_shift = 13 * _direction_from_middle(x, y, instant)
         shift = _shift_into_box(wanted_shift, dot_place, panel.frame.box)
@@ -490,8 +514,8 @@ _HALF_LABEL = np.array([5.0, 7.0])
 def _shift_into_box(
     wanted_shift: Array, dot_place: Array, box: tuple[float, float, float, float]
 ) -> Array:
-    """The shift (2,) of a label from its dot that keeps the label in the box, next to the wanted
-    shift: that itself, or mirrored, or else shortened. All in pixels.
+    """The shift (2,) of a label from its dot that keeps the label in the box: the wanted shift
+    itself, or mirrored, or else shortened. All in pixels; a label is 10 wide and 14 high.
 
     Parameters
     ----------
@@ -514,8 +538,9 @@ def _shift_into_box(
 
 
 def _slider_ring(x_series: str, x_value: float, y_value: float, css: str) -> Dot:
-    """A ring at the instant shown, which the slider moves along the curve of Q over another series
-    of the page's script (`x_series`, such as "P" or "U0").
+    """A ring at the instant shown, at `x_value` and `y_value` in the units of the axes. The page's
+    slider moves it along the curve of Q over another series of the page's script (`x_series`, such
+    as "P", or "U0" for U of the reference). `css` is its class in the style sheet.
     """
     return Dot(
         float(x_value),
@@ -532,7 +557,7 @@ def hysteresis(view: CycleView) -> Plate | None:
     the slim loop opens, and its area stays the same.
 
     None where neither load nor displacement moves, or the result holds no displacement. `view`
-    holds the last cycles of both solutions.
+    holds the last cycles of both solutions, with U and Q (k,), and their entries of a legend.
     """
     comparison = view.comparison
     scene = view.scene
@@ -571,6 +596,7 @@ def hysteresis(view: CycleView) -> Plate | None:
     }
     # A varying P does work too, where the normal approach depends on Q.
     has_constant_p = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
+    # the arguments after `view.keys` fill the caption: k of each engine, works, datum of U, ...
     return figure_with_texts(
         "hysteresis",
         panels,
@@ -606,7 +632,10 @@ def _loop_panel(
     Parameters
     ----------
     view
-        last cycles of reference and result, and the instants that have a number in figures
+        last cycles of reference and result, their legend entries (`keys`), the instants that have a
+        number in figures, and the index of that shown first
+    name
+        of the panel on the page
     letter_and_displacements
         letter of the displacement, U or V = U − k Q (without its elastic part); and its values in
         the reference and in the result, (k,) each
@@ -617,7 +646,8 @@ def _loop_panel(
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
     range_of_displacement = float(np.ptp(reference_values)) or 1.0
     difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement
-    fraction = view.result_cycle.fraction
+    fraction = view.result_cycle.fraction  # of the period, (k,)
+    # root mean square and largest value in words; " at ..." is left out
     numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
     difference_note = numbers_and_place.rpartition(" at ")[0]
     if letter == "U" and view.comparison.lacks_common_datum:
@@ -639,6 +669,7 @@ def _loop_panel(
     )
     marks += _numbered_dots(panel, result_values, loads[1], view.chosen_events)
     shown_instant = view.shown_instant
+    # rings that the page's slider moves along the loops of reference (0) and result (1)
     marks.append(
         _slider_ring(
             f"{letter}0", reference_values[shown_instant], loads[0][shown_instant], "now pale"
@@ -652,8 +683,8 @@ def _loop_panel(
 
 def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
     """For the caption of the loop of Q over U under bulk stress, four texts: its area, the work of
-    the bulk stress and the friction work W, each as "reference and result"; and their unit. Empty
-    without bulk stress.
+    the bulk stress and the friction work W, each as "reference and result"; and their unit, per
+    thickness. Empty without bulk stress.
     """
     if not comparison.has_bulk_stress:
         return ()
@@ -674,7 +705,7 @@ def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
 def _bulk_loop_panel(view: CycleView) -> Panel:
     """A panel of the moment of the shear traction about x = 0 over the bulk strain, both engines.
     The area of this loop is the work of the bulk stress. `view` holds the last cycles of both
-    solutions.
+    solutions, with the moment (k,), and their entries of a legend.
     """
     unit_of_force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 
 def scene_html(scene: Scene) -> str:
-    """A scene as HTML for a notebook: name, bodies, material, profile, friction and loads."""
+    """A scene as HTML for a notebook: name, bodies, material, profile, friction and loads.
+
+    The ranges are those of P and Q, or of the displacements of the actuators where the scene
+    prescribes these (`is_driven`; `states_approach` where the normal one too).
+    """
     upper_material = scene.material.upper
     lower_material = scene.material.lower
     normal_range, tangential_range = scene.ranges_of_load()
@@ -48,7 +52,7 @@ def scene_html(scene: Scene) -> str:
 
 
 def solution_html(solution: ContactSolution) -> str:
-    """How a solution ended, its size and its values."""
+    """A solution as HTML for a notebook: how it ended, its size and its values."""
     title = solution.scene.title or solution.scene.name or "Solution"
     return template("notebook.html").render(title=title, rows=first_summary_rows(solution))
 
@@ -66,14 +70,15 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     """A matplotlib figure of a solution: tractions at the stored instant next to `time`, and the
     states of all points through the last cycle.
 
-    Without `time` the instant is that of the largest |Q| of the last cycle.
+    Without `time` the instant is that of the largest |Q| of the last cycle. A line in the map of
+    states marks it.
 
     Raises
     ------
     InputError
         For a time outside the solution, and a solution without pressure.
     """
-    instant = _shown_instant(solution, time)
+    instant = _shown_instant(solution, time)  # index
     figure, (tractions_axes, states_axes) = _axes(2, (7.0, 6.5))
     _draw_tractions(tractions_axes, solution, instant)
     if len(solution.x) > 1 and len(solution.last_cycle) > 1:
@@ -109,7 +114,7 @@ def _shown_instant(solution: ContactSolution, time: float | None) -> int:
 
 def _draw_tractions(axes: Axes, solution: ContactSolution, instant: int) -> None:
     """Draw pressure p, shear traction q and the Coulomb limit ±f p over x into matplotlib `axes`,
-    at the instant of that index.
+    at the instant of that index. The pressure of the solution is (k instants, n points).
     """
     scene = solution.scene
     x = solution.x
@@ -130,8 +135,8 @@ def _draw_tractions(axes: Axes, solution: ContactSolution, instant: int) -> None
 
 
 def _draw_states(axes: Axes, solution: ContactSolution) -> None:
-    """Draw open, stick and slip of all points through the last cycle, into matplotlib `axes`, with
-    a legend above.
+    """Draw open, stick and slip of all points through the last cycle, over x and time, into
+    matplotlib `axes`, with a legend above. The states are codes 0 to 3, (k instants, n points).
     """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
@@ -178,6 +183,7 @@ def loop_figure(solution: ContactSolution) -> Figure:
     force, length, _ = scene.unit_words
     axes.plot(displacement, solution.tangential_load[instants], color="black")
     words_of_axis = f"relative tangential displacement U [{length}]"
+    # U of theory counts from a place at that distance
     if scene.bodies.half_planes or lacks_datum(solution):
         words_of_axis += f", datum length {scene.profile.datum_length:g} {length}"
     axes.set_xlabel(words_of_axis)
@@ -185,10 +191,8 @@ def loop_figure(solution: ContactSolution) -> Figure:
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
         repeats = scene.load.path().period is not None
-        stretch_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
-        work_in_words = (
-            f"W = {solution.dissipation:.4g} {force}·{length}/{length} {stretch_in_words}"
-        )
+        part_in_words = "per cycle" if repeats else f"of the {part_of_path(scene)}"
+        work_in_words = f"W = {solution.dissipation:.4g} {force}·{length}/{length} {part_in_words}"
         title = "\n".join(filter(None, (title, work_in_words)))
     axes.set_title(title, loc="left")
     return figure
@@ -196,7 +200,8 @@ def loop_figure(solution: ContactSolution) -> Figure:
 
 def _axes(n_axes: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     """A matplotlib figure of that width and height [inches] with `n_axes` axes one above the other.
-    It is closed in a notebook, which shows what a cell returns and would show it twice.
+    It is closed in a notebook (matplotlib draws "inline"), which shows what a cell returns and
+    would show it twice.
     """
     import matplotlib.pyplot as plt
 

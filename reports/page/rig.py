@@ -143,8 +143,11 @@ class RigMotion:
         """What the contact does in the step that ends at each instant, (k,), by the codes of
         `Motion`: stick, partial slip, sliding forward or back, apart. The first instant, which ends
         no step, has that of its own state.
+
+        The stick half-width of the solution is NaN where no part of the contact sticks. Tolerances:
+        1e-6 of f P, and 1e-9 of the contact half-width.
         """
-        normal_load = self.normal_load
+        normal_load = self.normal_load  # (k,), of the shown instants
         tangential_load = self.tangential_load
         stick_half_width = self.solution.stick_half_width[self.instants]
         contact_half_width = self.solution.contact_half_width[self.instants]
@@ -199,6 +202,9 @@ class RigMotion:
 def _loop(rig_motion: RigMotion) -> Plate:
     """A figure of the tangential load Q over the displacement U of the contact, and over that of
     the actuator where a spring is between. Finite elements are drawn too where they were solved.
+
+    `rig_motion` holds loads and displacements (k,) at the shown instants; `motion_by_elements`
+    those by finite elements beside theory, or None.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
@@ -219,6 +225,7 @@ def _loop(rig_motion: RigMotion) -> Plate:
         values = [getattr(motion_by_engine, attribute) for motion_by_engine in rig_motions]
         table[column] = np.concatenate(values).tolist()
     has_spring = rig_motion.scene.rig.tangential_stiffness is not None
+    # legend: contact, actuator, contact by finite elements
     keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
     if rig_motion.motion_by_elements is not None:
         keys = (*keys, _KEY_OF_ELEMENTS)
@@ -243,20 +250,26 @@ def _loop_panel(
 ) -> Panel:
     """A panel of Q over the displacement U of the contact, and over that of the actuator where a
     spring is between. Finite elements are drawn too where they were solved. `width` and `height`
-    are in pixels.
+    are in pixels; `name` is that of the panel on the page. `rig_motion` holds loads and
+    displacements (k,) at the shown instants.
     """
-    key_of_contact, key_of_actuator = _KEYS_OF_LOOP
+    key_of_contact, key_of_actuator = _KEYS_OF_LOOP  # entries of the legend
     tangential_load = rig_motion.tangential_load
-    displacements = [(rig_motion.contact_displacement, tangential_load, key_of_contact)]
+    # (displacement, load, entry of the legend) of each loop
+    drawn_loops = [(rig_motion.contact_displacement, tangential_load, key_of_contact)]
     if rig_motion.scene.rig.tangential_stiffness is not None:
-        displacements.append((rig_motion.actuator_displacement, tangential_load, key_of_actuator))
-    by_elements = rig_motion.motion_by_elements
-    if by_elements is not None:
-        displacements.append(
-            (by_elements.contact_displacement, by_elements.tangential_load, _KEY_OF_ELEMENTS)
+        drawn_loops.append((rig_motion.actuator_displacement, tangential_load, key_of_actuator))
+    motion_by_elements = rig_motion.motion_by_elements
+    if motion_by_elements is not None:
+        drawn_loops.append(
+            (
+                motion_by_elements.contact_displacement,
+                motion_by_elements.tangential_load,
+                _KEY_OF_ELEMENTS,
+            )
         )
     curves = [
-        Curve(displacement, load, key.css, key.text) for displacement, load, key in displacements
+        Curve(displacement, load, key.css, key.text) for displacement, load, key in drawn_loops
     ]
     x_limits = axis_limits(*(curve.x for curve in curves))
     return Panel(
@@ -289,11 +302,15 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     """A figure of a rig over time in two panels. The upper one has Q between the limits of friction
     ±f P, on colours that show what the contact does. The lower one has the displacements of
     actuator and contact, and the distance that the bodies slide as a whole.
+
+    `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
+    and what the contact does (stick, partial slip, ...) with the times between which it does so.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
     friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
     force_range = axis_limits(friction_limit, -friction_limit)
+    # `_CSS_AND_WORDS`: class of the style sheet, and words, of a motion
     force_marks: list[Mark] = [
         Block((begin, end), force_range, _CSS_AND_WORDS[motion][0])
         for motion, begin, end in rig_motion.intervals()
@@ -311,6 +328,7 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     time_axis = Axis(float(rig_motion.time[0]), float(rig_motion.time[-1]), "time")
 
     def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
+        """A panel over time; `alt` says what it shows, for readers who can't see it."""
         return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
 
     panels = [
@@ -349,7 +367,11 @@ def _over_time(rig_motion: RigMotion) -> Plate:
 # ------------------------------------------------------------------------------------------ numbers
 def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     """Rows (label with unit, value) of the first table of a rig: strokes (largest minus least
-    displacement), loads, dissipation, and how long the contact sticks or slides.
+    displacement), loads, dissipation, and how long the contact sticks or slides. Finite elements
+    have rows at the end where they were solved beside theory.
+
+    `rig_motion` holds loads and displacements (k,) at the shown instants, the time in each motion
+    (stick, partial slip, sliding, apart) and the distance slid.
     """
     scene = rig_motion.scene
     unit_of_length = units(scene)[1]
@@ -388,7 +410,8 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
 
 def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tuple[str, str]]:
     """Rows (label with unit, value) on a rig by finite elements: dissipation with its difference
-    from theory's, range of Q, and the sliding distance where the bodies slide as a whole.
+    from theory's, range of Q, and the sliding distance where the bodies slide as a whole: where it
+    is more than 1e-6 of the stroke of the actuator.
     """
     unit_of_load = load_unit(by_theory.scene)
     unit_of_length = units(by_theory.scene)[1]
@@ -425,7 +448,7 @@ def may_slide(rig_motion: RigMotion) -> bool:
 
 def _sentence(rig_motion: RigMotion) -> str:
     """The first sentences on a rig: whether the bodies slide as a whole and how far, and the
-    dissipation W.
+    dissipation W. Where they do not slide, the uncertainties of the inputs may allow it.
     """
     unit_of_length = units(rig_motion.scene)[1]
     part_of_path = rig_motion.part_of_path
@@ -460,9 +483,10 @@ def write(rig_motion: RigMotion, out: str | Path, command: str, remarks: Sequenc
     solutions. Returns the path of the page. `remarks` are sentences on which engines can solve the
     scene.
     """
-    page_script, script_hash = script()
+    page_script, script_hash = script()  # and its digest, by which a browser knows it
     plates = (_loop(rig_motion), _over_time(rig_motion))
-    summary = summary_rows(rig_motion.solution)
+    summary = summary_rows(rig_motion.solution)  # (label, value) on the solution
+    # a temporary folder, whose files move to `out` at the end; pages of an earlier run are removed
     with results_folder(out, stale_prefixes=("report.html", "figures/")) as folder:
         write_tables(plates, folder)
         page = template("rig.html").render(

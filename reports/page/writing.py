@@ -119,13 +119,16 @@ def write(
     if not isinstance(report, Report):
         report = Report(report)
     comparison = report.comparison
+    # what the stated uncertainties of the inputs do to the values of theory
     if report.inputs is None and comparison.scene.inputs:
         inputs = input_effects(comparison.scene, comparison.effects)
         report = replace(report, inputs=inputs)
+    # a temporary folder, whose files move to `out` at the end; after an error the solutions alone
     with results_folder(out, solutions=SOLUTIONS) as folder:
         # before the page: one that fails must not cost what took long to solve
         comparison.reference.save(folder / SOLUTIONS[0])
         comparison.result.save(folder / SOLUTIONS[1])
+        # figures, and name -> CSV of each
         drawings = draw(report)
         if stress_instants:
             drawings += (_figure_of_stress(comparison, stress_instants),)
@@ -136,7 +139,9 @@ def write(
         (folder / "comparison.json").write_text(comparison_text, encoding="utf-8")
         if vtu_instants is not None and len(vtu_instants):
             _write_vtu(comparison, vtu_instants, folder / "fields")
+        # what the page states of the answer of a third solver
         third_content = _write_third(comparison, report.third, folder) if report.third else None
+        # values at the instants of the page's slider, and the CSV of the figures
         script_data = _data_of_slider(CycleView(comparison)) | {"tables": _tables(tables)}
         page = render(report, drawings, command, seconds or {}, script_data, third_content)
         (folder / "report.html").write_text(page, encoding="utf-8")
@@ -189,6 +194,8 @@ def render(
 
     Parameters
     ----------
+    report
+        `comparison` of two solutions, and the error `budget` where one was measured
     drawings
         the figures; one that is missing leaves its place empty
     command
@@ -203,10 +210,13 @@ def render(
     """
     comparison = report.comparison
     scene = comparison.scene
+    # texts by their names on the page: headline, question, bodies, ...
     sentences = common_content(report)
-    sentences_on_fit, _ = findings_on_fit(scene)
+    sentences_on_fit, _ = findings_on_fit(scene)  # none without a profile fitted to measured rows
+    # sources of error that are negligible in the first table
     terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
     bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
+    # the page's script, and its digest, by which a browser knows it
     program, script_digest = script()
     return template("report.html").render(
         sentences | {"bodies": bodies},
@@ -244,8 +254,9 @@ def render(
 
 
 def code_commit(files: str = ".") -> str:
-    """The git commit of the checkout that this package lies in, "with changes" where one of `files`
-    (a pattern of git) differs from it. "unknown", and why, without a checkout or without git.
+    """The git commit of the checkout that this package lies in, followed by "with changes" where
+    one of `files` (a pattern of git) differs from it. "unknown", and why, without a checkout or
+    without git.
     """
     home = Path(__file__).parents[2]
     if not (home / ".git").exists():
@@ -270,7 +281,7 @@ def _notes(comparison: Comparison) -> list[str]:
     the metric's label, then those of the solutions.
     """
     notes = []
-    for metric in comparison.headlines:
+    for metric in comparison.headlines:  # metrics of the first table
         note = metric.note
         label = metric.label
         if note and note.lower().startswith(label.lower()):
@@ -284,15 +295,17 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
     """Texts of a table on the friction work W of each solution, by column; a dash stands for what a
     solution does not hold.
 
-    The columns: "name"; "value" W, the sum of q times slip; "scaled" W over its scale; "loop" the
-    closed integral of Q dU, under bulk stress of Q dU − m_q d(eps); "bulk" and "normal" work of
-    bulk stress and of P; "apart" |loop and normal work/W − 1|; "cycles" W of every cycle.
+    The columns: "name"; "value" W, the sum of q times slip; "scaled" W over A f^2 P_ref^2; "loop"
+    the closed integral of Q dU, under bulk stress of Q dU − m_q d(eps); "bulk" and "normal" work of
+    bulk stress and of P; "apart" |(loop + normal work)/W − 1|; "cycles" W of every cycle. Work of P
+    below 1e-12 W is round-off and shown as 0.
     """
 
     def text_of_number(value: float | None, digits: int = 8) -> str:
-        """A number to so many significant digits; a dash for None and NaN."""
+        """A number to `digits` significant digits; a dash for None and NaN."""
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
+    # theory with straight loads between the instants of the result; may be None
     reference_on_steps = comparison.polygon_reference
     for solution in filter(None, (comparison.reference, reference_on_steps, comparison.result)):
         name = engine_in_words(solution.engine)
@@ -300,6 +313,7 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             name += ", on the polygon of the steps"
         dissipation = solution.dissipation
         loop_work = solution.loop_work
+        # None where it is always 0 or not known
         work_of_normal_load = normal_work(solution)
         if work_of_normal_load is not None and abs(work_of_normal_load) < _ROUND_OFF * dissipation:
             work_of_normal_load = 0.0
@@ -366,10 +380,14 @@ def _in_16_bits(values: Array) -> dict[str, Any]:
 
 def _data_of_slider(view: CycleView) -> dict[str, Any]:
     """What the page's script needs for its slider: loads, displacements, tractions and states at
-    the instants and points that the page holds, and how many there are in all. `view` holds the
-    last cycles of both solutions.
+    the instants and points that the page holds, and how many there are in all.
+
+    `view` holds the last cycles of both solutions: `time`, loads and displacements (k,) at k
+    instants, points `x` over a_ref (n,), and the instants that figures mark (`chosen_events`).
     """
     scene = view.scene
+    # indices of the instants and points that the page holds: about 200 instants at most, and
+    # 100,000 instants times points
     instants = _instants_of_slider(view)
     points = _points_of_slider(view, len(instants))
     # U0, V0 of the reference, U1, V1 of the result. V is U without its elastic part: Q over V is a
@@ -383,6 +401,7 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         "V0": sheared_displacement(view.reference_cycle),
         "V1": sheared_displacement(view.result_cycle),
     }
+    # tractions and slip as packed numbers; states as codes (instants, points)
     fields, states = _fields_of_slider(view, np.ix_(instants, points))
     return {
         "instants": len(instants),
@@ -410,7 +429,8 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
 
 def _instants_of_slider(view: CycleView) -> NDArray[np.int_]:
     """Indices of the instants through which the page's slider moves: all, or 200 evenly spaced ones
-    with the first, the last and those that have a number in figures.
+    with the first, the last and those that have a number in figures (`view.chosen_events`, each
+    with its index in the cycle).
     """
     last_instant = len(view.result_cycle.time) - 1
     spaced_instants = (
@@ -436,6 +456,9 @@ def _fields_of_slider(
     """For the page's script, at the instants and points that `grid` picks: pressure p, shear q and
     slip s of the reference, packed, with the differences result minus reference (dp, dq, ds); and
     codes of the states, that of the reference (0 to 3) plus 4 times that of the result.
+
+    `view` holds the last cycles of both solutions, with arrays (k instants, n points), and the
+    scales p_ref and f p_ref by which p and q are divided.
     """
     field_and_scale = {
         "p": ("pressure", view.scales.pressure),
@@ -446,6 +469,7 @@ def _fields_of_slider(
     for key, (name, scale) in field_and_scale.items():
         reference_values = getattr(view.reference_cycle, name)[grid] / scale
         result_values = getattr(view.result_cycle, name)[grid] / scale
+        # whole multiples of a step, as text
         fields[key] = _in_16_bits(reference_values)
         fields[f"d{key}"] = _in_16_bits(result_values - reference_values)
     state_of_reference = view.reference_cycle.state[grid].astype(np.uint8)
@@ -465,7 +489,7 @@ def _position_of(index: int, indices: NDArray[np.int_]) -> int:
 
 def _extent_of_slider_in_words(script_data: Mapping[str, Any]) -> str:
     """A sentence on how many instants and points of the last cycle the page's slider moves through.
-    `script_data` is what the page's script is given.
+    `script_data` is what the page's script is given; all its numbers here are counts.
     """
     all_instants, all_points = script_data["of"]
     slider_instants = script_data["instants"]
@@ -505,11 +529,15 @@ def _as_script(content: dict[str, Any]) -> str:
 def draw(report: Report) -> tuple[Plate, ...]:
     """Every figure of a report, in the order of the page. Figures for which the result lacks the
     field (slip, dissipation) or the instants are left out.
+
+    Of `report` are used: the comparison, the study of several meshes of an external result, the
+    error budget, each None where there is none; and `why`, the difference of W split by its causes.
     """
     comparison = report.comparison
+    # the last cycles of both solutions, with the axes that figures share
     view = CycleView(comparison)
-    half_width = comparison.scales.half_width
-    contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))
+    half_width = comparison.scales.half_width  # a_ref, at the reference load
+    contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))  # outermost at right
     plates: list[Plate | None] = [
         sketch(comparison.scene, half_width),
         fit_residuals(comparison.scene, contact_edge),
@@ -530,6 +558,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
         plates.append(waterfall(comparison.why))
     if report.budget is not None:
         plates += [budget_bars(report.budget), mesh_refinement(report.budget)]
+    # of the finite elements; none in a solution that was read from a file
     meshes = getattr(comparison.result, "bodies", ())
     if meshes:
         from reports.field_output.pictures import mesh
@@ -584,9 +613,11 @@ def figure(report: Comparison | Report, name: str) -> str:
 
 
 def published(comparison: Comparison) -> str:
-    """The picture of a published scene as SVG: tractions at the largest load, and beside them the
-    loop of Q over U − k Q, or the half-widths where U does not move.
+    """The picture of a scene from a publication as SVG: tractions at the largest load, and beside
+    them the loop of Q over U − k Q (k the mean slope dU/dQ), or the contact and stick edges where U
+    does not move.
     """
+    # the last cycles of both solutions, with the axes that figures share
     view = CycleView(comparison)
     scene = comparison.scene
     reference_cycle = comparison.reference_cycle
@@ -597,18 +628,19 @@ def published(comparison: Comparison) -> str:
     instant = int(np.argmax(tangential_load))
     title = f"t = {reference_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)
+    # without the panel of the differences; with words on the axis of x
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
 
     moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.displacement
     loop_plate = hysteresis(view) if moves else None
-    # half-widths over time, not over the share of the period
+    # edges over time, not over the share of the period
     view.time = view.result_cycle.time
     view.time_words = "time"
     second_plate_panel = loop_plate.panels[1] if loop_plate else half_widths(view).panels[0]
     assert isinstance(second_plate_panel, Panel)
     second_panel = replace(second_plate_panel, height=size[1])
-    keys = traction_keys(view)[:4]
+    keys = traction_keys(view)[:4]  # legend of p and q of both engines, without their differences
     alt = f"Both engines on {scene.name}"
     panels = (traction_panel, second_panel)
     plate = Plate(scene.name, scene.title or scene.name, "", alt, panels, {}, keys)
