@@ -47,6 +47,7 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
         raise _refusal(values, name, "an array of real numbers is needed") from reason
     if unmasked_values.dtype.kind == "c":
         raise _refusal(values, name, "real numbers are needed, not complex ones")
+    # Kinds of numpy's types: "c" complex, "O" Python objects, "iuf" integers and floats.
     if unmasked_values.dtype.kind == "O" and not any(
         isinstance(value, bool | np.bool_ | str | bytes) for value in unmasked_values.flat
     ):

@@ -186,8 +186,10 @@ class TShape(_Sided):
 
     @model_validator(mode="after")
     def _require_stem_below_flange(self) -> Self:
-        """Refuse a T-shape whose stem is as wide as its flange, or whose flange is as high as the
-        body (ValueError with what is allowed).
+        """Return this T-shape; refuse (ValueError with what is allowed) one whose stem is as wide
+        as its flange, or whose flange is as high as the body.
+
+        Widths are along the face, heights from the face.
         """
         if self.stem_width >= self.width:
             raise ValueError(
@@ -234,8 +236,8 @@ class ShoulderedPad(_Sided):
 
     @model_validator(mode="after")
     def _require_pad_on_shoulder(self) -> Self:
-        """Refuse a pad on a shoulder that is not wider than the pad, or that lies as deep below
-        the contact as the base (ValueError with what is allowed).
+        """Return this pad; refuse (ValueError with what is allowed) a shoulder that is not wider
+        than the pad, or that lies as deep below the contact as the base.
         """
         if self.shoulder_width <= self.width:
             raise ValueError(
@@ -281,8 +283,11 @@ class Bodies(Frozen):
 
     @model_validator(mode="after")
     def _require_contact_problem(self) -> Self:
-        """Refuse two bodies that make no contact problem (ValueError): a pad on another pad or a
-        cylinder, since one profile cannot be the face of both; a pad wider than the body it faces.
+        """Return these bodies; refuse (ValueError) two that make no contact problem: a pad on
+        another pad or a cylinder, since one profile cannot be the face of both; a pad wider than
+        the body it faces.
+
+        A body's `kind` is "half_plane", "block", "pad", "cylinder", "t_shape" or "shouldered_pad".
         """
         kinds_of_bodies = (self.lower.kind, self.upper.kind)
         curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_KINDS_OF_PADS, "cylinder")]

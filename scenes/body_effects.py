@@ -102,6 +102,7 @@ class BodyEffects:
           tilt: alpha_P = 0, alpha_Q = 0; bulk strain: e_P = 0, e_Q = 0
           Dundurs' beta = 0; 0 unknowns, 0 factorisations
         """
+        # Values by their symbols, in groups with a heading each.
         groups = (
             ("compliance: ", {"c_n": self.normal_compliance, "c_t": self.tangential_compliance}),
             (

@@ -56,6 +56,8 @@ class ClockColumn:
             For a date unlike the first one, where day and month of either can't be told from each
             other.
         """
+        # Groups of the match: date, hours, minutes, seconds, half (AM or PM), zone; None if left
+        # out.
         match = _INSTANT.match(text)
         if match is None:
             return None
@@ -69,12 +71,14 @@ class ClockColumn:
             since_midnight = since_midnight % half_day + (am_or_pm[0] in "Pp") * half_day
         since_midnight -= _zone_offset(match["zone"])
 
+        # The first row is where time is counted from.
         date_text = match["date"] or ""
         if not self.first_text:
             self.first_text = text
             self._first_date = date_text
             self._first_seconds = since_midnight
             self._last_seconds = since_midnight
+        # Days since the first row, by dates or by midnights that have passed.
         days_since_first = 0
         if date_text and date_text != self._first_date:
             days_since_first = _day_number(date_text) - _day_number(self._first_date)
@@ -104,12 +108,17 @@ def _zone_offset(zone: str | None) -> float:
 
 @lru_cache(maxsize=64)
 def _day_number(text: str) -> int:
-    """Number of the day of a date such as 2026-11-29, 29.11.2026 or 11/30/2026, counted as Python's
-    `date.toordinal`.
+    """Number of the day of a date such as 2026-11-29, 29.11.2026 or 11/30/2026, counted from 1
+    January of the year 1.
 
-    ValueError for what is no date, and for dates with slashes whose day and month can't be told
-    from each other.
+    Raises
+    ------
+    ValueError
+        For what is no date, and for dates with slashes whose day and month can't be told from each
+        other.
 
+    Examples
+    --------
     >>> (
     ...     _day_number("30.11.2026") - _day_number("2026-11-29"),
     ...     _day_number("11/30/2026") - _day_number("29/11/2026"),

@@ -120,8 +120,8 @@ class InadmissibleLoadError(InputError):
         reason
             "gross sliding" or "separation"
         begin, worst_instant
-            instant at which sliding or separation begins, and the one at which it is worst; None:
-            the same instant
+            time and loads P, Q [force per thickness] at which sliding or separation begins, and
+            those at which it is worst; None: the same
         friction
             coefficient f, which the message on gross sliding names
         where
@@ -192,7 +192,7 @@ def in_words(size: int) -> str:
 
 
 def shortened_repr(value: object) -> str:
-    """A value of a file in a sentence: as Python writes it, its beginning where it is long.
+    """Text of a value in a sentence: as Python writes it; of a long one the first 120 characters.
 
     >>> shortened_repr([0.5]), len(shortened_repr("x" * 10**6))
     ('[0.5]', 124)

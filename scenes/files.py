@@ -72,6 +72,7 @@ def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT_BYTES, advice:
         or is not UTF-8 text.
     """
     try:
+        # A folder, a pipe, a device or a larger file raises.
         require_readable_size(path, role, most_bytes, advice)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as reason:
@@ -132,9 +133,9 @@ def parsed_json(text: str) -> Any:
 def parsed_toml(text: str) -> dict[str, Any]:
     """Parse a TOML text into a table of keys; ValueError for every fault of it, with its line.
 
-    Depth of tables, number of keys and length of names are limited. They are counted before the
-    parser sees the text, since its memory grows with the square of the number of parts of a key
-    such as a.b.c.
+    Depth of tables (8), number of keys (10,000) and length of names (249 characters) are limited.
+    They are counted before the parser sees the text, since its memory grows with the square of the
+    number of parts of a key such as a.b.c.
 
     >>> parsed_toml("a.b = 3")
     {'a': {'b': 3}}
@@ -145,6 +146,8 @@ def parsed_toml(text: str) -> dict[str, Any]:
     n_open_brackets = 0
     n_keys = 0
     symbol_before = ""
+    # Tokens: comments, strings, keys and numbers, brackets. "deep" is a key of too many parts,
+    # "long" a word with too many characters.
     for token in _TOML_TOKENS.finditer(text):
         symbol = token["sign"] or ""  # a bracket, or the equals sign between key and value
         is_table_heading = symbol == "[" and n_open_brackets == 0 and symbol_before != "="
@@ -185,6 +188,7 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         JSON, with the line; or holds a list.
     """
     is_json = path.suffix == ".json"
+    # The text of the file; limits are 268 MB for JSON, 1 MB for TOML.
     text = text_of(path, role, LARGEST_TEXT_BYTES if is_json else LARGEST_TOML_BYTES, advice)
     if not text.strip():
         return {}
@@ -205,9 +209,9 @@ def _fault_of_toml(text: str, reason: str) -> str:
     """
     fault = f"not valid TOML: {reason}"
     place_in_message = re.search(r"\(at line (\d+), column \d+\)", reason)
-    lines = text.split("\n")
-    if place_in_message and 0 < int(place_in_message[1]) <= len(lines):
-        line = lines[int(place_in_message[1]) - 1].strip()
+    text_lines = text.split("\n")
+    if place_in_message and 0 < int(place_in_message[1]) <= len(text_lines):
+        line = text_lines[int(place_in_message[1]) - 1].strip()
         has_decimal_comma = re.search(r"=\s*[-+]?\d+,\d", line) is not None
         advice = "; write a decimal point, not a comma" if has_decimal_comma else ""
         fault += f", in {shortened_repr(line)}{advice}"
@@ -237,6 +241,7 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     if resource is None:
         yield
         return
+    # RLIMIT_AS: limit of the address space of this process.
     soft_limit, hard_limit = resource.getrlimit(resource.RLIMIT_AS)
     try:  # the address space of this process, in pages
         n_pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
@@ -244,11 +249,13 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
     except OSError:  # no Linux: its largest use so far, in kB
         used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
     bytes_allowed = used_bytes + most_bytes
+
     finite_limits = [
         limit
         for limit in (soft_limit, hard_limit, bytes_allowed)
         if limit != resource.RLIM_INFINITY
     ]
+    # The lowest limit holds while the file is unpacked.
     resource.setrlimit(resource.RLIMIT_AS, (min(finite_limits), hard_limit))
     try:
         yield
@@ -279,6 +286,7 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
     content = (
         json.dumps(keys, ensure_ascii=False, indent=1) if is_json else toml_text(keys)
     ).encode()
+    # What `keys_of` would read again: 268 MB of JSON, 1 MB of TOML.
     most_bytes = LARGEST_TEXT_BYTES if is_json else LARGEST_TOML_BYTES
     if len(content) > most_bytes:
         remark = "" if is_json else "; save it as .json"
@@ -330,9 +338,9 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
             os.fsync(file.fileno())  # some disks say only now that they are full
         # A temporary file is private; the new file gets the rights of any file of this user. The
         # mask can only be read by setting it.
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary_path, 0o666 & ~mask)
+        rights_mask = os.umask(0)
+        os.umask(rights_mask)
+        os.chmod(temporary_path, 0o666 & ~rights_mask)
         os.replace(temporary_path, target)
     finally:
         temporary_path.unlink(missing_ok=True)
@@ -367,6 +375,8 @@ def _toml_lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
         for key, value in keys.items()
         if _is_table(value)
     }
+
+    # Plain values first: behind a heading they would belong to its table.
     for key in keys:
         if key not in inner_tables:
             # Words, numbers and lists of JSON are those of TOML, but for one control character.
@@ -375,6 +385,7 @@ def _toml_lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
         for table in tables_of_key:
             if isinstance(keys[key], list):
                 yield from ("", f"[[{heading_begin}{key}]]")
+            # A table that holds nothing but tables needs no heading of its own.
             elif not table or not all(map(_is_table, table.values())):
                 yield from ("", f"[{heading_begin}{key}]")
             yield from _toml_lines(table, f"{heading_begin}{key}.")
@@ -410,6 +421,7 @@ def source_digest(*names: str) -> str:
             spec = find_spec(name)
         except ModuleNotFoundError:
             spec = None
+        # A module is one file; a package has all files in its folders.
         files = [] if spec is None or spec.origin is None else [Path(spec.origin)]
         for folder in (spec and spec.submodule_search_locations) or ():
             files = sorted(Path(folder).rglob("*.py"))

@@ -105,6 +105,7 @@ def refusal_sentence(faults: ValidationError, keys: Any, model: type[Frozen]) ->
 
     ranked_faults = sorted(faults.errors(), key=rank)
     worst_fault = ranked_faults[0]
+    # Full names of the keys at fault, as in "load.points.3".
     worst_key = _key_of_fault(worst_fault, keys)
     faulty_keys = dict.fromkeys(_key_of_fault(fault, keys) for fault in ranked_faults)
     further_keys = [key for key in faulty_keys if key not in (worst_key, "")]
@@ -114,12 +115,19 @@ def refusal_sentence(faults: ValidationError, keys: Any, model: type[Frozen]) ->
 def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
     """One fault of a table of keys as a sentence: key, value, rule and what to do.
 
-    `fault` is as pydantic reports it, `key` the full name of its key in the file, as in
-    "load.points.3", and `model` the class of the table, whose `place_of_key_list` says where a user
-    finds the keys.
+    Parameters
+    ----------
+    fault
+        as pydantic reports it: "type" of the fault, "input" (the value), "msg" (pydantic's rule in
+        words), "loc" (where it is), and for some types "ctx" with more on the rule
+    key
+        full name of its key in the file, as in "load.points.3"
+    model
+        class of the table, whose `place_of_key_list` says where a user finds the keys
     """
     value = fault["input"]
     pydantic_rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    # A rule in plain words, if there is one for this type of fault.
     rule = _RULES_BY_FAULT_TYPE.get(fault["type"]) or pydantic_rule
     match fault["type"]:
         case "extra_forbidden":
@@ -188,6 +196,8 @@ def reason_of_unknown_key(word: str) -> str:
     >>> reason_of_unknown_key("phase")
     ''
     """
+    # `_WORDS_OF_LOADS` and `_NEGLECTED_PHYSICS` hold beginnings of words, such as "bulk" and
+    # "wear".
     words_in_key = re.split("[^a-z]+", word.lower())
     if any(word_in_key.startswith(_WORDS_OF_LOADS) for word_in_key in words_in_key):
         return (
@@ -223,10 +233,11 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
 def _key_of_fault(fault: ErrorDetails, keys: Any) -> str:
     """Full name in the file of the key that a fault is about, as in "load.points.3".
 
-    pydantic's location of the fault also names alternatives of a model, such as kinds; these do
-    not stand in the file and are left out. `keys` is the table of the file, as dicts and lists.
+    `fault["loc"]` is pydantic's location of the fault, names and numbers from the outermost table
+    to the key. It also names alternatives of a model, such as kinds; these do not stand in the file
+    and are left out. `keys` is the table of the file, as dicts and lists.
     """
-    path: list[str] = []
+    name_parts: list[str] = []
     value_at_path: Any = keys
     for part in fault["loc"]:
         is_last = part == fault["loc"][-1]
@@ -238,8 +249,8 @@ def _key_of_fault(fault: ErrorDetails, keys: Any) -> str:
             value_at_path = None
         else:
             continue
-        path.append(str(part))
-    return ".".join(path)
+        name_parts.append(str(part))
+    return ".".join(name_parts)
 
 
 def _numbers_in(value: Any) -> Iterator[float]:
@@ -300,7 +311,7 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
     @field_validator("*")
     @classmethod
     def _can_be_squared(cls, value: Any) -> Any:
-        """Refuse numbers of any key that are so large that their squares are no numbers
+        """Refuse numbers of any key above 1e100 in size, whose squares might be no numbers
         (ValueError); the value itself otherwise.
         """
         for number in _numbers_in(value):
@@ -350,11 +361,12 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
 
         `changes` maps keys to new values. A mapping given for a key whose value is a table of the
         same `kind` is merged into that table; any other value replaces the present one. Keys that
-        the program itself has written, such as the record of a fit, are left out: they are not
-        right for other values.
+        the program itself has written (`keys_of_program`), such as the record of a fit, are left
+        out: they are not right for other values.
         """
+        # pydantic's `model_fields_set`: keys that were given; `model_fields`: all keys of a table.
         given_keys = self.model_fields_set - {*self.keys_of_program}
-        table = {key: value for key, value in self if key == "kind" or key in given_keys}
+        kept_keys = {key: value for key, value in self if key == "kind" or key in given_keys}
         for key, changed_value in changes.items():
             is_known = key in type(self).model_fields
             present_value = getattr(self, key) if is_known else None
@@ -364,10 +376,10 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
                 and isinstance(changed_value, Mapping)
                 and changed_value.get("kind", present_kind) == present_kind
             ):
-                table[key] = present_value.merged(changed_value)
+                kept_keys[key] = present_value.merged(changed_value)
             else:
-                table[key] = changed_value
-        return table
+                kept_keys[key] = changed_value
+        return kept_keys
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
@@ -465,8 +477,8 @@ def validated(table: M, model: type[Frozen]) -> M:
         )
         raise InputError(f"a {model.__name__} is needed, not {shortened_repr(table)}{advice}")
     name = getattr(table, "name", "")
-    where = f"{model.__name__} {shortened_repr(name)}" if name else type(table).__name__
-    return checked(type(table), table, where)
+    message_begin = f"{model.__name__} {shortened_repr(name)}" if name else type(table).__name__
+    return checked(type(table), table, message_begin)
 
 
 def checked(
@@ -493,10 +505,11 @@ def checked(
         One sentence: key, value, rule and what to do.
     """
     units = keys.get("units") if isinstance(keys, Mapping) else getattr(keys, "units", None)
+    # What the validation needs beside the keys: folder of files, and units of the scene.
     context: dict[str, Any] = {"folder": folder}
     if isinstance(units, str):
         context["units"] = units
-    prefix = f"{where}: " if where else ""
+    message_begin = f"{where}: " if where else ""
     try:
         if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
             return model.model_validate_json(
@@ -505,10 +518,10 @@ def checked(
         return model.model_validate(keys, context=context)
     except ValidationError as faults:
         raise InputError(
-            f"{prefix}{refusal_sentence(faults, _without_models(keys), model)}"
+            f"{message_begin}{refusal_sentence(faults, _without_models(keys), model)}"
         ) from faults
     except RecursionError as reason:  # JSON with brackets by the hundred
-        raise InputError(f"{prefix}its tables are nested too deeply") from reason
+        raise InputError(f"{message_begin}its tables are nested too deeply") from reason
 
 
 def _without_models(table: Any) -> Any:

@@ -190,8 +190,11 @@ class _Samples:
 
     def series_and_roundoff(self, heights: Array) -> tuple[Array, Array]:
         """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) by least squares from heights (..., n)
-        at the places, and the standard deviation (...,) of the heights' round-off, from the
-        residuals.
+        at n places on [-1, 1], and the standard deviation (...,) of the heights' round-off, from
+        the residuals.
+
+        `coefficients_from_values` (n, CHEBYSHEV_DEGREE + 1) maps values to coefficients, and
+        `polynomials` of the same shape holds the Chebyshev polynomials at the places.
         """
         coefficients = heights @ self.coefficients_from_values
         # Once more for the residuals: sums of many values lose more digits than one value has lost.
@@ -200,6 +203,7 @@ class _Samples:
             + (heights - coefficients @ self.polynomials.T) @ self.coefficients_from_values
         )
         residuals = heights - coefficients @ self.polynomials.T
+        # Degrees of freedom of the residuals.
         n_free = len(self.places) - CHEBYSHEV_DEGREE - 1
         return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)
 
@@ -209,11 +213,12 @@ class _Samples:
         return float((2 / len(self.places)) ** 0.5)
 
     def last_significant_degree(self, coefficients: Array, roundoff: Array) -> Array:
-        """Degree (...,) of the last coefficient of each series that exceeds its round-off; 1 at
-        least.
+        """Degree (...,) of the last coefficient of each series that exceeds its round-off, taken as
+        8 standard deviations; 1 at least.
 
         `coefficients` is (..., CHEBYSHEV_DEGREE + 1); `roundoff` (...,) is the standard deviation
-        of the values' round-off.
+        of the round-off of the values to which the series was fitted. That of a coefficient is
+        smaller by `coefficient_roundoff_ratio`, sqrt(2/n) for n values.
         """
         is_significant = (
             np.abs(coefficients)
@@ -235,10 +240,12 @@ def _samples(count: int) -> _Samples:
 
 def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -> float:
     """Standard deviation of the height's round-off over the height, for x from 2^-21 to 2^-20 of
-    the `extent`; infinite where the height is 0 or not finite there.
+    the `extent`: how many digits the height has near x = 0.
 
-    It tells how many digits the height has near x = 0.
+    Infinite where the height is 0 or not finite there. `height_above_middle` is h(x) - h(0), from
+    an array of x to an array of heights.
     """
+    # Places on [-1, 1], and the least-squares series through values at them.
     samples = _samples(_SAMPLES_OF_INTERVAL)
     heights = height_above_middle(extent * _PLACE_SHARE_NEAR_ZERO * (3 + samples.places) / 4)
     largest_height = float(np.max(np.abs(heights)))
@@ -267,13 +274,17 @@ def _series_of_height(
     UnresolvedError
         Where the height is too rough to have a slope.
     """
+    # 512 places on [-1, 1] for each interval, and the least-squares series through values at them.
     samples = _samples(_SAMPLES_OF_INTERVAL)
     half_lengths = np.diff(edges) / 2
     x = edges[:-1, None] + half_lengths[:, None] * (1 + samples.places)
+    # For each interval: coefficients, and standard deviation of the heights' round-off.
     coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
     last_degree = samples.last_significant_degree(coefficients, height_roundoff)
     is_significant = np.arange(CHEBYSHEV_DEGREE + 1) <= last_degree[:, None]
     height_series = PiecewiseSeries(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+
+    # Four standard deviations of a coefficient's round-off are stated as its error.
     coefficient_error = (
         _DEVIATIONS_IN_STATED_ERROR * samples.coefficient_roundoff_ratio * height_roundoff
     )
@@ -313,6 +324,7 @@ def _errors_of_loads(
     # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.
     half_width_factor = np.sqrt(edges[1:] / (2 * half_lengths))
     error_per_degree = coefficient_error * half_width_factor
+    # `_LOAD_PER_DEGREE` and `_STIFFNESS_PER_DEGREE_CUBED` bound the integrals of T_k' and T_k''.
     # Errors of P/E*, and of dP/da/E* times half_length.
     load_error = (
         error_per_degree * _LOAD_PER_DEGREE * np.sqrt(np.sum(is_significant * degree**2.0, axis=1))
@@ -330,6 +342,7 @@ def _errors_of_loads(
     # Lower bound of P/(E* a).
     least_load = _LEAST_LOAD_PER_SLOPE * largest_slope_up_to_end[has_slope]
     relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
+
     rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_RELATIVE_LOAD_ERROR)
     if len(rough_intervals):
         first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
@@ -381,8 +394,10 @@ def _inner_polynomial(
     None where no such polynomial follows it.
 
     Of the ends whose load error is within a factor of two of the least, the largest is taken.
-    `height_above_middle` is h(x) - h(0).
+    `height_above_middle` is h(x) - h(0), from an array of x to an array of heights. A polynomial
+    holds its `end`, and in `load_errors` the relative errors of load and stiffness by round-off.
     """
+    # A fit to 512 heights up to each end, the largest first; None where none follows the height.
     fits = [
         _polynomial_up_to(end, height_above_middle, _SAMPLES_OF_INTERVAL)
         for end in possible_ends[::-1].tolist()
@@ -396,6 +411,8 @@ def _inner_polynomial(
         for polynomial in polynomials
         if polynomial.load_errors.load <= _RATIO_OF_ALIKE_ERRORS * least_load_error
     )
+
+    # Fitted again to 4,096 heights, which leaves less round-off.
     refitted_polynomial = _polynomial_up_to(
         widest_polynomial.end, height_above_middle, _SAMPLES_OF_POLYNOMIAL
     )
@@ -408,9 +425,10 @@ def _polynomial_up_to(
     """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `sample_count` places;
     None where the height does not follow it, or round-off leaves no slope.
 
-    Its lowest power of x^2 is tried from 1 up: a height that rises as x^4 has no x^2.
-    `height_above_middle` is h(x) - h(0).
+    Its lowest power of x^2 is tried from 1 up to 4: a height that rises as x^4 has no x^2.
+    `height_above_middle` is h(x) - h(0), from an array of x to an array of heights.
     """
+    # Places on [-1, 1], that is 2 (x/end)^2 - 1.
     samples = _samples(sample_count)
     heights = height_above_middle(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
@@ -423,6 +441,8 @@ def _polynomial_up_to(
     )
     if float(truncation_error(coefficients)) > explained_size:
         return None
+
+    # Degree of the last coefficient that exceeds its round-off.
     last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
     for lowest_power in _LOWEST_POWERS:
         coefficient_count = max(last_degree - lowest_power, 0) + 1
@@ -464,6 +484,7 @@ def _polynomial_of_lowest_power(
         standard deviation of the heights' round-off [length]
     """
     s = (1 + samples.places) / 2
+    # Least squares for the coefficients of g by a QR factorisation.
     orthogonal_factor, triangular_factor = np.linalg.qr(
         s[:, None] ** lowest_power * samples.polynomials[:, :coefficient_count]
     )
@@ -483,12 +504,16 @@ def _polynomial_of_lowest_power(
     s_of_ends = np.array([0.0, 1.0])
     b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
     b_rate_at_ends = np.stack([term.deriv()(s_of_ends) for term in terms_of_b], axis=1)
+
+    # Errors of B and dB/ds at the ends: four standard deviations of the heights' round-off.
     stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
     b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
     b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
     b_sizes = np.abs(b_at_ends @ g)
     if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
         return None
+
+    # B as a series, and the errors of load and stiffness.
     slope_series = sum(
         coefficient * term for coefficient, term in zip(g.tolist(), terms_of_b, strict=True)
     )

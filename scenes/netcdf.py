@@ -64,9 +64,10 @@ class StoredArrays(NamedTuple):
 def netcdf_of(content: StoredArrays) -> memoryview:
     """Bytes of a NetCDF-4 file that holds named arrays, with their axes, units and attributes.
 
-    Missing floats are marked by NaN, as xarray does; the coordinates along an axis have none
-    missing. HDF5 writes to memory, since on a full disk it would end the process once the file is
-    closed.
+    `content` holds the arrays by name, each with its dimensions (names of axes), values and
+    attributes, and the attributes of the file. Missing floats are marked by NaN, as xarray does;
+    the coordinates along an axis have none missing. HDF5 writes to memory, since on a full disk it
+    would end the process once the file is closed.
     """
     import h5netcdf
     import h5py
@@ -128,6 +129,7 @@ def read_netcdf(
             within_memory(path, 2 * LARGEST_SOLUTION_BYTES),
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
+            # Each check refuses the file by an InputError.
             _require_room(path, file)
             attributes = {str(key): _single_value(file.attrs[key]) for key in file.attrs}
             _require_format(path, attributes, newest_format)
@@ -147,8 +149,8 @@ def read_netcdf(
 
 
 def _require_room(path: Path, file: Any) -> None:
-    """Refuse a NetCDF file whose arrays would take more memory than the limit once unpacked, before
-    any is unpacked (InputError).
+    """Refuse an open NetCDF file whose arrays would take more than 2 GB of memory once unpacked,
+    before any is unpacked (InputError).
     """
     unpacked_bytes = sum(
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
@@ -166,7 +168,8 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest_format: st
     is read no more (InputError); a file that states no format and no engine passes.
 
     It is called before the arrays are looked for, since in another format they may have other
-    names. `attributes` are those of the whole file.
+    names. `attributes` are those of the file as a whole; a format is a name and a number, such as
+    "halfplane solution 2".
     """
     kind, _, newest_version = newest_format.rpartition(" ")
     if "format" not in attributes:
@@ -218,10 +221,14 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
     """Refuse arrays of one file that differ in length along an axis they share (InputError).
 
     It looks at the unpacked values: h5netcdf reports one length of an axis for every array.
+    `arrays` are by name, each with the names of its axes (`dimensions`) and its values; `path` is
+    for the message.
     """
     lengths: dict[str, int] = {}
-    for name, variable in arrays.items():
-        for dimension, length in zip(variable.dimensions, variable.values.shape, strict=True):
+    for name, stored_array in arrays.items():
+        for dimension, length in zip(
+            stored_array.dimensions, stored_array.values.shape, strict=True
+        ):
             expected_length = lengths.setdefault(dimension, length)
             if length != expected_length:
                 raise InputError(

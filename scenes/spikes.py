@@ -21,12 +21,11 @@ _N_NEIGHBOURS = 4
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """Indices (m,), ascending, of the rows of a measured trace h(x) that are spikes: their
-    standardised residual from the cubic through their four neighbours is above
-    `LEAST_RESIDUAL_OF_SPIKE`.
+    standardised residual from the cubic through their four neighbours is above 5.
 
-    Empty where they would be more than `LARGEST_FRACTION_OF_SPIKES` of the rows, or leave too few:
-    the noise is then not white. The largest spike is removed first, since it moves the cubics of
-    its neighbours too. The three rows at either end share one cubic, so that all three are removed.
+    Empty where they would be more than 5 % of the rows, or leave too few: the noise is then not
+    white. The largest spike is removed first, since it moves the cubics of its neighbours too. The
+    three rows at either end share one cubic, so that all three are removed.
 
     Parameters
     ----------
@@ -42,10 +41,12 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     >>> rows_that_stand_out(x, h, 0.1).tolist()
     [12]
     """
+    # Rows that are no spikes so far, and those that are.
     rows_left = np.arange(len(x))
     spikes: list[int] = []
     most_spikes = LARGEST_FRACTION_OF_SPIKES * len(x)
     while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
+        # Difference of each row from its cubic, over the standard deviation of that by noise.
         residuals = _standardised_residuals(x[rows_left], h[rows_left]) / sigma
         index_of_largest = int(np.argmax(residuals))
         if residuals[index_of_largest] <= LEAST_RESIDUAL_OF_SPIKE:
@@ -84,10 +85,12 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     """
     n_rows = len(x)
     n_before = _N_NEIGHBOURS // 2
+    # Rows of each window of five: the row itself, and its four neighbours.
     first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _N_NEIGHBOURS - 1)
     window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
     is_itself = window_rows == np.arange(n_rows)[:, None]
     neighbours = window_rows[~is_itself].reshape(n_rows, _N_NEIGHBOURS)
+
     x_of_neighbours = x[neighbours]
     window_lengths = x_of_neighbours[:, -1] - x_of_neighbours[:, 0]
     is_distinct = (np.min(np.diff(x_of_neighbours, axis=1), axis=1) > 0) & (window_lengths > 0)
@@ -100,6 +103,7 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
             if j != i:
                 distance_between = np.where(is_distinct, distances[:, j] - distances[:, i], 1.0)
                 lagrange_weights[:, i] *= distances[:, j] / distance_between
+
     residuals = heights - np.sum(lagrange_weights * heights[neighbours], axis=1)
     standardised_residuals = np.abs(residuals) / np.sqrt(1 + np.sum(lagrange_weights**2, axis=1))
     return np.asarray(np.where(is_distinct, standardised_residuals, 0.0))

@@ -109,6 +109,7 @@ def fault_of_units(units: str) -> str:
     >>> fault_of_units("mm, N, MPa")
     "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
     """
+    # UNITS: for force, length and stress, the size of each known unit in N, m or Pa.
     words = [word for word in re.split(r"[,\s]+", units) if word]
     if len(words) != 3 or not set().union(*UNITS.values()).issuperset(words):
         return ""
@@ -169,6 +170,8 @@ def unit_in(heading: str) -> tuple[str, str]:
             name = text[: bracket.start()].rstrip(" _,;:-")
             has_no_dimension = bracketed_word in ("-", "1")
             return name, "" if has_no_dimension else bracketed_word
+
+    # A slash or "in" before the unit; else the last word, unless it is a word of names too.
     name_and_unit = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
     if name_and_unit and is_unit(name_and_unit[2]):
         return name_and_unit[1], name_and_unit[2]
@@ -220,6 +223,9 @@ def is_unit(word: str) -> bool:
 def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     """Size of a unit in SI units (N, m, Pa, rad, s), and whether it is a force per length, whose
     size is in N/m; None for a word that is no unit of this `kind`.
+
+    `kind` is "load", "length", "stress", "angle", "time" or "moment". Only a load may be a force
+    per length, such as "N/mm".
     """
     numerator, slash, denominator = unit, "", ""
     if kind == "load":
@@ -227,6 +233,7 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     numerator = _unit_symbol(numerator)
     denominator = _unit_symbol(denominator)
     per_length = bool(slash)
+    # SI sizes of the units that files may have, by their symbols.
     sizes = _UNITS_OF_FILES[kind]
     lengths = _UNITS_OF_FILES["length"]
     if numerator not in sizes or (per_length and denominator not in lengths):
@@ -278,6 +285,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     ... )
     ((1000.0, False), (1.0, True), (0.001, False))
     """
+    # Size in SI units, and whether it is a force per length.
     size_and_form = _si_size(unit, kind)
     if size_and_form is None:
         quantity = "force, or of force per length," if kind == "load" else kind
@@ -288,6 +296,8 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     si_size, per_length = size_and_form
     if kind in ("time", "angle"):
         return si_size, False
+
+    # Sizes of the scene's units of force, length and stress.
     # Three words at least, empty ones for what the scene does not state; 0 for an unknown word.
     words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]
     force_size = UNITS["force"].get(words_of_scene[0], 0.0)
@@ -296,6 +306,8 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     load_size = force_size
     if per_length:
         load_size = force_size / (length_size or math.inf)
+
+    # Size in SI units of the scene's unit of this kind.
     size_in_scene = {"length": length_size, "load": load_size, "stress": stress_size}[kind]
     if not size_in_scene:
         raise ValueError(
