@@ -69,31 +69,40 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     Parameters
     ----------
     task
-        the scene, its mesh, and the scales of its variables
+        the scene, its mesh, and the scales of its variables: contact half-width, largest load P
+        and modulus E*
     problem
-        the contact problem, in scaled variables
+        the contact problem, in scaled variables; used are the places of its n nodes and the length
+        of face that each stands for
     run
-        the contact states along the load path, and which of them are stored
+        the contact states along the load path, and which of them are stored; friction work of the
+        nodes in each load cycle; index of the state at the start of each cycle
     """
     scene = task.scene
     scales = task.scales
-    states = [run.states[index] for index in run.stored_indices]
+    states = [run.states[index] for index in run.stored_indices]  # n_stored of them
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
+
+    # Friction work over the area of each node's face, in the last cycle.
     face_lengths = problem.interface.face_lengths * scales.half_width
     # (n_cycles, n) friction work of each node in each load cycle
     cycle_works = np.array(run.nodal_work_by_cycle).reshape(-1, len(face_lengths)) * work_unit
     work_per_area = (
         cycle_works[-1] / face_lengths if len(cycle_works) else np.zeros_like(face_lengths)
     )
-    # (n_steps, n) open, stick or slip at all instants, stored or not
+
+    # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_steps,
+    # n): open, stick or slip at all instants, stored or not. `held_back` (2,): what was added to
+    # the ends, as growing elements hold edges back.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
     x = problem.interface.x * scales.half_width
     edges, permanent_stick, held_back = _edges_put_right(
         task, _edges_of_run(scene, problem, run, surface_states), x, loads[:, 0]
     )
-    # relative tangential displacement U of the bodies
+
+    # `shifts`: relative tangential displacement U of the bodies
     shifts = np.array([state.shift for state in states])
     approaches = np.array([state.approach for state in states])
     arrays = {
@@ -129,10 +138,17 @@ def _edges_put_right(
     """Edges of contact and stick and of the permanent stick zone, put right where growing elements
     hold them back, in the scene's units.
 
+    Elements whose size grows with the distance from the contact (`mesh.growth`) make a body too
+    stiff, so that edges lie too far inside.
+
     Parameters
     ----------
+    task
+        its scene, mesh settings, and scales, of which the half-width is the unit of length;
+        `spacing` is the distance of the nodes at the edges [length]
     scaled
-        edges and permanent stick of `_edges_of_run`
+        edges of contact and stick at k instants by name, with their uncertainty, and ends of the
+        permanent stick zone, both over the half-width
     x
         (n,) nodes in ascending order [length]
     normal_load
@@ -147,6 +163,7 @@ def _edges_put_right(
     held_back
         (2,) what was added to these ends [length]
     """
+    # In the scene's units. `contact`: half-width of contact by the normal load.
     scaled_edges, scaled_permanent_stick = scaled
     half_width = task.scales.half_width
     edges = {name: values * half_width for name, values in scaled_edges.items()}
@@ -155,27 +172,32 @@ def _edges_put_right(
     is_thick = _is_thick(task)
 
     def spacing_at(places: Array) -> Array:
+        """Distance of the two nodes around each place, at most that at the edges [length]."""
         next_node = np.clip(np.searchsorted(x, places), 1, len(x) - 1)
         return np.minimum(x[next_node] - x[next_node - 1], task.spacing)
 
+    # Edges of contact and stick are moved; what may be left of that error makes them uncertain.
     is_pressed = (normal_load > 0)[:, None]
-    for edge in ("contact_edge", "stick_edge"):
-        places = edges[f"{edge}s"]
+    for edge_name in ("contact_edge", "stick_edge"):
+        places = edges[f"{edge_name}s"]
         spacing = spacing_at(places)
         held_back = held_back_by_growth(places, contact, growth, spacing)
-        way = np.where(is_pressed, held_back, 0.0)
-        edges[f"{edge}s"] = places + way
-        edges[f"{edge}_uncertainty"] = (
-            edges[f"{edge}_uncertainty"]
-            + left_of_growth(way, is_thick)
+        correction = np.where(is_pressed, held_back, 0.0)
+        edges[f"{edge_name}s"] = places + correction
+        edges[f"{edge_name}_uncertainty"] = (
+            edges[f"{edge_name}_uncertainty"]
+            + left_of_growth(correction, is_thick)
             + uncertainty_by_growth(growth, spacing)
         )
+
+    # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width
-    way_of_ends = held_back_by_growth(ends, contact, growth, spacing_at(ends))
+    correction_of_ends = held_back_by_growth(ends, contact, growth, spacing_at(ends))
     permanent_stick = Edges(
-        places=ends + way_of_ends, uncertainty=scaled_permanent_stick.uncertainty * half_width
+        places=ends + correction_of_ends,
+        uncertainty=scaled_permanent_stick.uncertainty * half_width,
     )
-    return edges, permanent_stick, way_of_ends
+    return edges, permanent_stick, correction_of_ends
 
 
 def _is_thick(task: Task) -> bool:
@@ -198,6 +220,11 @@ def _edges_of_run(
 
     Parameters
     ----------
+    scene
+        bodies, materials, friction and load path; `unsymmetric` with bulk stress, tilt, or a
+        profile that is not its own mirror image
+    problem
+        the contact problem; its `interface.coupling` (slip by pressure) is None of like bodies
     run
         contact states after all increments, and which k of them are stored in the solution
     surface_states
@@ -213,11 +240,16 @@ def _edges_of_run(
     """
     states = [run.states[index] for index in run.stored_indices]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
+
+    # Instants at which all of the contact sticks: by the loads, or by the shear at both edges.
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
         has_no_slip_zone = _sticks_in_full_by_loads(loads, scene.friction.coefficient)
     elif scene.material.alike:
         has_no_slip_zone = np.concatenate(run.sticks_in_full)
+
+    # Edges at the stored instants; EdgesByLoad: places between two nodes by the loads at which
+    # these touch or slide.
     edges = _edges_in_blocks(
         problem,
         states,
@@ -227,23 +259,27 @@ def _edges_of_run(
         EdgesByLoad.joined(run.stick_edges).at(run.stored_indices),
         scene,
     )
+
+    # Ends of the permanent stick zone: by slip (with an uncertainty), else by the stick zones.
     ends = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     permanent_edges = ends.places
     is_by_slip = np.isfinite(ends.uncertainty)
     if permanent_stick_ends_sharply(scene, problem):
+        # the zone by its nodes and by the loads at the turning points of slip, which confine it
         zone = permanent_stick_zone(run)
         confined_ends = zone.confine(permanent_edges)
         if scene.bodies.half_planes:
-            # of half-planes the loads are nearer; of thin layers slip is, up to 40 times
+            # of half-planes the places by loads are nearer; of thin layers those by slip are, up
+            # to 40 times
             is_by_slip &= confined_ends != zone.places_by_load
         permanent_edges = np.where(is_by_slip, ends.places, confined_ends)
         permanent_uncertainty = np.where(
             is_by_slip, ends.uncertainty, zone.uncertainty(confined_ends, np.full(2, np.inf))
         )
         time = np.array([state.time for state in states])
-        in_cycle = is_loaded_in_last_cycle(scene, time, loads[run.stored_indices, 0])
+        is_in_cycle = is_loaded_in_last_cycle(scene, time, loads[run.stored_indices, 0])
         _hold_permanent_stick(
-            edges, Edges(permanent_edges, permanent_uncertainty), zone, time, in_cycle
+            edges, Edges(permanent_edges, permanent_uncertainty), zone, time, is_in_cycle
         )
     return edges, Edges(permanent_edges, np.where(is_by_slip, ends.uncertainty, np.nan))
 
@@ -252,11 +288,18 @@ def _nodal_arrays(
     problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
 ) -> dict[str, Array]:
     """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
-    (n_instants, n); slip has the elastic slip of a penalty layer in it.
+    (n_instants, n), read-only; slip has the elastic slip of a penalty layer in it.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: length of face of each node, and compliance of the layer; scaled
+    states
+        nodal forces and slip at the instants; scaled
+    scales
+        what these are in: half-width, largest load P and modulus E*
     """
-    face_lengths = (
-        problem.interface.face_lengths * scales.half_width
-    )  # length of the face of each node
+    face_lengths = problem.interface.face_lengths * scales.half_width
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
     shear = np.stack([state.shear for state in states])
@@ -274,6 +317,9 @@ def _nodal_arrays(
 def _loop_work(scene: Scene, run: PathRun) -> float:
     """Closed integral of Q dU over the last revolution, with the work of bulk stress and tilt,
     scaled; NaN where the path does not repeat or no revolution is steady.
+
+    `run` holds that work of each increment ("loop_work"), and the index of the state at the start
+    of each revolution.
     """
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
@@ -340,6 +386,8 @@ def _edges_in_blocks(
 
     Parameters
     ----------
+    problem
+        the contact problem: places of the nodes, friction
     states
         (k,) nodal forces, slip and gap of the contact at each instant
     surface_states
@@ -347,11 +395,11 @@ def _edges_in_blocks(
     has_no_slip_zone
         (k,) instants at which the whole contact sticks by half-plane theory
     contact_by_load, stick_by_load
-        edges of these instants that the loads place between two nodes
+        edges of these instants that the loads place between two nodes; `at` picks instants
     scene
         whether it is symmetric
     """
-    blocks = []
+    blocks = []  # of 256 instants each: edges by name
     for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
         block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
         blocks.append(
@@ -389,6 +437,8 @@ def _edges_at_instants(
 
     Parameters
     ----------
+    problem
+        the contact problem: places of the nodes, length of face of each, friction
     states
         nodal forces, slip and gap of the contact at the instants
     surface_states
@@ -401,13 +451,13 @@ def _edges_at_instants(
     scene
         whether it is symmetric
     """
+    # Tractions, gap and states of the nodes, (n_steps, n) each.
     face_lengths = problem.interface.face_lengths
     _, normal_force, tangential_force, gap = nodal_values(
         np.stack([state.values for state in states])
     )
-    states_by_law = np.stack(
-        [state.node_states for state in states]
-    )  # as the law of friction left them
+    # as the law of friction left them
+    states_by_law = np.stack([state.node_states for state in states])
     answer = NodalAnswer(
         x=problem.interface.x,
         pressure=normal_force / face_lengths,
@@ -419,10 +469,14 @@ def _edges_at_instants(
         sticks_by_law=states_by_law == STICK,
         anywhere=scene.unsymmetric,  # the stick zone need not be around x = 0
     )
+
+    # Places of both edges, and the uncertainty of each, (n_steps, 2).
     contact = contact_with_uncertainty(answer, contact_by_load)
     stick = stick_with_uncertainty(
         answer, problem.friction, contact, has_no_slip_zone, stick_by_load
     )
+
+    # Instants without normal load.
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         closed_nodes = answer.x[answer.is_closed[row]]
         outermost_nodes = (
@@ -440,8 +494,10 @@ def _edges_at_instants(
 
 
 def is_loaded_in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
-    """(n,) which of ascending instants are under load in the last cycle, its begin left out; none
-    where the path does not repeat.
+    """Which of n ascending instants are in the last cycle of the load path and under load, (n,);
+    the begin of the cycle is not. None are where the path does not repeat.
+
+    `time` and `normal_load` are (n,), of the instants; `scene` has the path with its period.
     """
     period = scene.load.path().period or 0.0
     is_late = time > time[-1] - period * (1 - 1e-9)
@@ -469,7 +525,7 @@ def _permanent_stick(
     scene
         load path, friction and bodies
     problem
-        the contact problem of the nodes
+        the contact problem of the nodes, with their places x
     run
         contact states after all increments, and which k of them are stored in the solution
     surface_states
@@ -481,27 +537,33 @@ def _permanent_stick(
     nowhere = Edges(no_edges, no_edges)
     time = np.array([state.time for state in run.states])
     load = np.array([state.normal_load for state in run.states])
-    in_cycle = is_loaded_in_last_cycle(scene, time, load)
-    if not in_cycle.any():  # no cycle, or the very first increment failed
+    is_in_cycle = is_loaded_in_last_cycle(scene, time, load)
+    if not is_in_cycle.any():  # no cycle, or the very first increment failed
         return nowhere
+
+    # Intersection of all stick zones of the last cycle.
     x = problem.interface.x
     # Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
-    dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored_indices)
+    dropped_steps = np.setdiff1d(np.flatnonzero(is_in_cycle), run.stored_indices)
     states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
         x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere=scene.unsymmetric
     )
     left_edges, right_edges = np.concatenate(
-        [edges[in_cycle[run.stored_indices]], zones_of_dropped]
+        [edges[is_in_cycle[run.stored_indices]], zones_of_dropped]
     ).T
     # NaN where nothing sticks at some instant
     common_zone = np.array([left_edges.max(), right_edges.min()])
     permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
-    is_closed = surface_states[in_cycle] != OPEN
-    slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
+
+    # Ends by the slip beyond the zone: range of the slip (n,) of nodes that stay closed.
+    is_closed = surface_states[is_in_cycle] != OPEN
+    slip = np.array([run.states[k].slip for k in np.flatnonzero(is_in_cycle)])
     creeping_edges = creeping_zone(scene, x, slip, is_closed)
     slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
     by_slip = ends_by_slip(x, slip_range, creeping_edges)
+
+    # Nodes that only creep belong to the zone.
     if not permanent_stick_ends_sharply(scene, problem):
         left_end = np.fmin(permanent_zone[0], creeping_edges[0])
         right_end = np.fmax(permanent_zone[1], creeping_edges[1])
@@ -527,21 +589,27 @@ def _with_creeping_ends(
         ends that slip places, NaN of others
     creeping_edges, common_zone
         (2,) ends of the zone that creeps, and of the intersection of all stick zones
+
+    Returns
+    -------
+    Edges
+        Places of the ends, and their uncertainty: of those by creep the distance of the nodes.
     """
     node_after = np.clip(np.searchsorted(x, creeping_edges), 1, len(x) - 1)
     spacing = x[node_after] - x[node_after - 1]
     creep_beyond_zone = (creeping_edges - common_zone) * [-1.0, 1.0]
-    creeps = np.isnan(by_slip.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
+    # Far is more than two distances of nodes.
+    is_by_creep = np.isnan(by_slip.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
     return Edges(
-        np.where(creeps, creeping_edges, by_slip.places),
-        np.where(creeps, spacing, by_slip.uncertainty),
+        np.where(is_by_creep, creeping_edges, by_slip.places),
+        np.where(is_by_creep, spacing, by_slip.uncertainty),
     )
 
 
 def permanent_stick_zone(run: PathRun) -> StickZone:
     """Ends of the permanent stick zone in the last load cycle, by its nodes and by the loads at the
     turning points of slip, scaled; `NO_ZONE` (all NaN) where the run failed or no cycle was
-    completed.
+    completed. Each cycle of the run stores it, with the friction work that its mesh adds.
     """
     has_last_cycle = run.failure is None and bool(run.edge_excess_by_cycle)
     return run.edge_excess_by_cycle[-1].stick_zone if has_last_cycle else NO_ZONE
@@ -563,24 +631,26 @@ def _hold_permanent_stick(
     edges
         name -> edges of contact and stick, and their uncertainty, (k, 2) each; scaled
     permanent
-        ends (2,) of the permanent stick zone
+        ends (2,) of the permanent stick zone (`places`), and their uncertainty
     zone
-        the permanent stick zone by its nodes and by the loads
+        the permanent stick zone by its nodes and by the loads: `places_by_load` (2,), NaN where no
+        load places an end; `turn_times`, instants at which slip turns at the left and right end
     time, in_cycle
         (k,) instants, and whether they are in the last cycle
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
     is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent.uncertainty)
+    # left edges, of which the outermost is the smallest x, then right ones
     for column, outermost_of in enumerate((np.fmin, np.fmax)):
         if is_placed[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
             is_turn = in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
             stick_edges[is_turn, column] = permanent.places[column]
             uncertainty[is_turn, column] = permanent.uncertainty[column]
-        sticks = in_cycle & np.isfinite(stick_edges[:, column])
-        stick_edges[sticks, column] = outermost_of(
-            stick_edges[sticks, column], permanent.places[column]
+        has_stick_zone = in_cycle & np.isfinite(stick_edges[:, column])
+        stick_edges[has_stick_zone, column] = outermost_of(
+            stick_edges[has_stick_zone, column], permanent.places[column]
         )
 
 
@@ -595,6 +665,9 @@ def creeping_zone(
 
     Parameters
     ----------
+    scene
+        `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image: the
+        zone may then be beside x = 0
     x
         (n,) places of the nodes
     slip, is_closed
@@ -603,11 +676,12 @@ def creeping_zone(
         of that small part: larger than 1 counts more nodes as creeping
     """
     largest_creep = _LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED
-    creeps = _is_creeping(slip, is_closed, range_factor * largest_creep)
-    if not creeps.any():
+    is_creeping = _is_creeping(slip, is_closed, range_factor * largest_creep)
+    if not is_creeping.any():
         return np.full(2, np.nan)
     ever_closed = np.any(is_closed, axis=0)
-    zones = _zones_by_nodes(x, creeps[None], ever_closed[None], scene.unsymmetric)
+    # (1, 2): one "instant", at which nodes that creep count as sticking
+    zones = _zones_by_nodes(x, is_creeping[None], ever_closed[None], scene.unsymmetric)
     return np.asarray(zones[0])
 
 
@@ -632,8 +706,8 @@ def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> 
 
 
 def _is_creeping(slip: Array, is_closed: Mask, share: float) -> Mask:
-    """(n,) nodes that are closed at all m instants and slip by at most a share of the largest range
-    of slip; arrays (m, n).
+    """Which of n nodes are closed at all m instants and have a range of slip of at most a `share`
+    of the largest range of any node, (n,). `slip` and `is_closed` are (m, n).
     """
     slip_range = np.ptp(slip, axis=0)
     return np.all(is_closed, axis=0) & (slip_range <= share * slip_range.max())
@@ -676,7 +750,8 @@ class PenaltyAudit:
 
     def note(self) -> str | None:
         """A sentence on the error of a penalty layer, the springs that stand for the contact
-        conditions: overlap of the faces, elastic slip, creep; None where there is no layer.
+        conditions: overlap of the faces (`penetration`), elastic slip, creep; None where there is
+        no layer, so that both stiffnesses are infinite.
         """
         if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
             return None
@@ -706,8 +781,9 @@ class _LayerDeflection(NamedTuple):
 
     @classmethod
     def by_tractions(cls, compliance: Array, tractions: Array) -> _LayerDeflection:
-        """By the layer's compliance at the n nodes, one and the same everywhere [length/stress],
-        and its tractions (n_steps, n) [stress].
+        """Stiffness and largest deflection of a layer, by its compliance (n,) at the n nodes, one
+        and the same everywhere [length/stress], and its tractions (n_steps, n) [stress]. Infinite
+        and 0 where the compliance is 0: no layer.
         """
         largest_compliance = float(compliance.max())
         if not largest_compliance:
@@ -732,15 +808,19 @@ def penalty_audit(
 
     Parameters
     ----------
+    scene
+        profile of the faces, and load path with its period
     problem
-        the contact problem, with the compliance of its layer of springs at each node
+        the contact problem, with the compliance of its layer of springs at each node, and the
+        length of face that each stands for; scaled
     states
-        contact states at the stored instants
+        contact states at the stored instants, with open, stick or slip of the nodes
     arrays
         fields and series of the solution by name, in the scene's units
     scales
         half-width and modulus that lengths and compliances are scaled by
     """
+    # Overlap and elastic slip: deflections of the springs under pressure and shear.
     length_per_force = problem.interface.face_lengths * scales.half_width / scales.modulus
     normal_deflection = _LayerDeflection.by_tractions(
         problem.layer.normal_compliance * length_per_force, arrays["pressure"]
@@ -750,9 +830,10 @@ def penalty_audit(
     )
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
-    # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
-    # nodes that slip. Stick and slip are those of the friction law: the states of the solution
-    # count a node that has hardly moved as sticking.
+
+    # Creep and largest slip: range of the relative displacement, in the last cycle, of nodes that
+    # stick throughout and of nodes that slip. Stick and slip are those of the friction law: the
+    # states of the solution count a node that has hardly moved as sticking.
     period = scene.load.path().period
     time = arrays["time"]
     is_in_cycle = np.ones(len(time), dtype=bool)
@@ -794,13 +875,16 @@ def record_of(
     Parameters
     ----------
     run
-        what the increments along the load path report, scaled
+        what the increments along the load path report, scaled: works and checks by name, (n_steps,)
+        each; iterations; indices of the states that are stored
+    scales
+        load P and modulus E*, with which works are P^2/E*
     audit
         the error of a penalty layer, in a sentence if there is a layer
     notes
         further sentences for the reader
     """
-    note_of_layer = audit.note()
+    note_of_layer = audit.note()  # None without a layer
     first_increments = run.stored_indices[:-1]  # the first one after each stored instant
 
     def at_stored_instants(
@@ -814,15 +898,18 @@ def record_of(
             reduced_values = reduction.reduceat(reduced_values, first_increments)
         return read_only_copy(np.concatenate([[0.0], reduced_values]), dtype)
 
+    # Energies and works; that of the layer only where there is one.
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.values_of_increments(name) for name in energy_names}
+
+    # Checks: everything else that the increments report. "loop_work" and "kink_work" are works too,
+    # but for other uses: of Q dU, and of kinks in an increment.
     column_names = list(run.increment_records[0]) if run.increment_records else []
-    # "loop_work" and "kink_work" are works too, but for other uses: of Q dU, and of kinks in an
-    # increment.
     names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
     checks = {
         name: run.values_of_increments(name) for name in column_names if name not in names_of_works
     }
+    # Energy balance: external work = elastic energy + work at the interface.
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     checks["energy_balance"] = balance / largest_work
@@ -857,7 +944,9 @@ _ENERGY_NAMES = [
 
 
 def _termination(run: PathRun) -> str:
-    """How the run ended, in a word or two."""
+    """How a run along the load path ended: "interrupted" or "not converged" where it failed, else
+    "ratcheting", "steady" (a revolution repeated the one before) or "end of path".
+    """
     if run.failure is not None:
         return "interrupted" if isinstance(run.failure, Interrupted) else "not converged"
     if run.ratchets:

@@ -102,12 +102,14 @@ def trend(values: Sequence[float]) -> Trend:
         algebraic   change = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
 
     Steady is where the last two values are equal to round-off. Where there are fewer than four
-    values, or no such form fits, the trend is unclear, without a limit (`Trend`). `values` are k in
-    number and start at the first revolution, since k counts revolutions.
+    values, or no such form fits, the trend is unclear: its limit is NaN, its change k |d_k|, or NaN
+    of a single value. `values` are k in number and start at the first revolution, since k counts
+    revolutions. m is 3 at most; below 1/2 the trend is unclear.
 
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', change_to_limit=-0.0625, limit=1.0))
     """
+    # Trend(kind, change to the limit, limit)
     k = len(values)
     if k < 2:
         return Trend("unclear", float("nan"), float("nan"))
@@ -115,13 +117,15 @@ def trend(values: Sequence[float]) -> Trend:
     last_difference = differences[-1]
     if k * abs(last_difference) <= _ROUNDING_OF_VALUES * max(map(abs, values)):
         return Trend("steady", 0.0, values[-1])
-    unclear = Trend("unclear", k * abs(last_difference), float("nan"))
+
+    unclear_trend = Trend("unclear", k * abs(last_difference), float("nan"))
     if k < 4 or not all(differences[-3:]):
-        return unclear
+        return unclear_trend
     ratio_before = differences[-2] / differences[-3]
     ratio = differences[-1] / differences[-2]
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
-        return unclear
+        return unclear_trend
+
     # The ratio of a geometric series stays; that of an algebraic one rises towards 1.
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         change_to_limit = last_difference * ratio / (1 - ratio)
@@ -129,7 +133,7 @@ def trend(values: Sequence[float]) -> Trend:
     power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
     power = min(power, _STEEPEST_POWER)
     if power < _SLOWEST_POWER:
-        return unclear
+        return unclear_trend
     change_to_limit = last_difference / ((k / (k - 1)) ** power - 1)
     return Trend("algebraic", change_to_limit, values[-1] + change_to_limit)
 
@@ -284,6 +288,10 @@ class PathRun:
     def ratchets(self) -> bool:
         """Whether the contact ratchets: each revolution leaves the upper body further along by the
         same distance, so that the tangential displacement U (`shift` of a state) grows without end.
+
+        `cycle_starts` are indices of the states at which revolutions start; none where the path
+        does not repeat. `force_change_by_cycle` has, of each revolution that was completed, the
+        largest change of a nodal force from its start to its end, over the largest one.
         """
         path_repeats = bool(self.cycle_starts)
         last_revolution_failed = len(self.force_change_by_cycle) < len(self.cycle_starts)
@@ -318,16 +326,19 @@ class PathRun:
         problem
             the contact problem
         increments
-            that follow the last state of the run
+            k that follow the last state of the run: each with the state at its end (`state`), the
+            states of the nodes that were solved for, and its number of iterations
         segment
             the curved segment of the load path that they are on; None on straight ones, where the
             loads enclose no area with their chords
         load_units
-            (5,) what each load is divided by, see `Pace.load_units`
+            (5,) what each load is divided by: P, Q, both bulk stresses, tilt or moment
         """
         if not increments:
             return
         states = [self.states[-1], *(increment.state for increment in increments)]
+
+        # Areas between a curved path and its chords, in the plane of each pair of loads; scaled.
         enclosed_areas = None
         if segment is not None:
             enclosed_areas = areas_between_path_and_chords(
@@ -336,18 +347,25 @@ class PathRun:
         if enclosed_areas is not None:
             units = load_units[: len(enclosed_areas)]
             enclosed_areas = enclosed_areas / np.multiply.outer(units, units)[:, :, None]
+
+        # Energies and admissibility checks by name, (k,) each.
         node_states = [increment.solved_states for increment in increments]
         energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
         nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
         work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
         record = law_violations(problem, states) | energies | work_of_increments
+
+        # Distance (k, n) that each node has slipped in its present direction without a stop.
         slip = np.diff([state.slip for state in states], axis=0)
-        slides = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
-        slips_since_stop = slip_since_stop(np.where(slides, slip, 0.0), self.slip_since_stop)
+        is_sliding = slip * slip_sign(np.stack([state.node_states for state in states[1:]])) > 0
+        slips_since_stop = slip_since_stop(np.where(is_sliding, slip, 0.0), self.slip_since_stop)
+
+        # Instants (k + 1,) at which all of the contact sticks, by the shear at its edges.
         x = problem.interface.x
         sticks_in_full = shear_grows_within_cone(
             states, problem.friction, is_half=bool(-x[0] < x[-1] / 2)
         )
+
         # All attributes at once: Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states[1:],
@@ -375,10 +393,16 @@ class PathRun:
         On a mesh the edges of contact and stick jump from node to node, which adds the work
         `edge_excess.value` to that of edges between the nodes. The work of all increments and of
         all nodes of the revolution is reduced by one factor.
+
+        Each of `increment_records` holds energies and checks of consecutive increments by name,
+        among them "dissipation" (friction work) and "loop_work" (Q dU). `nodal_work` (n,) is the
+        friction work of each node in the revolution, `iterations` has an entry for each increment.
         """
         nodal_work = self.nodal_work
         work = float(nodal_work.sum())
         factor = 1 - edge_excess.value / work if work > 0 else 1.0
+
+        # Records from the last one back to the start of the revolution.
         first_increment_of_cycle = self.cycle_starts[-1]
         first_increment_of_record = len(self.iterations)
         for record_number in reversed(range(len(self.increment_records))):
@@ -386,9 +410,9 @@ class PathRun:
             first_increment_of_record -= len(record["loop_work"])
             if first_increment_of_record < first_increment_of_cycle:
                 break
-            # friction work, and its integral Q dU
             corrected_works = {name: record[name] * factor for name in ("dissipation", "loop_work")}
             self.increment_records[record_number] = record | corrected_works
+
         self.nodal_work_by_cycle.append(nodal_work * factor)
         self.edge_excess_by_cycle.append(edge_excess)
 
@@ -396,8 +420,13 @@ class PathRun:
         """Free memory on a long path, at the end of a stretch from one state to another: take
         pressure, shear and gap off the states from the first up to, not including, the last.
 
-        Where more than `MOST_COMPLETE_STATES` still have them, these are taken off earlier states
-        too. The next increment starts from the last state, which stays complete.
+        Where more than 4000 (`MOST_COMPLETE_STATES`) still have them, these are taken off earlier
+        states too. The next increment starts from the last state, which stays complete.
+
+        `_thinning` records which states keep them: `end_number_of_state` numbers the states at ends
+        of stretches, by their index; `index_of_largest_load` is the state with the largest P;
+        `n_stored` states are complete. Every so many-th state is (a stride), every so many-th end
+        of a stretch too.
         """
         thinning = self._thinning
         thinning.end_number_of_state[last_index] = len(thinning.end_number_of_state)
@@ -407,32 +436,36 @@ class PathRun:
                 thinning.index_of_largest_load = index
             if self._drop_forces_and_gap(index):
                 continue
+
+            # It keeps them: with too many complete states, half as many keep theirs from here on.
             thinning.n_stored += 1
             while thinning.n_stored > MOST_COMPLETE_STATES and thinning.can_double_a_stride(
                 len(self.states)
             ):
                 thinning.double_a_stride()
-                complete_before = [
-                    int(stored) for stored in self.stored_indices[:-1] if stored <= index
+                indices_so_far = [
+                    int(stored_index)
+                    for stored_index in self.stored_indices[:-1]
+                    if stored_index <= index
                 ]
-                thinning.n_stored -= sum(map(self._drop_forces_and_gap, complete_before))
+                thinning.n_stored -= sum(map(self._drop_forces_and_gap, indices_so_far))
 
     def _drop_forces_and_gap(self, index: int) -> bool:
         """Take pressure, shear and gap off the state of this index, to free memory, unless the
-        state is one that keeps them; whether they were taken off.
+        state is one that keeps them; return whether they were taken off.
 
-        The first state keeps them, that of the largest P, the ends of the last revolution, and
-        those that the strides of the thinning keep.
+        The first state keeps them, that of the largest P, the starts of the last two revolutions,
+        and, of the states between ends of stretches and of these ends, every so many-th
+        (`_thinning`).
         """
         if index in (0, self._thinning.index_of_largest_load, *self.cycle_starts[-2:]):
             return False
         if self._thinning.keeps_state(index):
             return False
         state = self.states[index]
-        up_to_slip = state.values[
-            : 3 + len(state.node_states)
-        ]  # approach, U, tilt, slip of the nodes
-        self.states[index] = replace(state, values=read_only_copy(up_to_slip))
+        # approach, U, tilt, and slip of the nodes; behind them stand pressure, shear and gap
+        values_up_to_slip = state.values[: 3 + len(state.node_states)]
+        self.states[index] = replace(state, values=read_only_copy(values_up_to_slip))
         return True
 
 
@@ -469,16 +502,26 @@ class Pace:
     def load_units(self, problem: ContactProblem) -> tuple[float, ...]:
         """What each load is divided by, (5,): P, Q, both bulk stresses, tilt or moment. Where the
         movement of an actuator stands in the place of P or Q, the unit is that of the movement.
+
+        They follow from three units: `load_unit` of P and Q, the half-width `length_unit`, and
+        `stress_unit`, E*. `problem` states whether the moment is given, or the tilt, and whether
+        actuators prescribe approach and tangential displacement in the place of P and Q.
         """
-        bulk_stress = self.load_unit / self.length_unit
-        tilt = bulk_stress / self.stress_unit
-        moment = self.load_unit * self.length_unit
-        tilt_or_moment = moment if problem.has_given_moment else tilt
-        movement = self.load_unit / self.stress_unit
+        bulk_stress_unit = self.load_unit / self.length_unit
+        tilt_unit = bulk_stress_unit / self.stress_unit
+        moment_unit = self.load_unit * self.length_unit
+        tilt_or_moment_unit = moment_unit if problem.has_given_moment else tilt_unit
+        movement_unit = self.load_unit / self.stress_unit
         actuators = problem.actuators
-        normal_unit = movement if actuators.prescribe_approach else self.load_unit
-        tangential_unit = movement if actuators.prescribe_displacement else self.load_unit
-        return (normal_unit, tangential_unit, bulk_stress, bulk_stress, tilt_or_moment)
+        normal_unit = movement_unit if actuators.prescribe_approach else self.load_unit
+        tangential_unit = movement_unit if actuators.prescribe_displacement else self.load_unit
+        return (
+            normal_unit,
+            tangential_unit,
+            bulk_stress_unit,
+            bulk_stress_unit,
+            tilt_or_moment_unit,
+        )
 
 
 def run_path(
@@ -505,14 +548,23 @@ def run_path(
     path
         loads over time
     pace
-        units of the loads, and how finely the path is stepped
+        units of the loads, and how finely the path is stepped: `steps_per_cycle` increments
+    cycles
+        largest number of revolutions
     progress
         called with (done, total, text) as work goes on
     uncertainty
         function from the run to the uncertainty of W by mesh and steps, scaled; NaN where it is
         unknown: then 5e-4 of W
     keep_all
-        whether all states of a long path stay complete, instead of being thinned out
+        whether all states of a long path stay complete, instead of some losing pressure, shear and
+        gap of their nodes to save memory
+
+    Returns
+    -------
+    PathRun
+        Its `nodal_work` (n,) is the friction work of each node since the start of the part of the
+        path that was solved last; its `steady_from` the number of the revolution that repeats.
     """
     # Thinned only where straight lines between the stored instants, on which theory is evaluated,
     # are the path itself, whichever instants are stored.
@@ -522,6 +574,8 @@ def run_path(
     run = PathRun(
         [_initial_state(problem, path, pace)], may_thin=has_straight_segments and not keep_all
     )
+
+    # The follower solves segments of the path and appends their increments to the run.
     follower = _Follower(problem, run, pace, progress)
     try:
         follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
@@ -546,8 +600,15 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
     """Whether the last revolution ended as it started, to 5e-4 of the largest nodal force, and its
     friction work is closer to the limit of the series than its uncertainty.
 
-    `uncertainty` is a function from the run to that of the friction work. Where it is NaN, 5e-4 of
-    the work takes its place.
+    Parameters
+    ----------
+    run
+        `force_change_by_cycle` is the change of nodal forces over each revolution, over the largest
+        force; `nodal_work` (n,) the friction work of each node in the last one; `trend` how the
+        work of the revolutions goes on, with the change to its limit
+    uncertainty
+        function from the run to that of the friction work; where it is NaN, 5e-4 of the work takes
+        its place
     """
     if run.force_change_by_cycle[-1] > LARGEST_CHANGE_OF_REPEAT:
         return False
@@ -561,10 +622,11 @@ def _initial_state(problem: ContactProblem, path: LoadPath, pace: Pace) -> Inter
     """State of the contact at the start of a path, where it carries no load.
 
     Where the moment M is given, the line of action of P is at x = M/P of an instant soon after the
-    start, since M = P = 0 at the start; at x = 0 where P is not positive there.
+    start, since M = P = 0 at the start; at x = 0 where P is not positive there. That instant is
+    after a thousandth of the first segment of the path. `pace` has the units of the loads.
     """
     segment = path.initial_loading[0]
-    load_units = pace.load_units(problem)
+    load_units = pace.load_units(problem)  # (5,) of P, Q, both bulk stresses, tilt or moment
     time_soon_after = segment.start + _SHARE_OF_FIRST_SEGMENT * (segment.end - segment.start)
     normal_load, *_, moment = scaled_loads(segment, time_soon_after, load_units)
     x_of_load = moment / normal_load if problem.has_given_moment and normal_load > 0 else 0.0
@@ -595,14 +657,21 @@ class _Follower:
     progress: Progress
 
     def follow_revolution(self, segments: tuple[LoadSegment, ...], number: int) -> None:
-        """Solve one revolution, correct its friction work for the mesh, and compare its end with
-        its start. `number` counts revolutions from 0.
+        """Solve one revolution of the load path, correct its friction work for the mesh, and
+        compare the nodal forces at its end with those at its start.
+
+        `segments` are those of the path in this revolution, `number` counts revolutions from 0. The
+        run (`self.run`) receives the states, the index at which the revolution starts, and the
+        change of its forces.
         """
         start_of_cycle = self.run.states[-1]
         self.run.cycle_starts.append(len(self.run.iterations))
         self.follow_segments(segments, self.pace.steps_per_cycle, f"revolution {number + 1}")
+
+        # `excess`: friction work that edges add which move from node to node
         states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
         self.run.close_cycle(excess(self.problem, states_of_cycle))
+
         change = _relative_change_of_forces(
             start_of_cycle, self.run.states[-1], self.problem.friction
         )
@@ -623,11 +692,15 @@ class _Follower:
         title
             of this part of the path, for reports of progress
         """
+        # Stretches: parts of the path between turning points of its loads.
         stretches_of_segments = self._stretches(segments, n_increments_of_longest)
         n_stretches = len(stretches_of_segments)
-        load_units = self.pace.load_units(self.problem)
+        load_units = self.pace.load_units(self.problem)  # (5,) what each load is divided by
         self.run.nodal_work = np.zeros_like(self.problem.initial_gap)  # friction work of each node
         tolerance = self._step_tolerance(duration=segments[-1].end - segments[0].start)
+
+        # The batch appends increments to the run some 32 at a time, as their energies are then
+        # computed together.
         batch = _Batch(self.problem, self.run, load_units)
         try:
             for number, stretch in enumerate(stretches_of_segments):
@@ -658,9 +731,10 @@ class _Follower:
     ) -> list[Stretch]:
         """Cut segments of the load path at their turning points, each part with the instants at
         which its regular increments end. Shorter segments have fewer increments, in proportion to
-        their duration.
+        their duration; the longest has `n_increments_of_longest`.
         """
-        # Where U is given, U turns round, and not Q - f P.
+        # Turning points are those of P and Q +- f P. Where an actuator prescribes the tangential
+        # displacement U, U turns round in the place of the latter.
         is_displacement_given = self.problem.actuators.prescribe_displacement
         friction = 0.0 if is_displacement_given else self.problem.friction
         longest_duration = max(segment.end - segment.start for segment in segments)
@@ -672,7 +746,9 @@ class _Follower:
         return stretches_of_segments
 
     def _report_progress(self, n_done: int, n_stretches: int, title: str) -> None:
-        """Tell `progress` how many stretches are done, and the work so far."""
+        """Report to `self.progress` how many parts of the load path are done (`n_done` of
+        `n_stretches`), and how many steps and contact iterations so far.
+        """
         n_steps = len(self.run.iterations)
         iterations = self.problem.work_counts["contact iterations"]
         text = f"{title}, {n_steps} steps, {iterations} contact iterations"
@@ -731,7 +807,9 @@ class _Batch:
         self.ends_of_stretches.append(len(self.run.states) - 1 + len(self.increments))
 
     def move_to_run(self) -> None:
-        """Append the increments and the ends of stretches to the run, and empty the batch."""
+        """Append the increments of the batch, and the indices of states at which stretches of the
+        load path ended, to the run; and empty the batch.
+        """
         increments = self.increments
         ends_of_stretches = self.ends_of_stretches
         # Emptied first: an error or Ctrl-C within `append` must not have them appended twice.
@@ -747,7 +825,16 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
 
     Rounded down to f^2 times a power of two. Then the little that the initial loading changed in
     the revolution before does not change the increments. And loads with Q in proportion to f have
-    the same increments at any f. `friction` is f.
+    the same increments at any f.
+
+    Parameters
+    ----------
+    run
+        its `nodal_work_by_cycle` is (n,) the friction work of each node, for each revolution
+    pace
+        its `expected_dissipation` is the expected work of a revolution, 0 if unknown
+    friction
+        coefficient f
     """
     friction_squared = max(friction**2, 1e-300)  # without friction there is no step error
     expected_work = (
@@ -764,6 +851,8 @@ def _relative_change_of_forces(
 ) -> float:
     """Largest change of a nodal force between two states, over the largest nodal p of the later
     one: of p, or of q over f (over 1 if f > 1), since with little friction all of q is small.
+
+    # notation: p pressure and q shear of the nodes, f coefficient of friction
     """
     change_of_pressure = np.abs(state_after.pressure - state_before.pressure).max()
     change_of_shear = np.abs(state_after.shear - state_before.shear).max()
