@@ -29,8 +29,8 @@ _MOST_NOTES = 3
 
 
 def sweep(study: str, options: Options) -> Answer:
-    """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point
-    failed.
+    """The command `sweep`: solve a scene for all values on the axes of a study, into a store; run
+    it again to resume it. Exit code 3 where a point failed.
     """
     return solve_study(study, options, with_opening_lines=not options.json)
 
@@ -39,8 +39,11 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     """The command `sweep`: solve the points of a study that have no stored result, and list all.
 
     `source` names the study's file. With `with_opening_lines` the command first prints how many
-    points it has, and how many are stored. The exit code says whether all points are solved, one
-    failed, or the user interrupted.
+    points the study has, and how many are stored. Of the command's `options`, `out` is the folder
+    of the store, `quiet` stands for no progress, and those named in `WORKERS` state who solves.
+
+    Returns the exit code (0 all points are solved, 3 one failed, 130 the user interrupted), tables
+    and lines for the terminal, and the content of the JSON output.
     """
     from reports.folder import default_folder, usable_folder
     from reports.studies.sweep.running import prepare, solve_waiting_points, worker_pool
@@ -50,6 +53,8 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     folder = usable_folder(options.out or default_folder(Path(source).stem))
     worker_options = {name: getattr(options, name) for name in WORKERS}
     worker_pool(**worker_options)  # refuses options that do not go together, before any work
+
+    # read the study and check all its points
     with stages.stage("checking the study", "points") as report_progress:
         prepared_sweep = prepare(
             source, folder, lambda count: report_progress(count, None, f"{count} points checked")
@@ -57,6 +62,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     if with_opening_lines:
         for line in _opening_lines(prepared_sweep):
             say(line)
+    # the command that resumes the sweep
     command_again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored_in_words() -> str:
@@ -65,6 +71,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         n_stored = sum(point.address in stored_addresses for point in prepared_sweep.points)
         return f"{n_stored} of {len(prepared_sweep.points)} points are stored"
 
+    # solve; the table has a row for each point
     try:
         with stages.stage("sweep", "points") as report_progress:
             table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
@@ -75,6 +82,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         raise StoreError(
             f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
         ) from fault
+
     table_path = prepared_sweep.store.folder / "index.csv"
     json_content = _content(prepared_sweep.store) | {"file": str(table_path)}
     exit_code = EXIT_WITHIN if (table["status"] == "done").all() else EXIT_NOT_CONVERGED
@@ -87,8 +95,8 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
 
 
 def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
-    """Lines printed before a sweep: how many points it has, which engines and quantities, how many
-    points have results already, and which stored results were damaged.
+    """Lines printed before a sweep: how many points it has, which engines and quantities
+    (`figures`), how many points have results already, and which stored results were damaged.
     """
     study = sweep.study
     n_points = len(sweep.points)
@@ -112,12 +120,15 @@ def _result_parts(
     """What the terminal shows of a sweep: tables of the points with their values and of those that
     failed with the reason, then lines of text: counts, notes, the path of the table of all points.
 
-    `sweep` is the study with its store, `table` has all results; `json_content` holds the notes
-    ("notes") and that path ("file").
+    `sweep` is the study with its points and its store; `table` has a row for each point, with
+    "status", "number" and "reason". `json_content` holds the notes ("notes": each a text and how
+    many points have it) and that path ("file"). At most 20 points (`_MOST_ROWS`) and three notes
+    are shown.
     """
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import coordinates_in_words
 
+    # points with their values
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
     study = sweep.study
@@ -126,6 +137,8 @@ def _result_parts(
         yield Sheet(study.title or study.scene.name, heads, rows, range(len(heads)))
     if len(solved_rows) > _MOST_ROWS:
         yield f"... and {len(solved_rows) - _MOST_ROWS} other points; see index.csv"
+
+    # points that failed, with their coordinates as text
     if len(failed_rows):
         first_failures = failed_rows[:_MOST_ROWS]
         failures = []
@@ -135,6 +148,8 @@ def _result_parts(
             )
         title = f"{len(failed_rows)} of {len(table)} points failed"
         yield Sheet(title, ("point", "at", "reason"), failures)
+
+    # counts, notes and path
     folder = sweep.store.folder
     yield (
         f"{len(solved_rows)} points done, {len(failed_rows)} failed; `halfplane sweep report"
@@ -150,8 +165,9 @@ def _result_parts(
 
 
 def _content(store: Store) -> dict[str, Any]:
-    """How far a sweep is, for programs; `seconds_left` is null where nothing waits or no rate is
-    known.
+    """How far the sweep in a store is, as content of the JSON output: title, numbers of points
+    done, failed and waiting, failures, notes, damaged files, and seconds left, which is None where
+    nothing waits or no rate is known.
     """
     from reports.studies.sweep.page import sweep_state
 
@@ -159,15 +175,19 @@ def _content(store: Store) -> dict[str, Any]:
 
 
 def status(folder: Path, _: Options) -> Answer:
-    """The command `sweep status`: how far a sweep is: points done, failed and waiting, time
-    left.
+    """The command `sweep status`: how far the sweep stored in `folder` is: points done, failed and
+    waiting, time left. Returns exit code 0, what the terminal shows, and the content of the JSON
+    output.
     """
     from reports.studies.sweep.store import Store
 
+    # by name: title, numbers of points, failures, damaged files, seconds left
     json_content = _content(Store(folder))
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows: a table of counts, then damaged files, failures, time left."""
+        """What the terminal shows: a table of counts, then damaged files, failures (at most 20),
+        time left.
+        """
         counts = [(state, str(count)) for state, count in json_content["points"].items()]
         title = json_content["title"] or str(folder)
         yield Sheet(title, ("points", "number"), counts, (1,))

@@ -65,19 +65,22 @@ _UNCERTAINTY = {
 
 
 def sweep_state(store: Store) -> Mapping[str, Any]:
-    """What the store of a sweep holds now, as `halfplane sweep status --json` prints it, with the
-    table of results under "table".
+    """How far a sweep is, by what its store holds now: title of the study, numbers of points done,
+    failed, waiting and in total, failures and notes, damaged files that were set aside, and the
+    "table" of results.
 
-    `seconds_left` is that of a sweep that resumes at the rate of the last results; None where no
-    point waits or no rate is known.
+    "seconds_left" is the time to the end at the rate of the last results; None where no point waits
+    or no rate is known.
     """
-    study, points = store.read_plan()
-    table = store.table(points)
+    study, points = store.read_plan()  # keys of the study, and all its points
+    table = store.table(points)  # a row for each point that has a result
     failures = [
         {"point": row.number, "reason": row.reason}
         for row in table.itertuples()
         if row.status != "done"
     ]
+
+    # the rate of the last 40 results (_N_LATEST_RESULTS), by the times of their files
     n_waiting = len(points) - len(table)
     times_of_results = []
     for address in set(table["address"]):
@@ -100,7 +103,9 @@ def sweep_state(store: Store) -> Mapping[str, Any]:
 
 
 def _results_per_second(times: Sequence[float]) -> float | None:
-    """Results in a second, of times in their order; None where they give none."""
+    """Results in a second, by the `times` of their files in ascending order [s]; None for fewer
+    than two results, or where all have one time.
+    """
     if len(times) < 2 or times[-1] <= times[0]:
         return None
     return (len(times) - 1) / (times[-1] - times[0])
@@ -110,16 +115,20 @@ def write_page(store: Store) -> Path:
     """Write the page of a sweep to DIR/sweep.html, and the table DIR/index.csv that it links to,
     DIR being the folder of the `store` of results. Returns the path of the page.
     """
-    state = sweep_state(store)
-    table = state["table"]
+    state = sweep_state(store)  # how far the sweep is: counts, failures, notes
+    table = state["table"]  # a row for each point that has a result
     stored_study, _ = store.read_plan()
     study = study_of(stored_study, str(store.folder / "sweep.json"))
     scene_title = study.scene.title or study.scene.name
+
+    # how the uncertainties were found; `engines`: "fe" (finite elements), "exact" (theory)
     uncertainty_words = (
         "Theory is exact to rounding at the points and instants at which it is evaluated."
     )
     if "fe" in study.engines:
         uncertainty_words = _UNCERTAINTY[study.uncertainty]
+
+    # table (250 rows of it) and plots; the script of the page, with its hash
     heads, rows = table_in_words(table[:_MOST_ROWS], study.axes, study.scene)
     figures = draw_figures(table, study.axes, study.scene)
     page_script, script_hash = script()
@@ -147,30 +156,35 @@ def table_in_words(
     table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
 ) -> tuple[list[str], list[list[str]]]:
     """A sweep as a table of texts: heads with units, and a row for each point with its coordinates,
-    the values computed there with their uncertainties, and how it went.
+    the values computed there with their uncertainties, status and seconds.
 
     Parameters
     ----------
     table
         a row for each point
-    axes, scene
-        of the study
+    axes
+        of the study, each with the names of its `columns` in the table
+    scene
+        of the study, which has the units
     in_short
-        values by their names in the study, and nothing on how it went
+        heads are names of quantities as in the study, such as "fe.p0", and status and seconds are
+        left out
     """
     columns = [column for axis in axes for column in axis.columns]
-    figures = quantity_columns(table, axes)
+    quantities = quantity_columns(table, axes)
     heads = ["point", *(_label_of_axis(axis, column) for axis in axes for column in axis.columns)]
-    for figure in figures:
-        figure_in_words, unit = label_of(figure, scene)
-        heads.append(f"{figure if in_short else figure_in_words} [{unit}]")
+    for quantity in quantities:
+        quantity_in_words, unit = label_of(quantity, scene)
+        heads.append(f"{quantity if in_short else quantity_in_words} [{unit}]")
     if not in_short:
         heads += ["status", "seconds"]
+
+    # the cells of each row
     rows = []
     for record in table.to_dict("records"):
         cells = [str(record["number"])]
         cells += [_coordinate_text(record[column]) for column in columns]
-        cells += [_value_text(record, figure) for figure in figures]
+        cells += [_value_text(record, quantity) for quantity in quantities]
         if not in_short:
             cells += [str(record["status"]), f"{record['seconds']:.2g}"]
         rows.append(cells)
@@ -178,8 +192,10 @@ def table_in_words(
 
 
 def _value_text(record: Mapping[Hashable, Any], figure: str) -> str:
-    """A value with its uncertainty; errors in per cent."""
-    factor = display_factor(figure)
+    """A value of a row of a sweep's table (`record`) with its uncertainty, as text; "none" where it
+    is missing. `figure` names its column, such as "fe.p0".
+    """
+    factor = display_factor(figure)  # 100 for errors, which are shown in per cent; else 1
     value = factor * float(record[figure])
     if math.isnan(value):
         return "none"
@@ -210,7 +226,8 @@ def _in_words(name: str) -> str:
 
 def quantity_columns(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
     """Names of the columns of a sweep's table that have values of quantities, without those of
-    their uncertainties and idealisation errors.
+    their uncertainties and idealisation errors. `axes` are those of the sweep, each with the names
+    of its `columns`.
     """
     coordinate_columns = {column for axis in axes for column in axis.columns}
     further_columns = {"number", *STATUS_COLUMNS, *coordinate_columns}
@@ -239,20 +256,23 @@ class _QuantityFigure:
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
-        """Take the values of one quantity of a sweep (`name`, such as "fe.p0") at all n points from
-        its table, with their uncertainties, in the unit that is shown, and the words of the figure.
+        """Take from a sweep's table what the plot of one quantity (`name`, such as "fe.p0") needs:
+        its values at all n points with their uncertainties, in the unit that is shown, and the
+        words of the plot.
 
-        Where the table has the idealisation error of that quantity, which is its difference from
-        theory without the errors of mesh and steps, that is drawn, with the same uncertainty.
-        `axes` are those of the sweep.
+        Where the table has the idealisation error of that quantity, the error is drawn, with the
+        same uncertainty: the difference from theory without the errors of mesh and load increments.
+        `axes` are those of the sweep; `scene`, which the sweep varies, has the units.
         """
         self.name = name
         self.table = table
-        self.axes = {column: axis for axis in axes for column in axis.columns}
+        self.axes = {column: axis for axis in axes for column in axis.columns}  # by column
+
+        # values and uncertainties, (n,) each
         self.value_column = name
         if f"{name}.idealisation" in table:
             self.value_column = f"{name}.idealisation"
-        factor = display_factor(name)
+        factor = display_factor(name)  # 100 for errors, which are shown in per cent; else 1
         self.value = factor * table[self.value_column].to_numpy(float)
         self.uncertainty = np.full(len(table), np.nan)
         if f"{name}.uncertainty" in table:
@@ -263,6 +283,8 @@ class _QuantityFigure:
         self.upper_ends = self.value + bar_length
         # (n,) an error that is not larger than its uncertainty
         self.is_unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
+
+        # words of the plot
         self.title_words, self.unit = label_of(name, scene)
         if self.value_column != name:
             self.title_words += ", idealisation error"
@@ -271,8 +293,11 @@ class _QuantityFigure:
 
     def plate(self) -> Plate:
         """The figure of one quantity of a sweep with caption and numbers: lines over one axis, a
-        map over two that form a grid, else dots. Each combination of the other axes, such as two
-        kinds of bodies, has a curve or panel of its own.
+        map over two that form a grid, else dots. Each combination of values on axes of words, such
+        as two kinds of bodies, has a curve or panel of its own.
+
+        `table` has a row for each point of the sweep and a column for each of `axes`; `value` and
+        `uncertainty` are those of the quantity, one for each row.
         """
         varied_axes = [name for name in self.axes if self.table[name].nunique() > 1]
         # axes of words, such as kinds of bodies, and axes of numbers
@@ -290,13 +315,17 @@ class _QuantityFigure:
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
             return Plate(stem, title, caption, caption, (), csv_columns)
-        combination_of_rows = self._values_in_words(word_axes)
+
+        # for the first six combinations (_MOST_PANELS), which rows belong to them
+        combination_of_rows = self._values_in_words(word_axes)  # as text, one for each row
         combinations = np.unique(combination_of_rows).tolist()
         masks = [
             (combination, combination_of_rows == combination)
             for combination in combinations[:_MOST_PANELS]
         ]
         panels, legend, signs_in_words = self._panels(stem, masks, number_axes)
+
+        # the caption, with what bars, hollow dots and colours mean
         if not np.isfinite(self.uncertainty).any():
             signs_in_words = "without uncertainty"
         axes_in_words = " and ".join(self.label(name) for name in number_axes[:2])
@@ -333,6 +362,8 @@ class _QuantityFigure:
             names of the axes of numbers, at least one
         """
         panels: list[Panel | Cell]
+
+        # one axis: curves
         if len(number_axes) == 1:
             panels = [self.curve_panel(stem, masks, number_axes[0])]
             legend = tuple(
@@ -341,6 +372,9 @@ class _QuantityFigure:
                 if combination
             )
             return panels, legend, "bars are its uncertainty; hollow: not resolved"
+
+        # two axes of which enough combinations have a point (_LEAST_FILLED_SHARE: 0.3): maps, and
+        # curves along each axis
         if len(number_axes) == 2 and self._filled_share(number_axes) > _LEAST_FILLED_SHARE:
             panels = [
                 self.map_with_scale(f"{stem}-{index}", mask, number_axes, combination)
@@ -353,6 +387,8 @@ class _QuantityFigure:
                 " result; bars are the uncertainty"
             )
             return panels, (), signs_in_words
+
+        # else dots over the first axis, coloured by the second
         panels = [
             self.dots_with_scale(f"{stem}-{index}", mask, number_axes, combination)
             for index, (combination, mask) in enumerate(masks)
@@ -361,8 +397,8 @@ class _QuantityFigure:
 
     def panels_along_axes(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
         """Two panels of curves for a map over two axes: one along each axis, with a curve for each
-        value of the other axis, which is written at its end. Of many values the first, the last and
-        some between are drawn.
+        value of the other axis, which is written in the upper right corner. At most six curves
+        (`_N_LOOKS`) are drawn: of many values the first, the last and some between.
 
         Parameters
         ----------
@@ -382,14 +418,14 @@ class _QuantityFigure:
                 (f"{_in_words(other_column)} = {number(value)}", mask & (coordinate == value))
                 for value in values[drawn_indices].tolist()
             ]
-            yield self.curve_panel(f"{name}-along-{index}", curves, column, labels_at_end=True)
+            yield self.curve_panel(f"{name}-along-{index}", curves, column, labels_in_corner=True)
 
     def _has_words(self, column: str) -> bool:
         """Whether a coordinate has values that are no numbers."""
         return any(isinstance(value, str | bool) for value in self.table[column].tolist())
 
     def _values_in_words(self, columns: Sequence[str]) -> NDArray[np.str_]:
-        """(n,) the values that a point has on these axes, as text."""
+        """The values of each of the n points of the sweep on these axes, as one text, (n,)."""
         texts = []
         for row in self.table[list(columns)].to_dict("records"):
             values = [f"{name} = {row[name]}" for name in columns]
@@ -415,15 +451,18 @@ class _QuantityFigure:
         return _label_of_axis(self.axes[column], column)
 
     def chart_axis(self, column: str, *, for_cells: bool = False) -> ChartAxis:
-        """The axis of a chart for an axis of a sweep (`column`); its ticks stand at the values
-        themselves where these are few and apart.
+        """The axis of a chart for an axis of a sweep, whose values stand in this `column` of its
+        table; its ticks stand at the values themselves where these are few and apart.
 
-        With `for_cells` it goes half a step beyond the outer values: in a map each value is the
-        middle of a cell.
+        With `for_cells` it goes half an interval beyond the outer values: in a map each value is
+        the middle of a cell.
         """
+        # values on the axis, each once, and their places on it
         log = self.axes[column].is_logarithmic
         values = np.unique(self.coordinates(column))
         places = np.log(values) if log else values
+
+        # ends of the axis
         if for_cells:
             ends = cell_borders(values, log=log)[[0, -1]]
         else:
@@ -431,6 +470,8 @@ class _QuantityFigure:
             if log:
                 ends = np.exp(ends)
         least_value, largest_value = ends.tolist()
+
+        # ticks at the values
         ticks: tuple[tuple[float, str], ...] = ()
         have_room = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
         if (log or for_cells) and have_room:
@@ -444,12 +485,17 @@ class _QuantityFigure:
         curves: Sequence[tuple[str, Mask]],
         column: str,
         *,
-        labels_at_end: bool = False,
+        labels_in_corner: bool = False,
     ) -> Panel:
         """A panel of curves of one quantity of a sweep over one axis.
 
-        Points are dots with bars for their uncertainty; a curve of many points has a band instead,
-        and dots where the value is not resolved, so that the page stays small.
+        Points are dots with bars for their uncertainty; a curve of many points (more than
+        `_MOST_DOTS`, 120) has a band instead, and dots where the value is not resolved, so that the
+        page stays small. A value is not resolved where it is an error that is no larger than its
+        uncertainty; its dot is hollow.
+
+        `lower_ends` and `upper_ends` are the value minus and plus its uncertainty, one for each of
+        the n points of the sweep.
 
         Parameters
         ----------
@@ -458,16 +504,19 @@ class _QuantityFigure:
         curves
             for each curve its label, and whether a point of the sweep belongs to it (n,)
         column
-            name of the axis
-        labels_at_end
-            whether the labels of the curves stand at their ends
+            of the sweep's table, with the coordinates on the axis
+        labels_in_corner
+            whether the labels of the curves stand in the upper right corner
         """
+        # both axes; a line at zero
         least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
-        if labels_at_end:  # room for them
+        if labels_in_corner:  # room for them
             largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
         x_axis = self.chart_axis(column)
         y_axis = ChartAxis(least_value, largest_value, self.axis_words)
         marks: list[Mark] = [Rule(0.0, "zero")] if least_value < 0 < largest_value else []
+
+        # each curve, with one of six looks of the style sheet for its line and dots
         coordinate = self.coordinates(column)
         for curve_number, (label, mask) in enumerate(curves):
             rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]
@@ -476,12 +525,14 @@ class _QuantityFigure:
             x = coordinate[rows]
             y = self.value[rows]
             marks.append(Curve(x, y, look, label or self.title_words))
-            if labels_at_end:
+            if labels_in_corner:
                 label_class = f"tick over t{curve_number}"
                 label_shift = (-4.0, 14.0 + 15.0 * curve_number)
                 marks.append(
                     Note(x_axis.high, largest_value, label, label_class, "end", label_shift)
                 )
+
+            # its uncertainty and its dots
             is_long = len(rows) > _MOST_DOTS
             lower_ends = self.lower_ends[rows]
             upper_ends = self.upper_ends[rows]
@@ -501,20 +552,25 @@ class _QuantityFigure:
 
     def map_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A map of one quantity of a sweep over two axes (`columns`): a panel with a coloured
-        rectangle for each point of `mask` (n,), and the scale of colours beneath. Few rectangles
-        have their value written on them. `combination` says in words which values of the other axes
-        it is for.
+        rectangle for each point of `mask` (n,), and the scale of colours beneath. Where there are
+        at most 64 rectangles (`_MOST_NUMBERED_CELLS`), each has its value written on it.
+        `combination` says in words which values of the other axes the map is for.
+
+        `value` has the quantity at all n points of the sweep; `is_unresolved` is true for an error
+        that is no larger than its uncertainty, whose rectangle is hatched.
         """
         x_axis, y_axis = (self.chart_axis(column, for_cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
         largest_value = float(np.nanmax(self.value))
         value_range = largest_value - least_value
-        # Values that differ by no more than round-off have one colour.
+        # Values that differ by no more than round-off (_ROUNDOFF_SPREAD: 1e-9) have one colour.
         largest_size = max(abs(least_value), abs(largest_value))
         has_one_colour = value_range <= _ROUNDOFF_SPREAD * largest_size
         if has_one_colour:
             value_range = math.inf
         colour_share = np.where(mask, (self.value - least_value) / value_range, np.nan)
+
+        # rectangles, each with the text that a pointer shows, and values on them
         tooltips = [self.tooltip(row) for row in range(len(colour_share))]
         x, y = map(self.coordinates, columns)
         marks = heat_map((x_axis, y_axis), (x, y), colour_share, tooltips, self.is_unresolved)
@@ -524,6 +580,7 @@ class _QuantityFigure:
                 Note(x[row], y[row], significant(self.value[row], 3), "tick over", "middle", (0, 4))
                 for row in rows
             ]
+
         alt = f"Map of {self.title_words}, {combination}"
         panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _in_words(combination))
         if has_one_colour:
@@ -533,9 +590,14 @@ class _QuantityFigure:
 
     def dots_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A panel with a dot for each point of `mask` (n,): the value of one quantity of a sweep
-        over the first of `columns`, coloured by the second, with the scale of colours beneath.
-        `combination` says in words which values of the other axes it is for.
+        over the first of the axes `columns`, coloured by the second, with the scale of colours
+        beneath. `combination` says in words which values of the other axes it is for.
+
+        `value`, its `lower_ends` and `upper_ends` (minus and plus its uncertainty) are given at all
+        n points of the sweep; `is_unresolved` is true for an error that is no larger than its
+        uncertainty, whose dot is hollow.
         """
+        # place on the scale of colours, from 0 to 1, (n,)
         x, second_coordinate = map(self.coordinates, columns[:2])
         x_axis, colour_axis = map(self.chart_axis, columns[:2])
         colour_ends = np.array([colour_axis.low, colour_axis.high])
@@ -543,6 +605,8 @@ class _QuantityFigure:
             colour_share = np.interp(np.log(second_coordinate), np.log(colour_ends), [0.0, 1.0])
         else:
             colour_share = np.interp(second_coordinate, colour_ends, [0.0, 1.0])
+
+        # bars and dots
         marks: list[Mark] = [
             bar_curve(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")
         ]
@@ -581,8 +645,8 @@ def heat_map(
     tooltips: Sequence[str],
     is_hatched: Mask,
 ) -> list[Mark]:
-    """What is drawn for a map over two axes: a coloured rectangle around each of n places, on a
-    grey ground.
+    """The marks of a map over two axes: a grey ground, and on it a coloured rectangle around each
+    of n places.
 
     Parameters
     ----------
@@ -599,6 +663,7 @@ def heat_map(
         (n,) whether the rectangle is hatched
     """
     x_axis, y_axis = axes
+    # the ground; then for each place the lower and upper border of its rectangle, on each axis
     marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]
     cells_across = _borders_around_places(x_axis, coordinates[0])
     cells_up = _borders_around_places(y_axis, coordinates[1])
@@ -610,15 +675,20 @@ def heat_map(
 
 
 def _borders_around_places(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
-    """Both borders of the cell that each place (n,) stands in."""
-    middles, cells = np.unique(places, return_inverse=True)
+    """Both borders of the cell around each place (n,) on an axis: a cell for each different place,
+    which is its middle.
+    """
+    middles, cell_indices = np.unique(places, return_inverse=True)
     borders = cell_borders(middles, log=axis.log)
-    return list(zip(borders[cells].tolist(), borders[cells + 1].tolist(), strict=True))
+    lower_borders = borders[cell_indices].tolist()
+    upper_borders = borders[cell_indices + 1].tolist()
+    return list(zip(lower_borders, upper_borders, strict=True))
 
 
 def cell_borders(middles: Array, *, log: bool = False) -> Array:
-    """Borders (n + 1,) of cells on an axis, from their middles (n,) in rising order: half-way
-    between two middles (on a logarithmic scale with `log`), and as far beyond the outer ones.
+    """Borders (n + 1,) of cells that lie side by side on an axis, from their middles (n,) in rising
+    order: half-way between two middles (on a logarithmic scale with `log`). The outer borders are
+    as far beyond the outer middles as the inner ones are before them.
 
     >>> cell_borders(np.array([1.0, 2.0, 4.0])).tolist()
     [0.5, 1.5, 3.0, 5.0]

@@ -47,8 +47,8 @@ from reports.studies.sweep.study import (
 from scenes import InputError
 from scenes.frozen import validated
 
-ProgressReport = Callable[[int, int, str], None]
-Task = list[Point]
+ProgressReport = Callable[[int, int, str], None]  # points done, how many there are to do, text
+Task = list[Point]  # points that are handed out together
 # Half-plane theory alone takes some milliseconds a point: that many at once make the cost of
 # handing them out small.
 _EXACT_AT_ONCE = 50
@@ -81,7 +81,9 @@ class Processes:
         return isinstance(fault, BrokenExecutor | CancelledError)
 
     def require_alive(self) -> None:
-        """InputError where tasks will never come back: not of these."""
+        """InputError where the workers are gone, so that tasks will never come back. Processes of
+        this machine are never gone without an exception of their own.
+        """
 
     def start(self) -> None:
         """Start all processes now."""
@@ -93,7 +95,7 @@ class Processes:
                 self.executor.submit(os.getpid)
 
     def stop(self, *, at_once: bool) -> None:
-        """End the processes: after their tasks, or in mid-task with `at_once`."""
+        """End the worker processes: after their tasks, or in mid-task with `at_once`."""
         # The one way to stop a process in mid-task; `terminate_workers` comes with Python 3.14.
         workers = dict(getattr(self.executor, "_processes", None) or {})
         self.executor.shutdown(wait=not at_once, cancel_futures=True)
@@ -141,8 +143,13 @@ class Dask:
             self.is_worker_death(CancelledError())
 
     def start(self) -> None:
-        """Connect to the dask scheduler, or start a cluster on this machine; InputError where none
-        answers or it has no workers.
+        """Connect to the dask scheduler, or start a cluster on this machine; InputError where no
+        scheduler answers or it has no workers.
+
+        `_address` is that of the scheduler, "" for a cluster of one's own; `_requested_width` is
+        how many tasks are worked on at once, None for all cores or threads. Afterwards `executor`
+        takes tasks, `width` is their number at once, and `_connections` are to be closed at the
+        end: the client, and the cluster.
         """
         try:
             from dask.config import set as set_dask
@@ -152,9 +159,12 @@ class Dask:
             raise InputError(
                 f"--executor dask: the package distributed is not installed: {cure}"
             ) from reason
-        # What it loses we say in our own words, once; its tracebacks add nothing.
+        # dask's log is silenced: a loss of workers is reported in one sentence instead
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
+
+        # a scheduler: that of the address, else a cluster on the loopback interface, without web
+        # pages (_NO_ROUTES); _LONGEST_WAIT: 10 s
         security = None  # for an address: as the user's configuration of dask states
         scheduler: Any = self._address
         try:
@@ -180,6 +190,8 @@ class Dask:
                 f" {reason})"
             ) from reason
         self._connections = [client, *self._connections]
+
+        # workers, with the number of their threads
         try:
             client.wait_for_workers(1, timeout=_LONGEST_WAIT)
         except (OSError, TimeoutError) as reason:
@@ -228,7 +240,8 @@ def worker_pool(
     scheduler: str = "",
     workers: int | None = None,
 ) -> Processes | Dask:
-    """The workers that solve the points of a sweep, not started yet.
+    """The workers that solve the points of a sweep, as an object that can start and stop them. They
+    are not started yet.
 
     Parameters
     ----------
@@ -263,16 +276,18 @@ def _available_cores() -> int:
 @contextmanager
 def _ctrl_c_blocked() -> Generator[None, None, None]:
     """Block Ctrl-C (SIGINT) within this context, so that worker processes started in it inherit the
-    block: a terminal sends Ctrl-C to all processes, and only this one shall act on it.
+    block: a terminal sends Ctrl-C to all processes, and only this one shall act on it. On Windows
+    nothing is blocked.
 
     The block does not keep this process itself from a Ctrl-C: the system hands the signal to any
-    other thread, such as one of BLAS, and Python acts on it in this one. The context is therefore
-    used only where interrupts are already held back.
+    other thread, such as one of BLAS (a library of linear algebra), and Python acts on it in the
+    main thread. The context is therefore used only where interrupts are already held back.
     """
     if sys.platform == "win32":
         yield
         return
-    resource_tracker.ensure_running()  # which lifts the block once it has started
+    # A helper process of Python's own: starting it lifts the block, so it is started before.
+    resource_tracker.ensure_running()
     mask_before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
@@ -281,9 +296,12 @@ def _ctrl_c_blocked() -> Generator[None, None, None]:
 
 
 def _set_up_worker() -> None:
-    """In a worker process: leave Ctrl-C to the process that started it, and end with that one."""
+    """Prepare a worker process: it ignores Ctrl-C, which the process that started it acts on, and
+    ends when that process ends.
+    """
 
     def watch() -> None:
+        """Wait for the end of the process that started this one, then end."""
         if (client := parent_process()) is not None:
             client.join()
         os._exit(1)
@@ -311,16 +329,21 @@ def prepare(
     report: Callable[[int], None] = lambda _count: None,
 ) -> PreparedSweep:
     """Check all points of a study, and find out which of them have no stored result yet. Nothing is
-    solved or written.
+    solved; written is nothing but the new name of a damaged result.
 
     Parameters
     ----------
     study
-        a `Study`, or the name of its file
+        a scene with axes over its keys, as a `Study`, or the name of its file
     folder
         where results are stored
     report
         called with the number of points checked so far
+
+    Returns
+    -------
+    PreparedSweep
+        the study, all its points, the store of results, and the points without a result
 
     Raises
     ------
@@ -335,6 +358,7 @@ def prepare(
         points = points_of_study(checked_study, report)
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
+    # address: name of a stored result, a hash of all that it depends on
     waiting_points = tuple(point for point in points if store.read(point.address) is None)
     return PreparedSweep(checked_study, points, store, waiting_points)
 
@@ -350,11 +374,13 @@ def solve_waiting_points(
     Parameters
     ----------
     sweep
-        the checked study with its points and its store
+        the checked study with its points, those without a result (`waiting_points`), and the store
+        of results
     report
         called with (points done, how many there are to do, text)
     workers
-        who solves the points: the parameters of `worker_pool`
+        who solves the points: `executor` ("processes" or "dask"), `scheduler` (address) and
+        `workers` (how many)
 
     Raises
     ------
@@ -364,19 +390,22 @@ def solve_waiting_points(
     """
     store = sweep.store
     points = sweep.points
-    pool = worker_pool(**workers)
+    pool = worker_pool(**workers)  # not started yet
     store.prepare()
     store.write_plan(json.loads(sweep.study.model_dump_json()), points)
     run_of_tasks = _RunOfTasks(sweep, pool, report)
+
+    # hand points out and store results; after Ctrl-C the table has those that there are
     if sweep.waiting_points:
         try:
-            # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round,
-            # and until the workers are gone.
+            # Ctrl-C amid the locks of a pool may leave one locked for ever: it is held back until
+            # the workers are gone. `signals` gets the signals that came meanwhile.
             with interrupts_wait() as signals:
                 run_of_tasks.solve_points(signals)
         except KeyboardInterrupt:
             store.write_table(store.table(points))
             raise
+
     table = store.table(points)
     store.write_table(table)
     if run_of_tasks.lost_points:
@@ -391,11 +420,14 @@ def run(
     report: ProgressReport = lambda _count, _total, _words: None,
     **workers: Any,
 ) -> pd.DataFrame:
-    """Run a study into a folder, or resume an earlier run of it; returns the table of results.
+    """Run a study, or resume an earlier run of it; returns the table of results. `study` is a scene
+    with axes over its keys, or the name of its file; results are stored in `folder`.
 
     Called from a script, it stands under `if __name__ == "__main__":`, for the workers are
-    processes that read the script again. Who solves the points is stated as to `worker_pool`:
-    run("study.toml", "out", workers=4).
+    processes that read the script again. Further arguments state who solves the points: `executor`
+    ("processes" or "dask"), `scheduler` (its address) and `workers` (how many), as in
+    run("study.toml", "out", workers=4). `report` is called with (points done, how many there are to
+    do, text).
 
     Raises
     ------
@@ -407,12 +439,12 @@ def run(
 
 
 def tasks_of(sweep: PreparedSweep, n_workers: int) -> deque[Task]:
-    """The waiting points of a sweep in tasks, the groups in which they are handed out: small enough
-    that all workers have some until the end.
+    """The points of a sweep that wait for a result, in tasks, the groups in which they are handed
+    out: small enough that all workers have some until the end.
     """
     points_at_once = _FE_AT_ONCE if "fe" in sweep.study.engines else _EXACT_AT_ONCE
     n_waiting = len(sweep.waiting_points)
-    # at least four tasks for each worker, rounded up
+    # of at most 4 points with finite elements, 50 without; about four tasks for each worker
     task_size = max(1, min(points_at_once, -(-n_waiting // (4 * n_workers))))
     return deque(
         [*sweep.waiting_points[start : start + task_size]]
@@ -445,9 +477,11 @@ class _RunOfTasks:
     n_broken_pools: int = 0
 
     def solve_points(self, signals: Sequence[int]) -> None:
-        """Work until every point has a result or is lost; end early once `signals` holds one."""
+        """Work until every point of the sweep has a result or is lost with a worker that died; end
+        early once `signals`, which gets signals such as that of Ctrl-C, holds one.
+        """
         self.pool.start()
-        at_once = True
+        at_once = True  # whether the workers are stopped in mid-task
         try:
             self._hand_out(tasks_of(self.sweep, self.pool.width), signals)
             at_once = bool(signals)
@@ -455,7 +489,9 @@ class _RunOfTasks:
             self.pool.stop(at_once=at_once)
 
     def loss_message(self) -> str:
-        """The sentence about the points that were lost."""
+        """The sentence about the points that were lost with a worker that died; the first four are
+        named by their coordinates.
+        """
         names = "; ".join(
             coordinates_in_words(point.coordinates)
             for point in self.lost_points[:_MOST_NAMED_POINTS]
@@ -472,20 +508,26 @@ class _RunOfTasks:
         """Give the tasks to the workers and store their answers, until no task is left or a signal
         has come.
 
-        Every worker has a task, and one more waits. A task is a group of points; a signal is that
-        of Ctrl-C or of the system to end.
+        Every worker has a task, and one more waits. A task is a group of points. `signals` gets the
+        signal of Ctrl-C, or of the system to end. `pool.width` is how many tasks are worked on at
+        once.
         """
-        task_of: dict[Future[str], Task] = {}  # those with the workers
+        task_of: dict[Future[str], Task] = {}  # future of an answer -> task, of those handed out
         while (tasks or task_of) and not signals:
+            # hand out, as JSON text
             while tasks and len(task_of) <= self.pool.width:
                 questions = [point.question.as_json() for point in tasks[0]]
                 task_text = json.dumps({"versions": code_versions(), "points": questions})
                 future = self._submit(task_text)
                 task_of[future] = tasks.popleft()
+
+            # store what has come; _ROUND_SECONDS: 0.5 s
             for future in wait(task_of, timeout=_ROUND_SECONDS, return_when=FIRST_COMPLETED).done:
                 self._store_answers(future, task_of.pop(future))
             if task_of:
                 self.pool.require_alive()
+
+            # report the progress
             n_handed_out = sum(map(len, task_of.values()))
             progress_in_words = f"{self.n_failed} failed, {n_handed_out} handed out"
             if self.lost_points:
@@ -497,7 +539,8 @@ class _RunOfTasks:
         """Give a task, as JSON text, to the pool of workers, or to a new pool where that is broken;
         returns the future of its answer.
 
-        InputError where several pools died one after the other without an answer.
+        InputError where more than three pools (`_MOST_BROKEN_POOLS`) died one after the other
+        without an answer.
         """
         while True:
             try:
@@ -516,11 +559,12 @@ class _RunOfTasks:
                 self.pool.start()
 
     def _store_answers(self, future: Future[str], points: Task) -> None:
-        """Store the answers of a task, whose `future` is done, one for each of its points. Where
+        """Store the answers of a task, whose `future` is done, one for each of its `points`. Where
         its worker process died, the points are noted as lost. InputError where the worker has other
         versions of the code.
         """
         try:
+            # {"mismatch": sentence on versions that differ or "", "answers": one for each point}
             answer_of_task = json.loads(future.result())
         except Exception as fault:
             if not self.pool.is_worker_death(fault):
@@ -536,8 +580,8 @@ class _RunOfTasks:
             self._store_answer(point, answer_of_point)
 
     def _store_answer(self, point: Point, answer: dict[str, Any]) -> None:
-        """Store the answer of a point with its origin: scene, settings and versions. Count it as
-        solved or failed.
+        """Store the answer of a point with its origin: scene, settings and versions of the code.
+        Count the point as solved or failed, by the answer's "status".
         """
         question = point.question.as_json()
         settings = {"mesh": question["mesh"], "solver": question["solver"]}

@@ -73,8 +73,8 @@ _FAR_FIELD_FACTOR = 2.0
 # ------------------------------------------------------------------------------------------ figures
 @dataclass(frozen=True)
 class Quantity:
-    """A figure of one solution: how it is taken, its words, and the fields of the half-plane engine
-    that it needs.
+    """A quantity of one solution, which a sweep can keep as a figure: how its value is taken, its
+    words, and the fields of the half-plane engine that it needs.
 
     `edges` names the field of a finite-element solution that states how far its edges may be from
     the true ones. With `at_mean_load`, `value` has one for each instant, (n,).
@@ -87,7 +87,9 @@ class Quantity:
     at_mean_load: bool = False
 
     def value_in(self, solution: ContactSolution, scene: Scene) -> float:
-        """The figure of a scene's answer, which states loads where a rig prescribes movements."""
+        """The value of the quantity in a solution of a scene; at one load of the last cycle, the
+        mean or the largest, where `at_mean_load`.
+        """
         value = self.value(solution)
         return (
             _value_at_mean_load(solution, value, scene.load) if self.at_mean_load else float(value)
@@ -95,16 +97,21 @@ class Quantity:
 
 
 def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
-    """A quantity given at every instant, `series`, at one load of the last cycle: at the mean load
-    P0 of an elliptical path, else at the largest load. Linear between the loads of the instants.
+    """Value of a quantity at one normal load of the last cycle: at the mean load P0 of an
+    elliptical path (`load`), else at the largest load. Linear between the loads of the instants.
+
+    `series` (n,) has the quantity at all instants of the solution. Where an ellipse prescribes the
+    approach in place of P, the largest load is taken too.
     """
-    steps = solution.last_cycle
-    loads = solution.normal_load[steps]
-    load_of_figure = float(np.max(loads))
+    cycle_indices = solution.last_cycle  # instants of the last cycle
+    loads = solution.normal_load[cycle_indices]
+    load_of_value = float(np.max(loads))
     if isinstance(load, EllipseLoad) and not load.states_approach:
-        load_of_figure = load.mean_normal_load
-    order = np.argsort(loads, kind="stable")
-    return float(np.interp(load_of_figure, loads[order], series[steps][order]))
+        load_of_value = load.mean_normal_load
+    ascending_indices = np.argsort(loads, kind="stable")
+    return float(
+        np.interp(load_of_value, loads[ascending_indices], series[cycle_indices][ascending_indices])
+    )
 
 
 _CONTACT_EDGE_UNCERTAINTY = "contact_edge_uncertainty"
@@ -192,9 +199,13 @@ def display_factor(name: str) -> float:
 
 
 def label_of(name: str, scene: Scene) -> tuple[str, str]:
-    """What a quantity of a sweep such as "fe.p0" is, in words, and its unit as it is shown: a unit
-    of the scene, or per cent of what. Its prefix says whose value it is, or with "error." that it
-    is finite elements/theory − 1; without one it is a metric.
+    """The words for a quantity of a sweep such as "fe.p0", and its unit as it is shown: a unit of
+    the scene, or per cent and of what.
+
+    The prefix of `name` says whose value it is: "fe." of the finite elements, "exact." of
+    half-plane theory; "error." is finite elements/theory − 1. A name without prefix is the key of a
+    metric, which compares both (`METRICS`). `QUANTITIES` has the words of each quantity, its unit
+    in brackets behind them.
 
     >>> from scenes import load_scene
     >>> [
@@ -221,9 +232,13 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
-    """Check the names of the quantities (`figures`) that a sweep is to compute, such as
-    "error.peak_pressure" or the key of a metric. `uncertainty` is how theirs is found: "none",
-    "cheap" or "budget".
+    """Check the names of the quantities (`figures`) that a sweep is to compute.
+
+    A name is the key of a metric (`METRICS`), which compares both engines, or one of `QUANTITIES`
+    with a prefix: "fe." of the finite elements, "exact." of half-plane theory, "error." for finite
+    elements/theory − 1. `engines` are those that run, "fe" and "exact". `uncertainty` is how that
+    of the quantities is found: "none", "cheap" (a few more runs) or "budget" (a whole error
+    budget).
 
     Raises
     ------
@@ -231,6 +246,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
         Where a name is no quantity, stands there twice, or needs one of the `engines` that does not
         run; where the kind of uncertainty does not fit the quantities or the engines.
     """
+    # each name
     for name in figures:
         prefix, _, quantity = name.partition(".")
         is_quantity = prefix in (*_ENGINES, "error") and quantity in QUANTITIES
@@ -239,6 +255,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
                 f"figures: {name!r} is none: it is the key of a metric (docs/metrics.md), or fe.,"
                 f" exact. or error. before one of {', '.join(QUANTITIES)}"
             )
+        # an error or a metric needs both engines
         needed_engines = set(_ENGINES) if is_error(name) else {prefix}
         missing_engines = needed_engines - set(engines)
         if missing_engines:
@@ -248,6 +265,8 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
                 f"figures: {name!r} is no metric, and an error budget is of metrics; take"
                 " uncertainty = 'cheap'"
             )
+
+    # all of them, and the kind of uncertainty
     if len(set(figures)) < len(figures):
         raise ValueError("figures: one stands there twice")
     if uncertainty != "none" and "fe" not in engines:
@@ -260,11 +279,12 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
 
 
 def check_figures_of_driven_scene(scene: Scene, figures: Sequence[str]) -> None:
-    """InputError where the scene prescribes a displacement and one of a sweep's `figures` is a
-    metric. Metrics compare both engines, finite elements and half-plane theory, under one load.
-    Under a prescribed displacement each engine finds loads of its own.
+    """InputError where the scene prescribes a displacement and one of a sweep's `figures`, the
+    names of the values that it keeps, is a metric. Metrics compare both engines, finite elements
+    and half-plane theory, under one load. Under a prescribed displacement each engine finds loads
+    of its own.
 
-    An error can be had instead, such as "error.stroke": finite elements/theory - 1 of one of the
+    An error can be had instead, such as "error.stroke": finite elements/theory − 1 of one of the
     `QUANTITIES`.
     """
     if not scene.load.is_driven:
@@ -284,16 +304,17 @@ def _value_of_quantity(
     fe_solution: ContactSolution | None,
     theory: ContactSolution | None,
 ) -> tuple[float | None, str]:
-    """The value of a quantity such as "fe.peak_pressure" or "error.stroke" at a point of a sweep,
-    and ""; or None and the reason why it has none.
+    """The value of a quantity such as "fe.peak_pressure" or "error.stroke" for a scene of a sweep:
+    (value, ""), or (None, reason) where it has no value.
 
     The prefix says whose quantity it is: "fe" of the finite elements, "exact" of half-plane theory,
     "error" finite elements/theory − 1. A solution is None where that engine did not run.
 
-    A stroke, the range of the tangential displacement, has none where half-planes stand for finite
-    bodies: half-planes have no datum, which is a point at rest to count displacements from.
+    A stroke, the range of the tangential displacement, has no value where half-planes stand for
+    finite bodies: half-planes have no datum, a place at rest from which displacements are counted.
     """
     prefix, _, quantity = name.partition(".")
+    # the values of the engines that the prefix needs
     value_by_engine = {}
     for engine, solution in (("fe", fe_solution), ("exact", theory)):
         if solution is not None and prefix in (engine, "error"):
@@ -302,6 +323,7 @@ def _value_of_quantity(
             value_by_engine[engine] = QUANTITIES[quantity].value_in(solution, scene)
             if not math.isfinite(value_by_engine[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
+
     if prefix != "error":
         return value_by_engine[prefix], ""
     if not value_by_engine["exact"]:
@@ -315,13 +337,16 @@ def _uncertainty_of_edges(
     fe_solution: ContactSolution,
     theory: ContactSolution | None,
 ) -> float:
-    """Uncertainty that a finite-element solution itself states for the quantity `name`, where this
-    is a half-width of contact or stick; 0 for other quantities, and where it states none.
+    """Uncertainty that a finite-element solution itself states for a half-width of contact or stick
+    zone, the quantity `name` such as "fe.contact_half_width"; 0 for other quantities, and where it
+    states none.
 
     It is the larger uncertainty of both edges, as the median over the last cycle [length]; of an
-    error (finite elements/theory - 1) it is divided by theory's half-width.
+    error (prefix "error.", finite elements/theory − 1) it is divided by theory's half-width.
+    `theory` is None where that engine did not run.
     """
     prefix, _, quantity = name.partition(".")
+    # field of the solution with the uncertainty of these edges; "" where the quantity has none
     field_name = "" if prefix == "exact" else QUANTITIES[quantity].edges
     if not field_name:
         return 0.0
@@ -329,6 +354,8 @@ def _uncertainty_of_edges(
     edge_uncertainties = np.asarray(getattr(fe_solution, field_name))[fe_solution.last_cycle]
     is_known = np.isfinite(edge_uncertainties).all(axis=1)
     uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[is_known]
+
+    # over the half-width by theory, where it is an error
     reference_length = 1.0
     if prefix == "error" and theory is not None:
         reference_length = QUANTITIES[quantity].value_in(theory, scene)
@@ -341,8 +368,8 @@ def _uncertainty_of_edges(
 # ----------------------------------------------------------------------------------------- a worker
 @cache
 def code_versions() -> dict[str, str]:
-    """Which code and packages compute a result, as this process found them when it first asked;
-    part of a result's address.
+    """Versions of what a result depends on: hash of the project's code, version of Python and of
+    the libraries. They are read once in a process, and are part of the address of a result.
     """
     code = source_digest(*_PACKAGES_OF_CODE, __name__)[:16]
     python = ".".join(platform.python_version_tuple()[:2])
@@ -351,17 +378,17 @@ def code_versions() -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is asked at a point: the scene, how it is cut and iterated, and what is kept of it; see
-    `study.Study`.
+    """What is to be computed at a point of a sweep: the scene, the settings of mesh and solver, and
+    what is kept.
     """
 
     scene: Scene
     mesh: MeshSettings
     solver: SolverSettings
-    engines: Sequence[str]
-    figures: Sequence[str]
-    uncertainty: str
-    share_condensations: bool
+    engines: Sequence[str]  # that run: "fe", "exact" or both
+    figures: Sequence[str]  # names of the values that are kept, such as "error.peak_pressure"
+    uncertainty: str  # how that of the values is found: "none", "cheap" or "budget"
+    share_condensations: bool  # whether points that differ in loads and friction share a mesh
 
     def as_json(self) -> dict[str, Any]:
         """The question as JSON values, as it travels to a worker and as it is stored."""
@@ -377,39 +404,49 @@ class Question:
 
     @property
     def address(self) -> str:
-        """Name under which a result is stored: sha256 of all that its numbers depend on, code
-        included. Questions that differ in words alone, such as a title, have one address.
+        """Name under which the result of this question is stored: SHA-256 of all that its numbers
+        depend on, the versions of the code included. Questions whose scenes differ in texts alone,
+        such as a title, have one address.
+
+        A question has a scene, settings of mesh and solver, engines that run ("fe", "exact"),
+        `figures` (names of the values that are kept), and the way to find their uncertainty.
         """
         content = self.as_json() | {
             "engines": sorted(self.engines),
             "figures": sorted(self.figures),
             "versions": code_versions(),
         }
+        # WORDS: keys of a scene that are texts
         scene = content["scene"]
         content["scene"] = {key: scene[key] for key in scene if key not in WORDS}
+        # without finite elements their settings do not count
         if "fe" not in self.engines:
             content = {name: content[name] for name in ("scene", "engines", "figures", "versions")}
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def solve_task(text: str) -> str:
-    """Solve the questions of a task in a worker process; text in, text out. Nothing is solved where
-    the worker has other code or libraries than the sender.
+    """Solve the points of a task of a sweep in a worker process: a JSON text in, a JSON text out.
+    Nothing is solved where the worker has other code or libraries than the sender of the task.
 
     Parameters
     ----------
     text
-        JSON of {"versions": those of the code, "points": `Question.as_json` of each}
+        JSON of {"versions": name -> version of the sender's code and libraries, "points": the
+        question of each, which is its scene, settings of mesh and solver, and what is asked for}
 
     Returns
     -------
     str
-        JSON of {"mismatch": sentence or "", "answers": one for each point}
+        JSON of {"mismatch": sentence on versions that differ or "", "answers": one for each point,
+        none after a mismatch}
     """
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
 
     task = json.loads(text)
+
+    # refuse other versions
     versions_of_sender = task["versions"]
     versions_of_worker = code_versions()
     differences = []
@@ -421,6 +458,8 @@ def solve_task(text: str) -> str:
     if differences:
         worker = f"worker {platform.node()} (process {os.getpid()})"
         return json.dumps({"mismatch": f"{worker}: {', '.join(differences)}", "answers": []})
+
+    # solve the points one after the other, with one thread in numerical libraries
     questions = []
     for content in task["points"]:
         scene = Scene.model_validate_json(json.dumps(content.pop("scene")))
@@ -433,9 +472,12 @@ def solve_task(text: str) -> str:
 
 
 def _answer_to_question(question: Question) -> dict[str, Any]:
-    """Solve one point of a sweep. The answer, as JSON values: its status "done" or "failed", the
-    reason of a failure, the values computed, notes and record, the seconds it took, and the host.
-    `question` is the point's scene with settings and the names of values asked for.
+    """Solve one point of a sweep; an exception of the solvers becomes an answer that states it.
+
+    The answer has JSON values: its status "done" or "failed", the reason of a failure, the values
+    that are kept ("figures"), notes on them, the record of the solution, the seconds it took, and
+    the name of the machine. `question` is the point's scene with settings and the names of the
+    values that are kept.
     """
     start_seconds = time.perf_counter()
     try:
@@ -444,7 +486,7 @@ def _answer_to_question(question: Question) -> dict[str, Any]:
         solved_keys = {
             "status": "failed",
             "reason": f"not converged: {failure}",
-            "record": _record_of_solution(failure.partial),
+            "record": _record_of_solution(failure.partial),  # up to the failure
         }
     except InputError as failure:
         solved_keys = {"status": "failed", "reason": str(failure)}
@@ -452,6 +494,7 @@ def _answer_to_question(question: Question) -> dict[str, Any]:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and
         # nothing is taken for an answer.
         solved_keys = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
+
     default_keys: dict[str, Any] = {
         "status": "done",
         "reason": "",
@@ -464,12 +507,17 @@ def _answer_to_question(question: Question) -> dict[str, Any]:
 
 
 def _solve(question: Question) -> dict[str, Any]:
-    """Solve one point of a sweep by the engines that it asks for: the values that it asks for with
-    their uncertainties, notes on them, and the record of the solution, as JSON values.
+    """Solve one point of a sweep by the engines that it asks for. Returns JSON values: "figures",
+    the values that it asks for and their uncertainties by name; "notes" on them by the same names;
+    "record", how the solution came about.
 
-    A number that is not finite becomes None, and a note states it. `question` is the point's scene
-    with settings and the names of values asked for.
+    A number that is not finite becomes None, and a note states it.
+
+    `question` is the point's scene with settings: its `engines` are "fe" (finite elements) and
+    "exact" (half-plane theory), its `uncertainty` "none", "cheap" (from a few more runs) or
+    "budget" (from a whole error budget).
     """
+    # the values: theory is solved in `evaluate`
     fe_solution = None
     notes: dict[str, str] = {}
     if "fe" in question.engines:
@@ -479,6 +527,8 @@ def _solve(question: Question) -> dict[str, Any]:
     values = dict(evaluation.values)
     record = _record_of_solution(theory if fe_solution is None else fe_solution)
     notes |= evaluation.notes
+
+    # their uncertainties; the functions add reasons to `notes` where there is none
     if fe_solution is not None:
         if theory is not None:
             record["notes"] += [f"half-plane theory: {note}" for note in theory.record.notes]
@@ -486,6 +536,8 @@ def _solve(question: Question) -> dict[str, Any]:
             values |= _uncertainty_by_coarser_runs(question, fe_solution, evaluation, notes)
         if question.uncertainty == "budget":
             values |= _uncertainty_by_budget(question, evaluation, notes)
+
+    # JSON has neither infinity nor NaN
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -497,12 +549,14 @@ def _solve(question: Question) -> dict[str, Any]:
 
 
 def _record_of_solution(solution: ContactSolution | None) -> dict[str, Any]:
-    """How a solution came about, as JSON values: convergence, notes, sizes, counts and seconds of
-    the work, and the worst residual of each law of contact and equilibrium ("worst"). Empty without
-    a solution.
+    """How a solution came about, as JSON values: convergence, notes, numbers of instants ("steps")
+    and surface points, its last time, the first cycle that is steady, counts and seconds of the
+    work, and the worst residual of each law of contact and equilibrium ("worst"). Empty without a
+    solution.
     """
     if solution is None:
         return {}
+    # certificates: law -> its residuals
     worst_residuals = {
         law: float(max(residuals, default=0.0))
         for law, residuals in solution.record.certificates.items()
@@ -531,8 +585,10 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
 
     With `question.share_condensations` a group of points that differ in loads and friction shares a
     mesh, whose factorisation is then done once. The mesh is made for the largest load. Where the
-    contact leaves its fine part, or may move with a tilt, the point gets a mesh of its own.
-    `question` is the point's scene with settings and the names of values asked for.
+    contact leaves its fine part, or may move with a tilt, the point gets a mesh of its own. So does
+    a point whose load prescribes the approach in place of P (`states_approach`).
+
+    `question` has the point's scene, and the settings of mesh and solver.
     """
     import halfplane_fe
 
@@ -544,6 +600,7 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
         notes = {"": "the load follows from the approach; solved on bodies of its own"}
     elif question.share_condensations:
         try:
+            # size of contact for which the shared mesh is made
             scales = _shared_scales(question.scene)
             fe_solution = halfplane_fe.solve(
                 question.scene, question.mesh, question.solver, scales=scales
@@ -557,16 +614,18 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
 
 
 def _shared_scales(scene: Scene) -> Scales:
-    """The size of contact for which the shared mesh of a group of scenes is made: that of the same
-    bodies under the largest load alone, without friction. It is the same for scenes that differ in
-    friction, in the history of the loads, or in their texts, such as names and titles.
+    """The length and load scales of contact for which the shared mesh of a group of scenes is made:
+    those of the same bodies under the largest load alone, without friction. They are the same for
+    scenes that differ in friction, in the history of the loads, or in their texts, such as names
+    and titles.
     """
     from halfplane_fe.scales import largest_load
 
-    # Texts change no number, but would keep points of one group apart.
+    # Texts (the keys WORDS) change no number, but would keep points of one group apart.
     default_texts = {
         name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS
     }
+    # P up to its largest value, Q = 0
     load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
     normalised_scene = scene.vary(
         **default_texts,
@@ -575,7 +634,7 @@ def _shared_scales(scene: Scene) -> Scales:
         rig=Rig(),  # which changes no contact under a given load
         cycles=1,
     )
-    return _scales_of(normalised_scene.model_dump_json())
+    return _scales_of(normalised_scene.model_dump_json())  # from a coarse solve, which is cached
 
 
 @lru_cache(maxsize=256)
@@ -633,13 +692,18 @@ def evaluate(
     question: Question, fe_solution: ContactSolution | None, *, polygon: bool = False
 ) -> Evaluation:
     """Compute every value that a point of a sweep asks for, from a finite-element solution (None
-    without these) and from half-plane theory, which is solved here.
+    without finite elements) and from half-plane theory, which is solved here.
 
     Theory is solved on the points and instants of the finite elements; with `polygon` the loads go
     from instant to instant on straight lines, as theirs do. Theory alone, and that of prescribed
-    displacements, is solved on its own points and instants of the steady cycle. `question` is the
-    point's scene with settings and the names of values asked for.
+    displacements, is solved on its own points and instants of the steady cycle.
+
+    `question` has the point's scene, the engines that run, and the names of the values
+    (`figures`): keys of metrics (`METRICS`), which compare both engines, or names such as
+    "fe.peak_pressure" and "error.stroke". Returns the values by name, with what they were taken
+    from, reasons why a value is None, and uncertainties that the solutions state themselves.
     """
+    # solve theory, and compare
     evaluation = Evaluation()
     has_metrics = bool(set(question.figures) & METRICS.keys())
     if "exact" in question.engines:
@@ -648,6 +712,8 @@ def evaluate(
         evaluation.comparison = _compare(question, evaluation.theory, fe_solution, polygon=polygon)
     comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
+
+    # take each value
     for name in question.figures:
         stated_uncertainty = 0.0
         value: float | None = None
@@ -674,13 +740,14 @@ def evaluate(
 def _solve_theory(
     question: Question, fe_solution: ContactSolution | None, *, polygon: bool
 ) -> ContactSolution:
-    """Half-plane theory with the fields that the requested values need. It is solved on the points
-    and instants of the finite elements, with `polygon` under loads on straight lines between these
-    instants.
+    """Solve a point of a sweep by half-plane theory, with the fields (such as "pressure") that the
+    requested values need. It is solved on the points and instants of the finite elements, with
+    `polygon` under loads on straight lines between these instants.
 
     Without a finite-element solution, and where displacements are prescribed, it is solved on its
     own points and instants of the steady cycle. `question` holds the scene and the names of the
-    values.
+    values (`figures`): keys of metrics (`METRICS`), which need all fields, or a prefix and the name
+    of one of the `QUANTITIES`, such as "fe.p0".
     """
     import semi_analytic
 
@@ -689,6 +756,7 @@ def _solve_theory(
         quantities = [QUANTITIES[name.partition(".")[2]] for name in question.figures]
         fields = sorted({field for quantity in quantities for field in quantity.fields})
     if fe_solution is None or question.scene.load.is_driven:
+        # what finite bodies add to half-planes; None but for prescribed displacements
         effects = _effects_of_rig(question.scene)
         return semi_analytic.solve(question.scene, cycles="steady", fields=fields, effects=effects)
     return semi_analytic.solve(
@@ -710,9 +778,11 @@ def _compare(
     """Finite elements compared with theory for the metrics that a point of a sweep asks for.
 
     `polygon` says that `theory` has loads on straight lines between the instants. If not, such a
-    solution is computed too where a metric or the error budget needs it. So are the elastic
-    responses of the bodies, where displacements are compared. `question` is the point's scene with
-    settings and the names of values asked for.
+    solution is computed too where a metric or the error budget needs it. So are the compliances of
+    the bodies, where displacements are compared.
+
+    `question` has the names of the values that the point asks for (`figures`), among them keys of
+    metrics (`METRICS`), and how their uncertainty is found: by a whole error budget with "budget".
     """
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
@@ -728,15 +798,18 @@ def _compare(
 
 
 def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty that the result states for a metric, or for the edges at the metric's instant
-    over a_ref, whichever is larger; 0 where it states none.
+    """Uncertainty that the finite-element solution states for a metric, or for the edges of contact
+    or stick at the metric's instant over a_ref, whichever is larger; 0 where it states none. a_ref
+    is the half-width by which lengths of the comparison are divided.
     """
-    fe = comparison.result
+    fe_solution = comparison.result
     stated_values = [0.0, metric.uncertainty or 0.0]
-    edge_uncertainties = getattr(fe, f"{metric.key}_uncertainty", None)
+    # (instants, 2) [length]; there for metrics that are places of edges
+    edge_uncertainties = getattr(fe_solution, f"{metric.key}_uncertainty", None)
     if edge_uncertainties is not None and metric.time is not None:
-        instant = int(abs(fe.time - metric.time).argmin())
-        stated_values.append(float(max(edge_uncertainties[instant])) / comparison.scales.half_width)
+        instant_index = int(abs(fe_solution.time - metric.time).argmin())
+        larger_uncertainty = float(max(edge_uncertainties[instant_index]))
+        stated_values.append(larger_uncertainty / comparison.scales.half_width)
     return max(value for value in stated_values if math.isfinite(value))
 
 
@@ -746,19 +819,20 @@ def _uncertainty_by_coarser_runs(
     evaluation: Evaluation,
     notes: dict[str, str],
 ) -> Values:
-    """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": what a coarser
-    mesh, straight load increments and a farther far field change it by, added up. The increments
-    count where theory runs too, and under bulk stress, tilt or a prescribed displacement; the far
-    field counts for half-planes.
+    """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": the sum of the
+    changes that a coarser mesh, straight load increments and a farther far field make in it. The
+    increments count where theory runs too, and under bulk stress, tilt or a prescribed
+    displacement; the far field counts for half-planes.
 
-    The mesh is made twice as coarse at the surface and in the bulk; its part is 1.64 times the
-    change, or what the solution itself states where that is more. The far field's part is twice its
-    change. A value that one of the runs lacks has none, and `notes` gets the reason.
+    The mesh is made twice as coarse at the surface and in the bulk; it contributes 1.64 times the
+    change, or the uncertainty that the solution itself states where that is more. The far field
+    contributes twice its change. A value that one of the runs lacks has no uncertainty (None), and
+    `notes` gets the reason. Values of theory alone ("exact.") are left out.
 
     Parameters
     ----------
     question
-        the point's scene with settings and the names of values asked for
+        the point's scene with settings and the names of its values (`figures`)
     fe_solution
         the finite-element solution
     evaluation
@@ -766,6 +840,7 @@ def _uncertainty_by_coarser_runs(
     notes
         gets the reason where a value has no uncertainty
     """
+    # for each change its factor, and the values before and after it; the mesh comes first
     pairs_of_runs = _pairs_of_runs(question, fe_solution, evaluation)
     uncertainties: Values = {}
     for name in question.figures:
@@ -791,25 +866,34 @@ def _uncertainty_by_coarser_runs(
 def _pairs_of_runs(
     question: Question, fe_solution: FiniteElementSolution, evaluation: Evaluation
 ) -> list[tuple[float, Values, Values]]:
-    """Values of the runs between which the uncertainty of a sweep's point is taken: the factor of
-    their difference, the values before and after a change. The first change is that of the mesh,
-    further ones are those of the load increments and of the far field.
+    """Values of the runs between which the uncertainty of a sweep's point is taken. For each change
+    of the settings: the factor by which the difference counts, the values before and after the
+    change, by name. The first change is that of the mesh, further ones are those of the load
+    increments and of the far field.
 
-    `evaluation` has the values of `fe_solution`, with which no change was made.
+    `question` has the point's scene, its settings of mesh and solver, and what it asks for.
+    `evaluation` has the values of `fe_solution`, with which no change was made. `mesh.growth` is
+    the growth of the elements away from the contact, `mesh.far_radius` the radius of the half-disc
+    that stands for a half-plane, over the half-width of contact.
     """
     import halfplane_fe
     from reports.comparison.budget import coarser_mesh_and_settings, settings_with_halved_steps
 
+    # surface elements twice as large
     scene = question.scene
     coarse_mesh, coarse_solver = coarser_mesh_and_settings(question.mesh, question.solver, 2.0)
 
     def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
-        """All values of the point with other settings."""
+        """All values of the point with other settings, by name."""
+        # on the same length scales of contact, for which the mesh is made
         changed_solution = halfplane_fe.solve(scene, mesh, solver, scales=fe_solution.scales)
         return evaluate(question, changed_solution).values
 
+    # the mesh, at the surface and in the bulk; _MESH_FACTOR: 1.64
     coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
     pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with(coarse_bulk))]
+
+    # the load increments, between which finite elements move the loads on straight lines
     if scene.unsymmetric or scene.load.is_driven:
         # Theory has no answer on straight increments for every one of these: halved increments
         # instead, second order.
@@ -818,6 +902,8 @@ def _pairs_of_runs(
     elif "exact" in question.engines:
         values_on_polygon = evaluate(question, fe_solution, polygon=True).values
         pairs_of_runs.append((1.0, evaluation.values, values_on_polygon))
+
+    # the far field; _FAR_FIELD_FACTOR: 2
     has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
     if has_half_plane and question.mesh.far_radius <= 500:
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
@@ -834,20 +920,22 @@ def _silent_stage(_name: str) -> Any:
 def _uncertainty_by_budget(
     question: Question, evaluation: Evaluation, notes: dict[str, str]
 ) -> Values:
-    """By a full error budget, for each metric of a sweep's point: the idealisation error, which is
-    left when all numerical errors are subtracted, under its name + ".idealisation"; and the
-    uncertainty of that under its name + ".uncertainty". Where there is none, `notes` gets the
-    reasons.
+    """Idealisation error of each metric of a sweep's point by a full error budget: the difference
+    of finite elements from theory that is left when all numerical errors are subtracted. It stands
+    under the metric's name + ".idealisation", its uncertainty under the name + ".uncertainty".
+    Without a budget both are None; where there is no uncertainty, `notes` gets the reasons.
 
     The numerical errors are measured by further runs, on coarser meshes and with other load
-    increments and far fields. `question` is the point's scene with settings and the names of values
-    asked for.
+    increments and far fields. `question` has the settings of mesh and solver; `evaluation` has the
+    comparison of both engines, and the metrics' values by name.
     """
     from reports.comparison.budget import error_budget, solve_refinements
 
     comparison = evaluation.comparison
     assert comparison is not None
+    # the further runs; progress is not shown
     refinements = solve_refinements(comparison, question.mesh, question.solver, _silent_stage)
+    # 1.0: CPU seconds of the run, which do not matter here
     budgets = error_budget(comparison, refinements, 1.0).budgets
     budget_by_key = {budget.metric.key: budget for budget in budgets}
     values: Values = {}
@@ -856,7 +944,7 @@ def _uncertainty_by_budget(
         values[f"{name}.idealisation"] = None if budget is None else budget.rest_of_error
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
-            error_terms = budget.terms if budget else ()
+            error_terms = budget.terms if budget else ()  # sources of error: mesh, step, ...
             reasons = [
                 f"{term.name}: {term.how_measured}" for term in error_terms if not term.is_measured
             ]

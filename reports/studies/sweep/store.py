@@ -30,8 +30,9 @@ from scenes import InputError
 from scenes.errors import shortened_repr
 from scenes.files import parsed_json
 
-_FORMAT = "halfplane sweep 1"
+_FORMAT = "halfplane sweep 1"  # name of the format in each file
 _ADDRESS = re.compile("[0-9a-f]{64}")
+# Columns of the table on how each point went, behind those of coordinates and quantities.
 STATUS_COLUMNS = ("status", "seconds", "reason", "notes", "address")
 
 
@@ -85,8 +86,8 @@ class Store:
             remove_left_behind(self.result_folder)
 
     def write(self, answer: Mapping[str, Any]) -> None:
-        """Store the result of a point under its address; the last of two writers wins, and both
-        wrote the same.
+        """Store the result of a point under its address, with format and checksum; the last of two
+        writers wins, and both wrote the same.
         """
         body = canonical_json(answer)
         content = {"format": _FORMAT, "sha256": checksum(body), "result": json.loads(body)}
@@ -100,7 +101,9 @@ class Store:
 
     @contextmanager
     def _writing(self) -> Generator[None, None, None]:
-        """StoreError, with the reason, where what is done inside can't be written."""
+        """A context in which an error of the system becomes a StoreError with the reason: results
+        can't be stored.
+        """
         try:
             yield
         except OSError as reason:
@@ -112,14 +115,16 @@ class Store:
             ) from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
-        """The stored result of an address (a hash of the question); None where there is none.
+        """The stored result of an address, which is a hash of the scene and settings that were
+        solved; None where there is no result.
 
-        A file with another format, checksum or address is damaged: it is set aside under a name
-        that ends in .bad, and None is returned. StoreError where the file is there and can't be
-        read.
+        A file with another format (`_FORMAT`), checksum or address is damaged: it is set aside
+        under a name that ends in .bad, and None is returned. StoreError where the file is there and
+        can't be read.
         """
         path = self.path(address)
         try:
+            # {"format": ..., "sha256": checksum of the result, "result": ...}
             content = parsed_json(path.read_text(encoding="utf-8"))
             answer = content["result"]
             checksum_fits = content["sha256"] == checksum(canonical_json(answer))
@@ -134,12 +139,16 @@ class Store:
             ) from fault
         except (ValueError, KeyError, TypeError):
             pass
-        with self._writing(), suppress(FileNotFoundError):  # another sweep was faster
+
+        # set the damaged file aside; it is missing where another sweep was faster
+        with self._writing(), suppress(FileNotFoundError):
             os.replace(path, path.with_suffix(".bad"))
         return None
 
     def write_plan(self, study: Mapping[str, Any], points: Sequence[PlannedPoint]) -> None:
-        """Store what is asked: the study and its points."""
+        """Store what is asked in sweep.json: the study, and number, address and coordinates of each
+        of its points.
+        """
         rows = [
             {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
             for p in points
@@ -150,8 +159,11 @@ class Store:
         )
 
     def read_plan(self) -> tuple[dict[str, Any], tuple[PlannedPoint, ...]]:
-        """The study and its points as stored in sweep.json, the file that every sweep begins with;
-        InputError where there is none, or it can't be read.
+        """The study (as keys and values) and its points, as stored in sweep.json, the file that
+        every sweep writes first; InputError where there is no such file, or it can't be read.
+
+        A point has its number, its coordinates on the axes of the study, and its address: 64
+        hexadecimal digits, the name of the file of its result.
         """
         path = self.folder / "sweep.json"
         try:
@@ -173,11 +185,12 @@ class Store:
             ) from fault
 
     def table(self, points: Sequence[PlannedPoint]) -> pd.DataFrame:
-        """A table with a row for each of `points` that has a result, in the order of the study; NaN
-        where there is no value.
+        """The stored results as a table: a row for each of `points` that has a result, in the order
+        of the study; NaN where there is no value.
 
-        Columns: number, the axes, the quantities and their uncertainties, then status, seconds,
-        reason, notes and address.
+        Columns: number, the axes, the quantities and their uncertainties ("figures" of a stored
+        result), then status, seconds, reason, notes and address. A result has further keys: "notes"
+        on quantities by their names, and "record", how the solution came about.
         """
         rows = []
         column_types: dict[str, type] = {}  # of the quantities, in the order in which they come
@@ -203,8 +216,10 @@ class Store:
                 }
             )
             column_types |= dict.fromkeys(answer["figures"], float)
-        axes = points[0].coordinates if points else ()
-        columns = list(dict.fromkeys(("number", *axes, *column_types, *STATUS_COLUMNS)))
+
+        # the columns in their order, each once; STATUS_COLUMNS: the last ones, from status on
+        axis_columns = points[0].coordinates if points else ()
+        columns = list(dict.fromkeys(("number", *axis_columns, *column_types, *STATUS_COLUMNS)))
         return pd.DataFrame(rows, columns=columns).astype(column_types)
 
     def write_table(self, table: pd.DataFrame) -> None:
@@ -219,13 +234,13 @@ class Store:
 
 
 def solved_rows_of(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows with figures alone."""
+    """The rows of the points that were solved, without those that failed."""
     return table[table["status"] == "done"]
 
 
 def read_index(folder: str | Path) -> pd.DataFrame:
-    """The table (`Store.table`) of the sweep stored in `folder`, made from its results: right
-    whether index.csv is there or not.
+    """The table of the sweep stored in `folder`: a row for each point that has a result, with its
+    coordinates, values and status. It is made from the results, whether index.csv is there or not.
 
     Raises
     ------
@@ -252,7 +267,8 @@ _UNUSED_KEYS_OF_AXES = {"latin_hypercube": None}
 
 
 def _without_unused_keys(study: Mapping[str, Any]) -> dict[str, Any]:
-    """A stored study without the keys that have left and say nothing.
+    """A stored study without the keys that are no longer used, where these have the value that
+    means nothing.
 
     >>> _without_unused_keys({"samples": 0, "axes": [{"name": "f", "latin_hypercube": None}]})
     {'axes': [{'name': 'f'}]}

@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from meshes import MeshSettings
 
 Value = bool | int | float | str
-Coordinates = dict[str, Value]
-_MOST_POINTS = 1_000_000
+Coordinates = dict[str, Value]  # column of an axis -> value
+_MOST_POINTS = 1_000_000  # of a study
 _LONGEST_EXPRESSION = 500  # letters
-_WAYS = ("values", "linear", "logarithmic", "pairs")
+_WAYS = ("values", "linear", "logarithmic", "pairs")  # in which an axis states its values
 
 
 class Steps(Frozen):
@@ -75,11 +75,13 @@ class Axis(Frozen):
         range, a logarithmic range, pairs), with the names and keys that this way needs. ValueError
         if not.
 
-        A list or range has one `name`, and a `key` of the scene or none. Pairs are rows with a
-        value for each of `names`, and of `keys` if given. A missing `name` is made from `key`.
+        A list or range has one `name`, which heads its column in the table, and sets one `key` of
+        the scene, several `keys` or none. Pairs are rows with a value for each of `names`, and of
+        `keys` if given. A missing `name` is made from `key`.
         """
         if self.key and not self.name and not self.names:
             object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
+        # _WAYS: the names of the four ways
         ways = [name for name in _WAYS if getattr(self, name)]
         if len(ways) != 1:
             ways_in_words = " and ".join(ways) or "none"
@@ -133,8 +135,8 @@ class Axis(Frozen):
 
 
 def grid_points(axes: Sequence[Axis]) -> Iterator[Coordinates]:
-    """Every point of a study: the points of each axis with those of every other one; the last axis
-    varies first.
+    """Coordinates of every point of a study: the points of each axis combined with those of every
+    other axis; the last axis varies first.
     """
     for points_of_axes in itertools.product(*(axis.points() for axis in axes)):
         yield {column: value for point in points_of_axes for column, value in point.items()}
@@ -156,13 +158,14 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for nam
 
 
 def value_of_expression(text: str, names: Mapping[str, Any]) -> float:
-    """The value of an arithmetic expression in `names`, a finite number: + - * / **, and the
-    functions of a pocket calculator.
+    """The value of an arithmetic expression, a finite number: + - * / **, and the functions of a
+    pocket calculator, in the names of `names`, which have these values, and in pi.
 
     Raises
     ------
     InputError
-        For anything but arithmetic, an unknown name, or a value that is no finite number.
+        For anything but arithmetic, an unknown name, a value that is no finite number, or an
+        expression of more than 500 characters (`_LONGEST_EXPRESSION`).
 
     Examples
     --------
@@ -192,7 +195,8 @@ def value_of_expression(text: str, names: Mapping[str, Any]) -> float:
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
     """The value of a node of a parsed arithmetic expression; InputError for anything but numbers,
-    known names, operators and the functions of a pocket calculator.
+    known `names` (name -> value), operators (`_BINARY`, with two operands) and the functions of a
+    pocket calculator (`_FUNCTIONS`).
     """
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
@@ -258,15 +262,21 @@ class Study(Frozen):
     @model_validator(mode="after")
     def _is_consistent(self) -> Self:
         """Check that no column or key of the study is given twice, that every axis changes
-        something, and that the quantities asked for can be computed. ValueError if not.
+        something, and that the quantities asked for (`figures`) can be computed. ValueError if not.
+
+        Of an axis, `columns` are the names of its columns in the table, and `targets` pairs of a
+        key of the scene that it sets and the column with the values. `set` has further keys with
+        values, `derived` keys or names with arithmetic.
         """
         columns = [column for axis in self.axes for column in axis.columns]
-        targets = [key for axis in self.axes for key, _ in axis.targets]
-        targets += [*self.derived, *self.set]
-        for noun, names in (("the column", columns), ("the key", targets)):
+        keys_set = [key for axis in self.axes for key, _ in axis.targets]
+        keys_set += [*self.derived, *self.set]
+        for noun, names in (("the column", columns), ("the key", keys_set)):
             for name in names:
                 if names.count(name) > 1:
                     raise ValueError(f"{noun} {name!r} is given twice")
+
+        # an axis sets a key, or its name stands in arithmetic
         arithmetic = " ".join(map(str, self.derived.values()))
         for axis in self.axes:
             if not axis.targets and not any(column in arithmetic for column in axis.columns):
@@ -279,8 +289,9 @@ class Study(Frozen):
 
 
 def load_study(source: str | Path) -> Study:
-    """The study of a .toml or .json file; its scene is a table, a library name, or a path beside
-    the file.
+    """Read a study from a .toml or .json file: a scene, axes over its keys, and the values to keep.
+    The scene in the file is a table of keys, the name of a scene in the library, or a path relative
+    to the file.
 
     Raises
     ------
@@ -292,8 +303,9 @@ def load_study(source: str | Path) -> Study:
 
 
 def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Study:
-    """A checked study from the keys of its file (`content`). A scene that is named as a file lies
-    in `folder`. InputError, beginning with `where`, for anything that is refused.
+    """A checked study, which is a scene with axes over its keys, from the keys and values of its
+    file (`content`). A scene that is named as a file lies in `folder`; any other name is one of the
+    library. InputError, beginning with `where`, for anything that is refused.
     """
     scene_name = content.get("scene")
     if scene_name is None and {"material", "profile", "load"} <= content.keys():
@@ -310,7 +322,7 @@ def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Stud
 @dataclass(frozen=True, eq=False)
 class Point(PlannedPoint):
     """A point of a study: number (from 0, the last axis first), address of its result, coordinates,
-    and what is asked there.
+    and its question: the scene and settings to be solved, and what is kept.
     """
 
     question: Question
@@ -320,13 +332,17 @@ def points_of_study(
     study: Study, report: Callable[[int], None] = lambda _count: None
 ) -> tuple[Point, ...]:
     """All points of a study, checked: every combination of the values on its axes. `report` is
-    called with the number of points so far.
+    called with the number of points checked so far.
+
+    A point has its number, its coordinates on the axes, its question (the scene and settings to be
+    solved) and its address, a hash of that question.
 
     Raises
     ------
     InputError
         Naming the point, its coordinates and the rule, for the first that is no scene, slides or
-        separates, or is there twice.
+        separates, has bodies that loads push off their supports, or is there twice. For more than
+        a million points (`_MOST_POINTS`).
     """
     from halfplane_fe.supports import check_supports
 
@@ -339,6 +355,8 @@ def points_of_study(
                 f"the study has more than {_MOST_POINTS} points; take fewer values on its axes"
             )
         words_of_point = f"point {number} ({coordinates_in_words(coordinates)})"
+
+        # each fault names the point
         try:
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
@@ -351,6 +369,7 @@ def points_of_study(
             if not sentence.startswith(words_of_point):
                 sentence = f"{words_of_point}: {sentence}"
             raise InputError(sentence) from fault
+
         if point.address in number_of:
             raise InputError(
                 f"{words_of_point} asks the same as point {number_of[point.address]}: an axis has a"
@@ -363,7 +382,7 @@ def points_of_study(
 
 
 def coordinates_in_words(coordinates: Mapping[str, Any]) -> str:
-    """The coordinates in words.
+    """The coordinates of a point as one text, numbers to six digits.
 
     >>> coordinates_in_words({"height": 4.0, "base": "fixed"})
     'height = 4, base = fixed'
@@ -379,9 +398,15 @@ def _point(
     study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
 ) -> Point:
     """The point `number` of a study at these coordinates on its axes: the question to be solved,
-    which is the study's scene with the values of the study and its axes, and settings of mesh and
-    solver. `scene_content` is that scene as nested tables, which are changed here.
+    which is the study's scene with the values of the study and its axes, settings of mesh and
+    solver, and what is kept. `scene_content` is that scene as nested tables, which are changed
+    here.
+
+    `coordinates` has a value for each column of the axes. Of the study, `set` has keys of the scene
+    with a value, and `derived` keys or names with arithmetic in names. Keys have points, such as
+    "load.mean_normal_load"; those that begin with "mesh." or "solver." are settings.
     """
+    # values by keys of the scene, and by names that arithmetic uses
     value_by_key: dict[str, Value] = dict(study.set)
     value_by_name: dict[str, Value] = dict(coordinates)
     for axis in study.axes:
@@ -396,6 +421,8 @@ def _point(
             value_by_key[name] = derived_value
         else:
             value_by_name[name] = derived_value
+
+    # put the values into the scene's tables, and settings aside
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
     for key, value in value_by_key.items():
         first_part, _, setting_name = key.partition(".")
@@ -403,6 +430,8 @@ def _point(
             settings[first_part][setting_name] = value
         else:
             _set_value(scene_content, key, value)
+
+    # check the scene and the settings: those of the preset, with changes
     scene = checked(Scene, scene_content, of_file=True)
     mesh, solver = _settings(study.preset, settings)
     question = Question(
@@ -419,16 +448,19 @@ def _point(
 
 def _set_value(content: dict[str, Any], key: str, value: Value) -> None:
     """Set the value of a dotted key such as "load.mean_normal_load" in `content`, the nested tables
-    of a scene. A key such as material.young_modulus is set for both bodies, as in a scene file.
+    of a scene. A key such as material.young_modulus is set for both bodies, as in a scene file. A
+    number in a key is a place in a list.
 
-    InputError where the tables that it names before its last part are not there. Whether the scene
-    takes the last part is checked later.
+    InputError where the tables that it names before its last word are not there. Whether the scene
+    takes the last word is checked later.
     """
     *outer_keys, last_key = key.split(".")
     if outer_keys == ["material"] and last_key not in content["material"]:
         for body in content["material"]:
             _set_value(content, f"material.{body}.{last_key}", value)
         return
+
+    # go down to the table (or list) that the last word belongs to
     table: Any = content
     for depth, outer_key in enumerate(outer_keys):
         if isinstance(table, list) and outer_key.isdigit() and int(outer_key) < len(table):
@@ -436,13 +468,16 @@ def _set_value(content: dict[str, Any], key: str, value: Value) -> None:
         elif isinstance(table, dict) and outer_key in table:
             table = table[outer_key]
         else:
-            known_parts = "none"
+            known_keys = "none"
             if isinstance(table, dict):
-                known_parts = ", ".join(table)
+                known_keys = ", ".join(table)
             elif isinstance(table, list):
-                known_parts = f"numbers up to {len(table) - 1}"
-            cause = reason_of_unknown_key(outer_key) or f" known there: {known_parts}"
+                known_keys = f"numbers up to {len(table) - 1}"
+            # why no scene has such a key, "" where no reason is known
+            cause = reason_of_unknown_key(outer_key) or f" known there: {known_keys}"
             raise InputError(f"{key}: the scene has no {'.'.join(outer_keys[: depth + 1])};{cause}")
+
+    # set its value
     if isinstance(table, list) and last_key.isdigit() and int(last_key) < len(table):
         table[int(last_key)] = value
     elif isinstance(table, dict):
@@ -457,8 +492,9 @@ def _set_value(content: dict[str, Any], key: str, value: Value) -> None:
 def _settings(
     preset: str, changes: Mapping[str, Mapping[str, Any]]
 ) -> tuple[MeshSettings, SolverSettings]:
-    """Settings of mesh and solver: those of the preset, with the changes under "mesh" and "solver".
-    InputError for a key or a type that does not fit.
+    """Settings of mesh and solver: those of the preset ("default", "coarse" or "fine"), with
+    `changes`, which are values by key under "mesh" and under "solver". InputError for a key or a
+    type that does not fit; a whole number fits where a number is needed.
     """
     from halfplane_fe import SolverSettings
     from meshes import MeshSettings
