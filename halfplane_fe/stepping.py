@@ -150,11 +150,18 @@ def increments_along(
     state
         from which the first increment starts
     stretch
-        part of the load path, in the units of the scene
+        part of the load path, in the units of the scene: its segment of the path, its start, and
+        the instants at which regular increments end
     units
         what each load is divided by
     tolerance
         step error with which an increment is accepted
+
+    Yields
+    ------
+    Increment
+        With the contact state at its end, the states of the nodes that were solved for, its step
+        error, its number of iterations, and its event: "touch", "release" or "regular".
 
     Raises
     ------
@@ -164,11 +171,14 @@ def increments_along(
 
     @cache
     def loads_at(time: float) -> tuple[float, ...]:
+        """Scaled loads at an instant."""
         return scaled_loads(stretch.segment, time, units)
 
     # Along a straight segment slip that falls at the end falls from the start on: none is lost.
     is_curved = not is_straight(stretch.segment)
     regular_duration = stretch.ends[0] - stretch.start
+    # Increments are halved down to 1/4096 of the regular one where they do not converge, and down
+    # to 1/32 of it for the step error.
     shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:
         error_control = _ErrorControl(
@@ -177,11 +187,14 @@ def increments_along(
         # Instants still to be reached, the next one last: `end`, and before it those by halving.
         targets = [end]
         for _ in range(_MOST_TRIALS + _MOST_EVENTS_PER_NODE * len(problem.initial_gap)):
+            # Solve up to the first event; where that does not converge, half of the way.
             target = _end_by_turn_of_slip(problem, state, loads_at, targets[-1])
             attempt = _attempted_increment(problem, state, loads_at, target, shortest_duration)
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
+
+            # Shorten it where slip ends within it, or its step error is too large.
             end_of_slip = attempt.state.time
             if is_curved:
                 end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
@@ -193,6 +206,8 @@ def increments_along(
             if not error_control.accepts_increment(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
+
+            # Accept it, and go on from the state at its end.
             state = attempt.state
             problem.work_counts[f"{attempt.event} increments"] += 1
             yield attempt
@@ -213,9 +228,22 @@ def _end_by_turn_of_slip(
     """Instant up to `end` at which the nodes that slide at `start` stop sliding that way, since a
     prescribed movement turns round; `end` where they do not, and where loads are given.
 
-    Of given loads the instant is known beforehand (`path.turning_points`). Where movements are
-    given it is when the slip of the sliding nodes, each weighted by its pressure, is largest, if
-    they go on sliding as at `start`. A turn in the first eighth of the way does not count.
+    Of given loads the instant is known beforehand: a turning point of Q - f P or Q + f P. Where
+    movements are given it is when the slip of the sliding nodes, each weighted by its pressure, is
+    largest, if they go on sliding as at `start`. A turn in the first eighth of the way does not
+    count.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, whose `actuators` may prescribe movements; its `rates` are derivatives
+        of the values of all nodes by the loads at given node states, (n_loads, 3 + 4 n)
+    start
+        state at which the increment starts, with its node states and pressure
+    loads_at
+        function of an instant: the scaled loads, or movements in their place
+    end
+        latest end of the increment
     """
     if not problem.actuators.prescribe_movements:
         return end
@@ -224,7 +252,7 @@ def _end_by_turn_of_slip(
         return end
     try:
         slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
-    except SingularSet:
+    except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
     end_of_stroke = _instant_of_most_slip(start, loads_at, end, weighted_slip_by_loads)
@@ -238,8 +266,9 @@ def _instant_of_most_slip(
     """Instant from `start` to `end` at which a weighted sum of nodal slips is largest, the sum
     being linear in the loads: to 1e-5 of the time between, or `end` where it grows up to there.
 
-    `weighted_slip_by_loads` (n_loads,) are its derivatives by the loads, and `loads_at` gives the
-    scaled loads at an instant.
+    It is bracketed among nine equally spaced instants, then found by bounded minimisation of its
+    negative. `weighted_slip_by_loads` (n_loads,) are its derivatives by the loads, and `loads_at`
+    gives the scaled loads at an instant.
     """
 
     def weighted_slip(time: float) -> float:
@@ -276,22 +305,26 @@ def _end_of_lost_slip(
 
     Parameters
     ----------
+    problem
+        the contact problem; its `rates` are derivatives of the values of all nodes by the loads at
+        given node states, (n_loads, 3 + 4 n)
     start
         state before the increment; its sliding nodes are taken to go on sliding
     increment
-        as it was solved, from `start` on
+        as it was solved, from `start` on; its `state` is that at its end
     loads_at
         function of an instant: the scaled loads
     tolerance
-        of the step error; `_LOST_WORK_ALLOWED` is the share of it that may be lost
+        its `error_rate` is the tolerated step error over the duration of an increment
     """
+    # Nodes that slide at the start and have turned round shortly before the end.
     end = increment.state.time
     directions = slip_sign(start.node_states)
     if not directions.any():
         return end
     try:
         slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
-    except SingularSet:
+    except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
     shortly_before_end = end - (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
     slip_shortly_before_end = (
@@ -300,6 +333,8 @@ def _end_of_lost_slip(
     has_turned = directions * slip_shortly_before_end < 0
     if not has_turned.any():
         return end
+
+    # Slip lost by these: the farthest of nine instants, minus the slip that the increment counts.
     times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
     changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start.loads)
     slip = directions * (changes_of_loads @ slip_by_loads)
@@ -309,6 +344,8 @@ def _end_of_lost_slip(
     allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start.time)
     if not lost_work.sum() > allowed_loss:
         return end
+
+    # Instant at which the slip of the nodes that lose work, weighted by pressure, is largest.
     pressure_of_losing_nodes = np.where(lost_work > 0, directions * start.pressure, 0.0)
     return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ pressure_of_losing_nodes)
 
@@ -344,7 +381,11 @@ class _ErrorControl:
         It is accepted where the error of its friction work is within the tolerance, in proportion
         to its duration. It is accepted too where it is too short to be halved, or the interface has
         jumped: then it is counted. The interface jumps, between unlike bodies, where half of a
-        refused increment has nearly the error of the whole.
+        refused increment has nearly the error of the whole increment.
+
+        `kinks_bound_error` is whether that error is at most the work by kinks of pressure and slip
+        where nodes start to slide, as of like bodies. `refused_start` and `refused_error` are the
+        start and the error of the increment that was refused last.
 
         Raises
         ------
@@ -356,6 +397,9 @@ class _ErrorControl:
         work_error = increment.step_error
         if not work_error > allowed_error:
             return True
+
+        # A sharper bound of like bodies; of unlike ones a jump where the error falls by less than
+        # a tenth.
         if self.tolerance.kinks_bound_error:
             work_error = min(
                 work_error,
@@ -369,6 +413,7 @@ class _ErrorControl:
             and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
         ):
             self._count_jump(start.time)
+
         work_counts = self.problem.work_counts
         if duration > self.shortest_duration and not self.has_jumped:
             self.refused_start = start.time
@@ -379,8 +424,8 @@ class _ErrorControl:
         return True
 
     def _count_jump(self, time: float) -> None:
-        """Count a jump of the interface at an instant; ConvergenceError beyond the most jumps of a
-        path.
+        """Count a jump of the interface from one solution to another, at an instant;
+        ConvergenceError beyond 12 jumps on a path.
         """
         self.has_jumped = True
         self.problem.n_jumps += 1
@@ -401,10 +446,24 @@ def _attempted_increment(
 
     Parameters
     ----------
+    problem
+        the contact problem, scaled; increments that do not converge are counted in its
+        `work_counts`
+    start
+        state before the increment
     loads_at
         function of an instant: the scaled loads
+    end
+        latest end of the increment
     shortest_duration
         of an increment that is tried again with a shorter one
+
+    Returns
+    -------
+    Increment or NotConverged
+        The increment has its state after the event, in which nodes that have let go are open, and
+        nodes that touch stick; the node states before it; and its step error: the bound of the
+        error that its finite size makes in the friction work, 0 where no node changes its state.
 
     Raises
     ------
@@ -419,6 +478,7 @@ def _attempted_increment(
             raise
         problem.work_counts["increments halved, not converged"] += 1
         return NotConverged(trial.target)
+
     solved_states = states_up_to_event(start, end_state)
     step_error = 0.0
     if not np.array_equal(solved_states, start.node_states):
@@ -468,18 +528,23 @@ class _Trial:
         Event and instant are predicted with the states (open, stick, slip) that the nodes are
         expected to have on the way. Where a prediction misses the event, it is repeated with the
         states that came out, a few times at most. The instant of "touch" or "release" is then found
-        to rounding, and the state is solved for there.
+        to rounding, and the state is solved for there. Between like bodies
+        (`interface.coupling` is None: pressure does not depend on shear) the first prediction is
+        exact.
 
         Raises
         ------
         ConvergenceError
             If the active set does not converge.
         """
+        # First prediction, and the solution at the instant that it tells (`self.target`).
         expected_node_states = self.start_state.node_states
         if self.problem.interface.coupling is not None:
             expected_node_states = _with_touching_nodes_sliding(self.start_state)
         event, self.target = self._predicted_event(expected_node_states)
         solved_state = self._equilibrium(self.target, expected_node_states)
+
+        # Further predictions while the event is missed, five in all.
         for _ in range(_MOST_PREDICTIONS - 1):
             if not _misses_event(self.problem, self.start_state, solved_state, event):
                 break
@@ -492,6 +557,8 @@ class _Trial:
                 break
             solved_state = self._equilibrium(self.target, expected_node_states)
             self.problem.work_counts["events predicted again"] += 1
+
+        # The instant to rounding.
         if event != "regular":
             time = _time_of_event(
                 self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
@@ -532,12 +599,20 @@ def next_event(
 
     Parameters
     ----------
+    problem
+        the contact problem; values are approach, U and tilt, then slip, pressure, shear and gap of
+        the nodes, (3 + 4 n,); `rates` their derivatives by the loads at given node states
+    start
+        state of the contact before the increment
     loads_at
         function of an instant: the scaled loads
+    end
+        latest end of the increment
     states
         (n,) open, stick or slip that the nodes have on the way; the same ones are open as in
         `start`
     """
+    # Gap and pressure (n,) at the start and, by linear prediction, at the end.
     gap = start.gap
     pressure = start.pressure
     loads_at_end = loads_at(end)
@@ -550,6 +625,9 @@ def next_event(
         # One node is left: the upper body rolls over it, to where another touches.
         return "regular", end
     _, pressure_at_end, _, gap_at_end = nodal_values(values_at_end)
+
+    # The first open node whose gap becomes negative, or closed one whose pressure does: share of
+    # the increment until then, and number of the node.
     share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.is_closed)
     share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.is_closed)
     event: Event = "touch" if share_to_touch <= share_to_release else "release"
@@ -557,6 +635,9 @@ def next_event(
     event_node = touching_node if event == "touch" else leaving_node
     if share_of_increment >= 1.0:
         return "regular", end
+
+    # Its instant. Of like bodies under P and Q alone it depends on P; `coupling` (slip by pressure)
+    # is None of these.
     if len(start.loads) == 2 and problem.interface.coupling is None:
         normal_load = start.loads[0]
         load_at_end = loads_at_end[0]
@@ -588,8 +669,9 @@ def next_event(
 
 
 def _with_touching_nodes_sliding(start: InterfaceState) -> States:
-    """States (n,) of `start`, but for nodes that have just touched, and so stick without pressure:
-    each slides as a sliding neighbour does. Where no node would stick then, all are as in `start`.
+    """States (n,) of the nodes in `start`, but for nodes that have just touched, and so stick
+    without pressure: each slides as a sliding neighbour does. Where no node would stick then, all
+    are as in `start`. States are numbers: 0 open, 1 stick, above that slip.
     """
     has_just_touched = (start.node_states == STICK) & (start.pressure <= ROUNDING)
     if not has_just_touched.any():
@@ -609,14 +691,16 @@ def _misses_event(
     """Whether an increment from `start` to the state `solved` misses the predicted `event`: a node
     touches or lets go before the increment ends, or no node is at the event then.
 
-    False of like bodies, where the prediction is exact.
+    False of like bodies, where the prediction is exact: their pressure does not depend on shear
+    (`interface.coupling` is None). A node is at an event if it has neither gap nor force, to 1e-9.
     """
     if problem.interface.coupling is None:
         return False
     is_at_event = _is_at_event(solved)
     is_too_far = ((solved.is_closed != start.is_closed) & ~is_at_event).any()
-    meets_expected = is_at_event & (start.is_closed == (event == "release"))
-    is_too_short = event != "regular" and not meets_expected.any()
+    # Nodes open at the start are met at a touch, closed ones at a release.
+    meets_event = is_at_event & (start.is_closed == (event == "release"))
+    is_too_short = event != "regular" and not meets_event.any()
     return bool(is_too_far or is_too_short)
 
 
@@ -637,13 +721,19 @@ def _time_of_event(
 
     Parameters
     ----------
+    problem
+        the contact problem; its `rates` are derivatives of the values of all nodes by the loads at
+        given node states, (n_loads, 3 + 4 n)
     start, solved
         states before the increment and at its end
     loads_at
         function of an instant: the scaled loads
+    event
+        "touch" of an open node, or "release" of a closed one
     end
         latest end of the increment
     """
+    # Gap or pressure (n,) of the nodes at the event, 0 of all others.
     meets_event = _is_at_event(solved) & (start.is_closed == (event == "release"))
     distances_to_event = np.where(
         meets_event, np.where(solved.is_closed, solved.pressure, solved.gap), 0.0
@@ -651,6 +741,8 @@ def _time_of_event(
     node = int(np.argmax(np.abs(distances_to_event)))
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved.time
+
+    # The node with the largest follows the loads at its rate.
     _, pressure_rates, _, gap_rates = nodal_values(
         problem.rates(solved.node_states, len(solved.loads))
     )
@@ -686,8 +778,8 @@ def states_up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
     """States (n,) of the nodes at the end of an increment from `start` to `solved`, before its
     event: nodes that touch or let go at its very end have the state that they had on the way.
 
-    Within rounding the law takes either side. A node that lets go at the end has slid through the
-    increment: counted as open, its friction work would be lost.
+    Within round-off the law of contact calls such a node open or closed. A node that lets go at the
+    end has slid through the increment: counted as open, its friction work would be lost.
     """
     has_changed = _is_at_event(solved) & (solved.is_closed != start.is_closed)
     return (
@@ -700,8 +792,9 @@ def states_up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
 def _states_before_event(
     start: InterfaceState, solved: InterfaceState, has_opened_or_closed: Mask
 ) -> States:
-    """States (n,) of `solved`, but for the nodes in a mask that have opened or closed: these have
-    the state that they had on the way from `start`, open, stick, or slip as they have moved.
+    """States (n,) of the nodes in `solved`, but for those that have opened or closed since `start`,
+    a mask (n,): these have the state that they had on the way, open, stick, or slip in the sense in
+    which they have moved.
     """
     slip_increment = solved.slip - start.slip
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
