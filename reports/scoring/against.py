@@ -104,6 +104,7 @@ def score(
         "normal_load": loads[0] if loads else None,
         "tangential_load": loads[1] if loads else None,
     }
+    # the arrays checked, points sorted by x
     result = surface_result(code or "the arrays", code, x, fields, series)
     report = score_surface(
         result, mapping or Mapping(), valid_scene, against=against, tolerances=tolerances
@@ -126,9 +127,11 @@ def score_file(
     names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
     finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
     """
+    # suffix .nc
     is_of_this_program = path.suffix.lower() == SOLUTION_SUFFIX and path.is_file()
     if is_of_this_program:
         return score_solution(
+            # a solution with all fields; no guesses, no theory of the whole path yet
             stored_solution(path, scene),
             (),
             None,
@@ -182,8 +185,11 @@ def score_surface(
 
     Units and signs are guessed where `mapping` states none. With `sure_of_times` the result's times
     are those of the scene's load path. Without it the instants may be found by the loads instead.
+    `against` is the reference: "exact" half-plane theory, "fe" finite elements. `tolerances` holds
+    the largest |E| that passes, by key of the metric.
     """
     theory_of_path = theory_of_whole_path(scene)
+    # the result as a solution, and sentences on what was guessed
     solution, guesses = solution_of_surface(
         result, mapping, theory_of_path, sure_of_times=sure_of_times
     )
@@ -214,6 +220,8 @@ def score_solution(
     with_polygon
         whether theory is solved on the straight steps between the instants as well, which shows the
         error of the load steps
+    tolerances
+        key of a metric -> largest |E| that passes, E the difference
 
     Raises
     ------
@@ -223,10 +231,12 @@ def score_solution(
     reference = _reference_solution(solution, against)
     _require_points_in_contact(solution, reference)
     theory_on_polygon = None
+    # only finite elements of this program state each of their load steps
     if with_polygon and against == "exact" and _states_increments_of_solver(solution):
         from reports.comparison.budget import theory_on_steps
 
         theory_on_polygon = theory_on_steps(solution)
+    # fields of another program that were derived from its other fields
     if theory_of_path is None and names_of_derived_fields(solution):
         theory_of_path = theory_of_whole_path(solution.scene)
     # States, edges and dissipation that another program does not state were found from its
@@ -234,6 +244,7 @@ def score_solution(
     reference_by_rule = reference
     notes_on_rule: tuple[str, ...] = ()
     if theory_of_path is not None:
+        # a_ref
         half_width = scales_of_reference(theory_of_path).half_width
         reference_by_rule, notes_on_rule = reference_by_same_rule(reference, solution, half_width)
     # Without a rule that both follow the reference stands for itself.
@@ -245,6 +256,7 @@ def score_solution(
         scales_from=theory_of_path,
         plain_reference=plain_reference,
         tolerances=tolerances,
+        # displacements of finite bodies count from their supports, those of theory do not
         effects=effects_between(reference, solution),
     )
     comparison = replace(
@@ -269,6 +281,7 @@ def _reference_solution(solution: ContactSolution, against: Against) -> ContactS
         import semi_analytic
 
         reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
+    # name of what is missing -> (number of instants, reason)
     skipped = dict(reference.work.skipped)
     if WHOLE_CYCLE in solution.work.skipped:
         skipped[WHOLE_CYCLE] = solution.work.skipped[WHOLE_CYCLE]

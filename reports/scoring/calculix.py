@@ -87,6 +87,10 @@ class CalculixMesh:
     """
 
     def __init__(self, file: FrdFile) -> None:
+        """Sort the nodes of a .frd file by their numbers, and find how high the material of each
+        node lies above it. `file` holds numbers and coordinates of the nodes, and the elements with
+        their nodes.
+        """
         order = np.argsort(file.nodes)
         self.path = file.path
         self.numbers = file.nodes[order]
@@ -96,11 +100,14 @@ class CalculixMesh:
         nodes_by_count: dict[int, list[tuple[int, ...]]] = {}
         for element in file.elements:
             nodes_by_count.setdefault(len(element.nodes), []).append(element.nodes)
+        # rows of the sorted nodes, (n_elements, n_nodes) for each number of nodes
         rows = [self.rows_of_nodes(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
         self.material_heights = height_of_material(self.points, rows)
 
     def rows_of_nodes(self, nodes: Integers) -> Integers:
-        """Rows of node numbers of any shape; InputError for a node without coordinates."""
+        """Rows, in the arrays of the mesh, of nodes with CalculiX's numbers `nodes`, in any shape;
+        InputError for a node without coordinates.
+        """
         rows = np.minimum(np.searchsorted(self.numbers, nodes), len(self.numbers) - 1)
         unknown_nodes = np.asarray(nodes)[self.numbers[rows] != nodes]
         if len(unknown_nodes):
@@ -122,6 +129,7 @@ class CalculixMesh:
         if element is None:
             fault = "is not in it"
         else:
+            # places of the face's corner nodes among the nodes of the element
             corners = _FACES.get(element.kind, {}).get(face_number, ())
             if not corners:
                 fault = f"of kind {element.kind} has no face {face_number}"
@@ -145,8 +153,8 @@ class CalculixMesh:
 
 
 def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
-    """Contact tractions in a .frd file of CalculiX, from its CONTACT blocks; where there are none,
-    from its stress at the lower body's face.
+    """Contact tractions in a .frd file of CalculiX at every time, from its CONTACT blocks; where
+    there are none, from its stress at the lower body's face.
 
     Loads are the resultants of the contact pair (*CONTACT PRINT, CF) where a .dat file of the same
     name beside it has them. `mapping` states columns, units and signs of the file.
@@ -165,11 +173,13 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             " increment did not converge)"
         )
     mesh = CalculixMesh(file)
-    kind = file.blocks[0].name
-    component_of = _COMPONENT_BY_QUANTITY[kind]  # quantity -> name of its component
-    noun = "stress" if kind == "STRESS" else "contact values"
+    block_name = file.blocks[0].name
+    component_of = _COMPONENT_BY_QUANTITY[block_name]  # quantity -> name of its component
+    noun = "stress" if block_name == "STRESS" else "contact values"
+    # the last block of each time, with notes on times without one
     blocks, notes = _one_block_a_time(file, list(component_of.values()), noun)
-    if kind == "STRESS":
+    # rows of the face's nodes in the mesh; by quantity, factor to the scene's unit and sign
+    if block_name == "STRESS":
         face_rows, factors, face_notes = _face_by_stress(mesh, mapping)
         notes = [*face_notes, *notes]
     else:
@@ -186,11 +196,16 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
             "the file has no end (9999): the run goes on or was stopped, and later instants are"
             " missing"
         )
+
+    # values at the nodes of one plane z = const, (n_times, n_points); depth: extent of the mesh
+    # along z
     rows, depth, plane_notes = one_plane(mesh.points, face_rows)
     fields: dict[str, Array] = {}
     for quantity, component in component_of.items():
         values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
         fields[quantity] = factors[quantity] * values
+
+    # loads, where a .dat file states them
     printed_path = path.with_suffix(".dat")
     printed_file = None
     if printed_path.exists() and printed_path.stat().st_size:
@@ -214,6 +229,7 @@ def _face_by_stress(
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
     height = mesh.points[:, 1] - y_of_face
+    # material_heights: negative at the top face of the lower body
     is_on_face = (np.abs(height) <= SAME_PLACE_SHARE * longest_side(mesh.points)) & (
         mesh.material_heights < 0
     )
@@ -239,7 +255,8 @@ def _face_by_contact(
     nodes in the mesh; by quantity, the factors that turn the values of `blocks` into pressure,
     shear and slip in the scene's units with this program's signs; and notes.
 
-    `mapping` states units and signs of the file. InputError where nothing touches at any time.
+    `blocks` hold the numbers of nodes and their values, a block for each time. `mapping` states
+    units and signs of the file. InputError where nothing touches at any time.
     """
     # nodes that have a contact value at some time
     rows_of_blocks = [
@@ -251,6 +268,7 @@ def _face_by_contact(
             f"{mesh.path}: every contact value is 0 at every instant: the bodies do not touch in"
             " this result"
         )
+    # material_heights: how far the material lies above each node
     body = _body_of_face(mesh.path, mesh.material_heights[touching_rows])
     face_rows, face_notes = _nodes_of_face(mesh, touching_rows)
     factors = {
@@ -262,8 +280,9 @@ def _face_by_contact(
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
-    """Contact tractions at every time in a .dat file of CalculiX. Loads are the resultants of the
-    contact pair where it has them (CF). `mapping` states columns, units and signs of the file.
+    """Contact tractions at every time in a .dat file of CalculiX, at the nodes or the middles of
+    element faces of the .frd file beside it. Loads are the resultants of the contact pair where the
+    file has them (CF). `mapping` states columns, units and signs of the file.
 
     Raises
     ------
@@ -273,7 +292,10 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     printed_file = read_dat(path)
     stress_at = {
-        table.time: table for table in printed_file.tables if table.quantity == "contact stress"
+        # ids: (n_rows, 1) numbers of nodes, or (n_rows, 2) of elements and their faces
+        table.time: table
+        for table in printed_file.tables
+        if table.quantity == "contact stress"
     }
     slip_at = {
         table.time: table
@@ -297,10 +319,13 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: contact stress of nodes and of element faces in one file; print one contact"
             " pair (mapping's surface)"
         )
-    # numbers of the nodes, or of the elements and their faces, at which values are printed
+
+    # places at which values are printed: nodes, or elements and their faces
     all_ids = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
+    # coordinates (n, 3), and how far the material lies above each point
     all_points, material_heights = _points_of_ids(mesh, all_ids)
     body = _body_of_face(path, material_heights)
+    # of the points in one plane z = const, ascending in x
     rows, _, plane_notes = one_plane(all_points, np.arange(len(all_ids)))
     notes = [f"contact values stand at the slave face, that of the {body} body"]
     if all_ids.shape[1] > 1:
@@ -331,9 +356,10 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
 
 
 def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float:
-    """Factor with sign from values of the file to the scene's unit and this program's sign. The
-    sign is the mapping's where it states one, else that of the slave face, which is part of `body`
-    ("lower" or "upper").
+    """Factor with sign from values of a CalculiX file to the scene's unit and this program's sign.
+    The sign is the mapping's where it states one. Else that of shear and slip follows from the
+    slave face: they are turned where `body`, of which it is part, is "lower", not where it is
+    "upper".
     """
     factor = float(converted_values(mapping, quantity, np.ones(1))[0])
     has_sign = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
@@ -345,11 +371,13 @@ def _factor_with_sign(mapping: Mapping, quantity: _Quantity, body: str) -> float
 def _means_at_points(
     table: DatTable, column: int, ids_of_points: Sequence[tuple[int, ...]]
 ) -> list[float]:
-    """One column of a printed table at each point: the mean of the rows that belong to its node or
-    element face, 0 where there are none.
+    """One column of a printed table at each point of a contact face: the mean of the rows that
+    belong to its node or element face, 0 where there are none.
 
     Parameters
     ----------
+    table
+        `ids` (n_rows, 1 or 2), numbers of the node, or of element and face; `values` (n_rows, k)
     column
         index of the column among the table's values
     ids_of_points
@@ -386,6 +414,8 @@ def _one_block_a_time(
 
     Parameters
     ----------
+    file
+        `blocks`, each with a name, a time and names of components; `times` of all frames
     components
         names that each block must have; InputError where a block lacks one
     noun
@@ -431,8 +461,11 @@ def _body_of_face(path: Path, material_heights: Array) -> str:
 
 
 def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integers, list[str]]:
-    """Rows of the nodes of the slave face, and notes. Of a flat face these are all nodes at its
-    height; of a curved one those that touch at some time, `touching_rows`.
+    """Rows of the nodes of the slave face in the mesh, and notes. Of a flat face these are all
+    nodes at its height; of a curved one those that touch at some time, `touching_rows`.
+
+    `mesh.material_heights` are how far the material of each node lies above it: their sign tells
+    the bodies apart.
     """
     height = mesh.points[:, 1]
     tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
@@ -495,6 +528,7 @@ def _result_of_face(
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
     if printed_file is not None:
+        # P and Q per thickness, at the times of the face values
         loads, load_notes = _pair_loads(printed_file, mapping, face_values.times, face_values.depth)
         series |= loads
     if mapping.times is not None:
@@ -519,6 +553,7 @@ def _pair_loads(
     `depth` is the extent of the mesh along z, 0 for a plane mesh; it is the thickness where the
     mapping states none.
     """
+    # each pair: names of its faces, a time, force (3,) on the slave face, and its mean normal (3,)
     pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
     if len({(pair.slave, pair.master) for pair in pairs}) > 1:
         names = ", ".join(sorted({pair.slave for pair in pairs}))
@@ -542,6 +577,7 @@ def _pair_loads(
             f" {len(times)} times: not used"
         )
         return {}, [note] if pairs else []
+
     force_on_lower = np.array(forces_on_lower)
     thickness_source = "mapping"
     thickness = 1.0

@@ -83,7 +83,8 @@ class FrdFile:
 def read_frd(
     path: str | Path, names: Collection[str] = ("CONTACT",), substitutes: Collection[str] = ()
 ) -> FrdFile:
-    """Nodes, elements, and result blocks of a .frd file of CalculiX.
+    """Nodes, elements, and chosen result blocks of a .frd file of CalculiX, with the times of all
+    blocks. A result block holds values at nodes at one time.
 
     Parameters
     ----------
@@ -115,6 +116,8 @@ def read_frd(
     with path.open(encoding="ascii", errors="replace", newline="\n") as stream:
         lines = _Lines(path, stream)
         for line in lines:
+            # the key at the begin of a line: 1U the program, 2C nodes, 3C elements, 100C a result
+            # block, 9999 the end
             match line[:6].strip():
                 case "1U":
                     text = line[5:].strip()
@@ -249,6 +252,7 @@ class _Lines(Iterator[str]):
             )
         records: list[_DataLine] = []
         for line in self:
+            # key -1: a record; -2: its continuation; -3: the end of the block
             if line.startswith(" -1"):
                 records.append(_DataLine(self.line_number, line[3:], []))
             elif line.startswith(" -2") and records:
@@ -287,6 +291,7 @@ class _Lines(Iterator[str]):
         `header`. InputError for an element without nodes.
         """
         header_line = self.line_number
+        # characters of a node's or element's number; records with their continuations
         label_width, records = self.records_below(header, "elements", header_line)
         for line_number, record_text, continuations in records:
             number = self.whole_number(
@@ -309,14 +314,15 @@ class _Lines(Iterator[str]):
             yield FrdElement(number, kind, nodes)
 
     def components_below(self) -> tuple[str, tuple[str, ...]]:
-        """Name of a result block and the names of its components, from the lines below its
-        header.
+        """Name of a result block of a .frd file and the names of its components, from the lines
+        below its header. InputError where these lines are not there.
         """
         line = next(self, "")
         if not line.startswith(" -4"):
             raise self.error_expecting(f"the name of a result block (-4), found {line[:40]!r}")
         name = line[5:13].strip()
         components = []
+        # key -4: name of the block; -5: a component
         n_announced = self.whole_number(line[13:18], "how many components the block has")
         for _ in range(n_announced):
             line = next(self, "")
@@ -332,9 +338,17 @@ class _Lines(Iterator[str]):
     def table_of_records(
         self, records: list[_DataLine], label_width: int, n_columns: int
     ) -> tuple[Integers, Array]:
-        """Node numbers (n,) and values (n, n_columns) of the records of a result block, in columns
-        of fixed width. `label_width` is how many characters a node's number has. InputError for a
-        record of another length.
+        """Node numbers (n,) and values (n, n_columns) of the records of a block of a .frd file, in
+        columns of fixed width. InputError for a record of another length.
+
+        Parameters
+        ----------
+        records
+            of each: number of its line, text from the node's number on, texts of its continuations
+        label_width
+            how many characters a node's number has
+        n_columns
+            number of values of a record
         """
         nodes: list[int] = []
         value_texts: list[str] = []
@@ -370,7 +384,10 @@ class _Lines(Iterator[str]):
         return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)
 
     def decimal_number(self, text: str, noun: str = "a number", line: int = 0) -> float:
-        """The number that the text states, also as Fortran writes it."""
+        """The number that the text states, also as Fortran writes it, without E before an exponent
+        of three digits. InputError with `noun` and the number of the `line`, 0 for the last line
+        taken.
+        """
         try:
             return float(text)
         except ValueError:
@@ -454,10 +471,12 @@ def read_dat(path: str | Path) -> DatFile:
     for title_line_number, line in enumerate(lines, start=1):
         if " time" not in line:
             continue
+        # " statistics for slave set A, master set B and time ..."
         pair_title = _TITLE_OF_PAIR.fullmatch(line)
         if pair_title:
             pair_forces.append(_pair_force(reader, lines, title_line_number, pair_title))
             continue
+        # " quantity (columns) for scope and time ..."
         title = _TITLE.fullmatch(line)
         if title:
             tables.append(_printed_table(reader, lines, title_line_number, title))
@@ -547,6 +566,7 @@ def _printed_table(
     column_names = title["columns"].split(",")
     first_name = column_names[0].strip()
     n_values = len(column_names)
+    # columns "slave node" or "slave element+face": one number or two, then values
     if first_name in _N_IDS_BY_NAME:
         n_values -= 1
         n_ids = _N_IDS_BY_NAME[first_name]

@@ -91,6 +91,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     path = Path(path)
     if path.suffix.lower() != ".pvd":
         return [FieldFrame(None, tuple(_parts_of_files([path])))]
+    # (time, file), NaN where no time is stated
     entries = _times_and_files(path)
     if not entries:
         raise InputError(f"{path}: the collection is empty")
@@ -102,6 +103,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
             )
         if not np.isfinite(time):
             raise InputError(f"{path}: {file.name} has no time in it (timestep)")
+    # mesh and fields of each file
     parts = _parts_of_files([file for _, file in entries])
     frames: dict[float, list[FieldPart]] = {}
     for (time, _), part in zip(entries, parts, strict=True):
@@ -119,7 +121,9 @@ def collected_files(path: Path) -> tuple[Path, ...]:
 
 
 def _times_and_files(path: Path) -> list[tuple[float, Path]]:
-    """(time, file) of each entry of a .pvd collection; time is NaN where none is stated."""
+    """Entries of a .pvd collection, (time, file) each: the files it names, which lie beside it;
+    time is NaN where none is stated. InputError where the collection is broken.
+    """
     _check_size(path)
     try:
         with within_memory(path, MOST_UNPACKED_BYTES):
@@ -166,6 +170,7 @@ def _parts_of_files(paths: Sequence[Path]) -> list[FieldPart]:
                 f" {', '.join(_SUFFIXES)}"
             )
         _check_size(path)
+    # the files are read in another process, which returns an NPZ archive
     with np.load(io.BytesIO(_read_in_process(paths)), allow_pickle=False) as content:
         arrays = {name: content[name] for name in content.files}
     return [_part_of_file(path, f"{number}.", arrays) for number, path in enumerate(paths)]
@@ -176,6 +181,7 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
     long without harm to this one. Returns the arrays of all files as bytes of an NPZ archive.
     InputError, naming the file, where that fails.
     """
+    # a Python that runs `vtk_files`, with limits of memory and processor time
     command = [
         sys.executable,
         "-P",
@@ -195,6 +201,7 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
             check=False,
         )
     except subprocess.TimeoutExpired as expiry:
+        # the last file that the reader named before it was stopped
         path, _ = _file_and_reason(paths, expiry.stderr or b"")
         raise InputError(
             f"{path}: reading takes longer than {MOST_SECONDS_OF_READING:g} s,"
@@ -214,7 +221,9 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
 
 
 def _file_and_reason(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
-    """The file that `vtk_files` was reading when it ended, and its reason if it gave one."""
+    """The file that the reader of VTK files was at when it ended, and its reason if it gave one;
+    from its `output` on stderr, lines of JSON with the number of the file among `paths`.
+    """
     lines = [
         line
         for line in output.decode(errors="replace").splitlines()
@@ -257,7 +266,9 @@ def _part_of_file(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> F
 
 
 def joined_mesh(parts: Sequence[FieldPart]) -> FieldPart:
-    """Parts of one instant, such as the bodies, as one mesh with the fields that all of them have.
+    """Parts of one instant of a field file, such as the bodies, as one mesh with the fields that
+    all of them have. A part has `points` (n, 3), `cells` (blocks of one kind with its dimension)
+    and fields at points and at cells by name.
 
     Raises
     ------
@@ -268,6 +279,7 @@ def joined_mesh(parts: Sequence[FieldPart]) -> FieldPart:
         return parts[0]
     common_point_fields = _names_in_all([part.point_fields for part in parts])
     common_cell_fields = _names_in_all([part.cell_fields for part in parts])
+    # all parts must have as many components of a field
     for field in common_point_fields:
         form_in_first_part = parts[0].point_fields[field].shape[1:]
         for part in parts[1:]:

@@ -71,6 +71,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         File and what is wrong: can't be read, broken, too large; no instant; no tractions under a
         known name; no surface; a mesh that changes.
     """
+    # frames: instants, with a mesh and its fields for each body; field_names: quantity -> field
     frames = read_frames(path)
     _require_one_mesh(path, frames)
     kind, field_names, source_in_words = _find_tractions(path, frames[0], mapping)
@@ -84,12 +85,14 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
             f" {' and '.join(names_of_tractions)}, and was left out"
         )
         del field_names["slip"]
+
     surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
     # what a value of the file is multiplied by, for its unit and its sign
     factors = {
         quantity: float(converted_values(mapping, quantity, np.ones(1))[0])
         for quantity in field_names
     }
+    # components of a vector or a stress: their signs depend on the body
     if kind != "fields":
         if mapping.columns.slip is not None:
             notes_on_parts.append(
@@ -102,6 +105,8 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         source_in_words = source_in_words.format(loaded_body)
         is_turned = kind == "vector" and loaded_body == "upper"
         factors |= _factors_of_vector(mapping, is_turned=is_turned)
+
+    # values at the surface, at every instant
     fields: dict[str, ArrayLike | None] = {}
     values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
     for quantity, values_at_instants in values.items():
@@ -140,7 +145,7 @@ def _values_on_surface(
     values: dict[ColumnQuantity, list[Array]] = {quantity: [] for quantity in field_names}
     for instant_number, frame in enumerate(frames, start=1):
         try:
-            mesh = joined_mesh([frame.parts[number] for number in part_numbers])
+            mesh = joined_mesh([frame.parts[part_number] for part_number in part_numbers])
             for quantity, name in field_names.items():
                 values[quantity].append(_field_values(mesh, name)[surface_points])
         except (KeyError, IndexError) as reason:
@@ -152,8 +157,9 @@ def _values_on_surface(
 
 def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
     """InputError where the points of any instant (`frames`) of a field file are not those of the
-    first instant.
+    first instant, to a millionth of the mesh's longest side.
     """
+    # the parts of an instant, such as bodies, as one mesh
     first_points = joined_mesh(frames[0].parts).points
     tolerance = SAME_PLACE_SHARE * longest_side(first_points)
     for instant_number, frame in enumerate(frames[1:], start=2):
@@ -167,8 +173,9 @@ def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
 
 
 def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[ColumnQuantity, float]:
-    """Factors from components of a traction or stress to pressure p and shear q: the traction on
-    the lower body is (q, -p), that on the upper one is turned, (-q, p).
+    """Factors from the y and the x component of a traction, or from sigma_yy and sigma_xy of a
+    stress, to pressure p and shear q in the scene's unit. The traction on the lower body is (q,
+    -p), that on the upper one is turned (`is_turned`), (-q, p).
     """
     factor = mapping.factors.stress or 1.0
     if is_turned:
@@ -177,8 +184,8 @@ def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[ColumnQuant
 
 
 def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Array | None:
-    """Times of the instants, (k,): those that the mapping states, else the file's own; None where
-    neither has all.
+    """Times of the instants of a field file, (k,): those that the mapping states, else the file's
+    own; None where neither has all.
     """
     if mapping.times is not None:
         return stated_times(str(path), mapping, len(frames))
@@ -189,17 +196,20 @@ def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Arr
 def _find_tractions(
     path: Path, frame: FieldFrame, mapping: Mapping
 ) -> tuple[str, _FieldNames, str]:
-    """Find out which fields of a field file hold the tractions, from its first instant (`frame`).
+    """Find out which fields of a field file hold the tractions, from its first instant (`frame`):
+    `parts`, one for each file or body, have fields at points and at cells by name.
 
     Three kinds are looked for in this order: "fields" for pressure and shear, a traction "vector",
     a "stress" tensor. Returned are the kind, the names of the fields, and a sentence on them, in
     which {} stands for the body. InputError where the file holds none. `mapping` states columns,
     units and signs of the file.
     """
+    # values at points, (n,) or (n, components)
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     names_of_scalars = [name for name, values in fields.items() if values.ndim == 1]
     # vectors and tensors, (n, components)
     tensor_fields = {name: values for name, values in fields.items() if values.ndim == 2}
+    # columns of the mapping, None where it states none
     mapping_states_names = bool(mapping.columns.pressure or mapping.columns.shear)
     if (
         mapping_states_names
@@ -214,6 +224,7 @@ def _find_tractions(
         if values.shape[1] >= 2 and normalised_name(name) in map(
             normalised_name, _NAMES_OF_VECTORS
         ):
+            # y and x component; {} is the body
             field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
             source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
             return "vector", field_names, source_in_words
@@ -221,6 +232,7 @@ def _find_tractions(
         if values.shape[1] >= 3 and normalised_name(name) in map(
             normalised_name, _NAMES_OF_STRESSES
         ):
+            # indices among the components, and the order of all in words
             place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
             field_names = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (
@@ -246,10 +258,10 @@ def _find_tractions(
 def _find_named_tractions(
     path: Path, names: Sequence[str], mapping: Mapping
 ) -> tuple[str, _FieldNames, str]:
-    """Which of the fields of these `names` are pressure, shear and slip: by the mapping, or by
-    names that are known for them. InputError where none is the pressure.
+    """Find out which of the fields `names` of a field file are pressure, shear and slip: by the
+    mapping, or by names that are known for them. InputError where none is the pressure.
 
-    Returned are the kind, "fields", the names of the fields, and a sentence on them.
+    Returned are the kind, "fields", the names of the fields by quantity, and a sentence on them.
     """
     quantities: tuple[ColumnQuantity, ...] = ("pressure", "shear", "slip")
     field_names: _FieldNames = {}
@@ -292,6 +304,7 @@ def _parts_with_fields(
 
     To be read are the fields `names_of_tractions`, the slip that `mapping` names, and the field by
     which it marks the contact surface, where any part has that. InputError where no part holds all.
+    `mapping.surface` is NAME or NAME=VALUE of that field.
     """
     needed_names = list(names_of_tractions)
     if isinstance(mapping.columns.slip, str):
@@ -303,19 +316,19 @@ def _parts_with_fields(
     ]
     part_numbers = []
     faults_of_parts = []
-    for number, part in enumerate(frame.parts):
+    for part_number, part in enumerate(frame.parts):
         missing_names = [name for name in needed_names if not _has_field(part, name)]
-        if any(has_marking_field) and not has_marking_field[number]:
+        if any(has_marking_field) and not has_marking_field[part_number]:
             missing_names.append(marking_field)
         if missing_names:
             faults_of_parts.append(f"{part.name} has no {names_in_words(missing_names)}")
         else:
-            part_numbers.append(number)
+            part_numbers.append(part_number)
     if not part_numbers:
         raise InputError(
             f"{path}: no file of it has all that is to be read: {'; '.join(faults_of_parts)}"
         )
-    mesh = joined_mesh([frame.parts[number] for number in part_numbers])
+    mesh = joined_mesh([frame.parts[part_number] for part_number in part_numbers])
     return part_numbers, mesh, [f"{fault}: left out" for fault in faults_of_parts]
 
 
@@ -347,6 +360,7 @@ def _surface_points(
     cells of a body, else those of a body's face at y = y_offset. Of points of both bodies those of
     the lower one count. InputError where no face lies there.
     """
+    # y above the lower body's face, in the file's unit
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)
     tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)

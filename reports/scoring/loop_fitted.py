@@ -94,9 +94,9 @@ def fit_rig(
     scale: float,
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
-    """Fit the rig to the rows of a measured loop: C and U0 of U = r U_theory + C r Q + U0, by
-    linear least squares. Returns the sum of squared residuals of U [length^2], C [1/stress] and U0
-    [length].
+    """Fit the rig to the rows of a measured loop: compliance C and origin U0 of U = r U_theory + C
+    r Q + U0, by linear least squares, with Q of the scene. Returns the sum of squared residuals of
+    U [length^2], C [1/stress] and U0 [length].
 
     Parameters
     ----------
@@ -111,6 +111,7 @@ def fit_rig(
     rig_compliance
         C [1/stress], where it is stated; None fits it
     """
+    # SHARES_OF_CYCLE: the instants of the cycle, from 0 to 1
     load_at_rows = np.interp(fraction_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
     displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES_OF_CYCLE, displacement)
     displacement_of_rig = loop.displacement - displacement_of_theory

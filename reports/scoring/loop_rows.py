@@ -58,16 +58,17 @@ class MeasuredLoop:
 
 
 def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
-    """Read a measured loop from a text table: relative displacement U and tangential load Q in the
-    units of the scene, time as the file has it, with words on how each column was read. Without a
-    column of time the rows follow each other evenly. `mapping` states columns, units and signs
-    where the file does not.
+    """Read a measured loop of Q over U from a text table: relative displacement U and tangential
+    load Q in the units of the scene, time as the file has it, with words on how each column was
+    read. Without a column of time the rows follow each other evenly. `mapping` states columns,
+    units and signs where the file does not.
 
     Raises
     ------
     InputError
-        For a file that is no table of numbers; for a column that is missing or in a unit that can't
-        be turned into the scene's, for too few rows.
+        For a file that is no table of numbers; for a column that is missing, constant, or in a unit
+        that can't be turned into the scene's; for fewer than 20 rows; for a time that does not
+        ascend.
     """
     table = text_table(
         path,
@@ -87,6 +88,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         raise InputError(
             f"{file_name}: {n_rows} rows are too few for a loop: at least {_FEWEST_ROWS} are needed"
         )
+    # values in the scene's unit, step of their last digit, and how they were read
     displacement_column = _column_of_loop(
         file_name, table, mapping, scene, displacement_name, "slip"
     )
@@ -108,6 +110,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             f"{file_name}, line {table.line_numbers[row_of_fall]}: {time_name} ="
             f" {instants[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
         )
+    # pairs (subject, words)
     read_as = layout_in_words(path, table)
     read_as.append(("relative displacement U", displacement_column.reading_words))
     read_as.append(("tangential load Q", load_column.reading_words))
@@ -155,6 +158,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     )
     if has_two_nameless_columns and load_name is None and stated_displacement_name is not None:
         load_name = names[1 - names.index(stated_displacement_name)]
+    # normalised: spellings of one name compare equal
     known_names = [
         name
         for alias in _DISPLACEMENT_NAMES
@@ -186,8 +190,9 @@ def _column_of_loop(
     name: str,
     quantity: Literal["slip", "tangential_load"],
 ) -> _ColumnOfLoop:
-    """One column of a loop's table, U or Q, in the unit of the scene, with the words on how it was
-    read: its factor, thickness and sign, by the mapping or by the unit in its heading.
+    """One column of the table of a measured loop, U or Q: its values in the unit of the scene, the
+    step of their last digit, and in words how it was read: factor, thickness and sign, by the
+    mapping or by the unit in its heading.
 
     Parameters
     ----------
@@ -210,12 +215,15 @@ def _column_of_loop(
     unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
     column_number = table.names.index(name)
     is_thickness_stated = is_load and "thickness" in mapping.model_fields_set
+    # None where the mapping states none
     stated_factor = getattr(mapping.factors, factor_name)
     unit_factor = 1.0
     reading_words = [repr(name)]
     if stated_factor is not None:
         reading_words.append(f"times {stated_factor:.9g} (factors.{factor_name} of the mapping)")
     else:
+        # unit: word in the heading, factor to the scene's unit, whether it is per length, what is
+        # wrong with it (`fault`), and a phrase on it (`remark`)
         unit = unit_of_column(table, column_number, factor_name, scene.units)
         if unit.word == unit_of_scene:  # whatever words the scene has for its units
             words_on_unit = f"{unit.word} (in its heading), times 1"
@@ -240,6 +248,7 @@ def _column_of_loop(
         reading_words.append(unit.remark)
     if is_thickness_stated:
         reading_words.append(f"over the thickness {mapping.thickness:.9g}")
+    # 1, or -1 where the file has the opposite sign
     if mapping.sign(quantity) < 0:
         reading_words.append("sign turned")
     file_values = table.values[:, column_number]

@@ -21,7 +21,8 @@ FINE_SHARES_OF_CYCLE = np.linspace(0.0, 1.0, 3 * (N_INSTANTS - 1) + 1)
 
 
 def friction_at_gross_sliding(scene: Scene) -> float:
-    """f of gross sliding at the scene's loads."""
+    """Friction coefficient f at which the contact just slides as a whole at the scene's loads."""
+    # ratio: of |Q| to f P at the instant nearest to sliding
     return nearest_to_sliding(scene).ratio * scene.friction.coefficient * (1 + 1e-9)
 
 
@@ -40,23 +41,27 @@ def has_constant_normal_load(scene: Scene) -> bool:
 
 
 def times_of_cycle(scene: Scene, shares: Array) -> Array:
-    """Instants of the last cycle that the scene runs through."""
+    """Times of the load path, (n,), at `shares` (n,) of the last cycle of the scene, at least the
+    second one.
+    """
     path = scene.load.path()
     assert path.period is not None
     return path.cycle_start + path.period * (max(scene.cycles, 2) - 1 + shares)
 
 
 def cycle_loads(scene: Scene, shares: Array = SHARES_OF_CYCLE) -> tuple[Array, Array]:
-    """P and Q of a cycle."""
+    """P and Q of the scene at `shares` (n,) of its last cycle, (n,) each [force per thickness]."""
     normal, tangential = scene.load.path().at(times_of_cycle(scene, shares))
     return np.asarray(normal), np.asarray(tangential)
 
 
 def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES_OF_CYCLE) -> Array:
-    """U of the steady cycle by half-plane theory."""
-    asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
+    """Relative tangential displacement U of the steady cycle by half-plane theory [length], with
+    another `friction` coefficient, at `shares` (n,) of the cycle.
+    """
+    varied_scene = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
     solution = semi_analytic.solve(
-        asked,
+        varied_scene,
         x=0.0,
         time=times_of_cycle(scene, shares),
         fields="tangential_displacement",
@@ -66,13 +71,17 @@ def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES_OF
 
 
 def finite_element_displacement(scene: Scene, friction: float) -> Array:
-    """The same by the finite elements, whose instants lie between."""
+    """Relative tangential displacement U of the last cycle by finite elements [length], with
+    another `friction` coefficient, interpolated to the instants `SHARES_OF_CYCLE` (0 to 1) of the
+    cycle.
+    """
     import halfplane_fe
 
     solution = halfplane_fe.solve(scene.vary(friction=friction))
     path = scene.load.path()
     cycle = solution.last_cycle
     assert path.period is not None
+    # of the cycle, from 0 to 1
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
     return np.interp(SHARES_OF_CYCLE, share, solution.tangential_displacement[cycle])

@@ -160,9 +160,9 @@ class LoopScore:
 
     @property
     def sentence(self) -> str:
-        """The finding in one sentence: the best f, its 95 % interval, and whether the scene's f
-        lies in it. The best f and the ends of the interval have as many digits as they need to
-        differ.
+        """The finding on a measured loop in one sentence: the friction coefficient f that fits
+        best, its 95 % interval, and whether the scene's f lies in it. The best f and the ends of
+        the interval have as many digits as they need to differ, at least four.
         """
         frictions = [self.lowest_friction, self.friction]
         if self.highest_friction is not None:
@@ -186,7 +186,9 @@ class LoopScore:
 
 
 def require_loop(scene: Scene) -> None:
-    """InputError for a scene that no measured loop can be scored against."""
+    """InputError for a scene that no measured loop can be scored against: whose loads do not
+    repeat, or with bulk stress, tilt or bodies of unequal sides.
+    """
     if scene.load.path().period is None:
         raise InputError(f"{scene.name}: its loads do not repeat: a loop needs a cycle")
     if scene.unsymmetric:
@@ -210,7 +212,9 @@ def score_loop(
     Parameters
     ----------
     loop
-        Q and the relative tangential displacement U of the rows
+        Q and the relative tangential displacement U of the rows, their time, and the file `source`
+    scene
+        its cycle of P and Q, profile and material are those of theory's loops
     rig_compliance
         C [1/stress]: the rig adds C Q to the displacement U of the contact, which counts from the
         datum length of the profile; fitted if None
@@ -247,7 +251,9 @@ def score_loop(
     if has_two_branches(scene):
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
+        # more turning points of Q: rows are placed by their times
         fit = fit_over_time(loop, scene, rig_compliance)
+    # area and slope of the measured loop
     measured_row, sentence = _row_of_measured_loop(loop, fit)
     # at the ends of the loop the contact slides as a whole
     if fit.is_gross and fit.masing_loop is not None:
@@ -280,8 +286,18 @@ def score_loop(
 
 # ------------------------------------------------------------------------------- the measured loop
 def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
-    """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ;
-    no coefficient of friction and no distance from itself), and a sentence on how W was found.
+    """The measured loop of Q over U as a row of the table of loops (area W with its uncertainty,
+    slope dU/dQ; no coefficient of friction and no distance from itself), and a sentence on how W
+    was found.
+
+    Parameters
+    ----------
+    loop
+        U and Q of the n rows
+    fit
+        the loop fitted to them: `phase` (n,), cycles that have passed at each row;
+        `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `scale`, the file's Q
+        over the scene's; `masing_loop` and its fit, None where P varies
     """
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
@@ -292,6 +308,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     else:
         area = area_about_fit(fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0]))
         method_words = "the area of the best fit, with what the rows enclose beside it,"
+    # Q of the scene through a cycle, scaled
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
     row = LoopRow(
         name="measured",
@@ -341,8 +358,8 @@ def _partial_loops(
     against: Against,
 ) -> _ComputedLoops:
     """Loops beside a measured one that slips partially: what theory, and with `against` "fe" the
-    finite elements, compute under the loads of the rows, with the best f and with the scene's f.
-    With them a sentence for each f at which the contact would slide as a whole.
+    finite elements, compute under the loads of the rows, with the best friction coefficient f and
+    with the scene's f. With them a sentence for each f at which the contact would slide as a whole.
 
     `rig_compliance` is the stated C of the rig; None fits C to the rows for each loop.
     """
@@ -361,6 +378,7 @@ def _partial_loops(
                 " loop"
             )
             continue
+        # U through the cycle, by name of the loop
         displacements = {f"theory, {name}": theory_displacement(fit.scene, friction_at_scene_q)}
         if against == "fe":
             displacements[f"finite elements, {name}"] = finite_element_displacement(
@@ -403,6 +421,7 @@ def _loop_with_rig(
     """
     load_of_scene = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_scene
+    # C and U0 by least squares over the rows
     _, compliance, origin = fit_rig(
         loop, computed.displacement, fit.share_of_cycle, load, fit.scale, rig_compliance
     )
@@ -423,12 +442,14 @@ def _sliding_loops(
     elements are left out, which is stated where `against` is "fe".
     """
     sliding_loops = {"theory, best f": fitted_loop}
+    # None where the range of U is too short for a slide with this f
     loop_of_scene = fitted_loop.gross_loop_with_friction(scene.friction.coefficient)
     if loop_of_scene is not None:
         sliding_loops[f"theory, {WITH_SCENE_FRICTION}"] = loop_of_scene
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
+        # from the middle of the loop, at shares of the cycle from 0 to 1
         displacement, load = sliding_loop.closed_curve(SHARES_OF_CYCLE)
         # U has any origin: it is moved to the mean of the measured one
         displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
@@ -479,9 +500,9 @@ def _slope_of_line(displacement: Array, load: Array) -> float:
 
 
 def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ...]:
-    """Means of row values in equal parts of the cycle: the number of rows in each part that has
-    any, then the mean of each of `row_values` (n,) there, (k,) each. `share_of_cycle` (n,) is the
-    share of the cycle that is over at each row.
+    """Means of values of the rows of a measured loop in equal parts of the cycle: the number of
+    rows in each part that has any, then the mean of each of `row_values` (n,) there, (k,) each.
+    `share_of_cycle` (n,) is the share of the cycle that is over at each row.
 
     A part has eight rows on average, but there are 20 parts at least and 200 at most.
     """

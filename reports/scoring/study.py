@@ -183,7 +183,8 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshS
     Parameters
     ----------
     levels
-        a result for each mesh with its element size, in any order
+        for each mesh the name of the file, the element size h at the contact, where h is from in
+        words, and the comparison of the result with the reference; in any order
     notes
         sentences that come first in the notes of the study
 
@@ -205,6 +206,7 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshS
                 f" ({fine_level.source_of_size}): state sizes under [element_sizes] of a mapping,"
                 " or leave one out"
             )
+    # a row for each metric: its value on each mesh, the finest first, and the limit at h = 0
     rows = (
         _row_of_metric(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics
     )
@@ -218,8 +220,8 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshS
 
 
 def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    """One metric over the meshes of a study (`levels`, the finest first), with its extrapolation to
-    element size zero. None where a mesh has no value.
+    """One metric of a comparison over the meshes of a study (`levels`, the finest first), with its
+    extrapolation to element size zero. None where a mesh has no value.
 
     Its value is that at the instant at which the finest mesh is worst. A mesh with other instants
     has the value at its own worst.
@@ -231,6 +233,7 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         time = level.comparison.result_cycle.time
         has_same_times = len(time) == len(times_of_finest) and np.allclose(time, times_of_finest)
         value = metric_of_level.value
+        # values at each instant, None for a metric of the whole cycle; metric.time: of the worst
         series = metric_of_level.series
         if series is not None and metric.time is not None and has_same_times:
             value = series[int(np.argmin(np.abs(times_of_finest - metric.time)))]
@@ -240,25 +243,31 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     refinement = Refinement(
         tuple(level.size for level in levels), tuple(values), rounding=_RELATIVE_ROUND_OFF
     )
+    # extrapolate: order of convergence, limit at size zero and its uncertainty
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
 def _cells_of_row(row: StudyRow) -> tuple[str, ...]:
-    """The cells of one row of a mesh study: metric, value of each mesh, order, limit at element
-    size zero, its uncertainty, error of the finest mesh; – where there is none.
+    """The cells of one row of the table of a mesh study: metric, value of each mesh, order of
+    convergence, limit at element size zero, its uncertainty, error of the finest mesh; – where
+    there is none.
     """
     extrapolation = row.extrapolation
     is_signed = row.metric.signed
 
     def cell_of(value: float | None, has_plus: bool = is_signed) -> str:
+        """A value in the unit of the metric, with a plus sign if `has_plus`; – for None."""
         return "–" if value is None else term_in_words(value, row.metric, plus=has_plus, digits=3)
 
-    order = f"{extrapolation.order:.2f}" if extrapolation.order is not None else extrapolation.kind
+    # where no order was observed: how the values change, such as "oscillating"
+    order_cell = (
+        f"{extrapolation.order:.2f}" if extrapolation.order is not None else extrapolation.kind
+    )
     limit = None if row.error_of_finest_mesh is None else extrapolation.value
     return (
         row.metric.label,
         *map(cell_of, row.values),
-        order,
+        order_cell,
         cell_of(limit),
         cell_of(extrapolation.uncertainty, has_plus=False),
         cell_of(row.error_of_finest_mesh),
@@ -266,8 +275,9 @@ def _cells_of_row(row: StudyRow) -> tuple[str, ...]:
 
 
 def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[float, str]:
-    """Element size at the contact [length] and where it is from: the mapping, the file's name, or
-    the spacing of the points.
+    """Element size of a result's mesh at the contact [length] and where it is from, in words: the
+    mapping (`element_sizes`, by file name), the file's name, or the median spacing of the points in
+    contact. InputError where fewer than two points touch.
     """
     if path.name in mapping.element_sizes:
         return mapping.element_sizes[path.name], "from the mapping"
@@ -298,14 +308,15 @@ def result_files(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     files = sorted(
         path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
     )
+    # files that a .pvd collection names
     collected_parts = {part.resolve() for path in files for part in collected_files(path)}
     files_alone = [path for path in files if path.resolve() not in collected_parts]
 
-    results = [path for path in files_alone if path.suffix.lower() in known_suffixes]
+    readable_files = [path for path in files_alone if path.suffix.lower() in known_suffixes]
     # of files with one stem the last one counts
     file_by_stem = {
         path.stem: path
-        for path in sorted(results, key=lambda p: -known_suffixes.index(p.suffix.lower()))
+        for path in sorted(readable_files, key=lambda p: -known_suffixes.index(p.suffix.lower()))
     }
     names_left_out = [path.name for path in files_alone if path not in file_by_stem.values()]
     if not file_by_stem:

@@ -121,8 +121,8 @@ class Predictions:
 
     def tractions_of(self, variant: Variant, *, with_shear: bool = True) -> Tractions:
         """Pressure p and shear q, (2, k, n), at the points and instants of the result, if it had
-        the faults of `variant`: a wrong modulus, a factor of the file's pressure, p and q swapped,
-        and others (`Variant`).
+        the faults of `variant`: a wrong modulus, factors of the file's pressure and shear, p and q
+        swapped, and others. Each variant is solved once.
 
         Unless `with_shear` q is the reference's: the pressure alone needs no history of friction,
         and is solved in a tenth of the time.
@@ -146,14 +146,15 @@ class Predictions:
         if variant.is_swapped:
             tractions = tractions[::-1]
         tractions = factors_of_tractions(variant.pressure_factor, variant.shear_factor) * tractions
+        # a stand-in for unlike bodies: the part of the difference that is odd in x
         if variant.takes_odd_part:
             difference = self.discrepancy.result_tractions - tractions
             tractions = tractions + self._odd_part(difference, variant.x_offset)
         return tractions
 
     def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
-        """Half of a difference (2, k, n) minus its mirror image about the centre of the contact, x
-        = `x_offset` a_ref.
+        """The part of a difference (2, k, n) between result and theory that is odd about the centre
+        of the contact, x = `offset` a_ref: half of the difference minus its mirror image.
 
         Between like, symmetric bodies nothing is odd, whatever the loads and the history.
         """
@@ -163,7 +164,7 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved_tractions(self, variant: Variant, *, with_shear: bool) -> Tractions:
-        """Tractions p and q of half-plane theory with some faults put in (`variant`, such as other
+        """Pressure p and shear q of half-plane theory with faults put in (`variant`, such as other
         times or a coarse mesh), (2, k, n), at the n points of a result and k instants. The points
         are shifted or stretched where that is among the faults.
 
@@ -177,6 +178,7 @@ class Predictions:
         ) / variant.x_stretch
         # nodal forces over lengths, in place of tractions at the points
         if variant.has_nodal_forces:
+            # points between the nodes, and weights (m, n) that sum them to forces over lengths
             fine_points, weights = _shape_functions(x)
             tractions = (
                 self._tractions_of_theory(variant, fine_points, with_shear=with_shear) @ weights
@@ -184,6 +186,7 @@ class Predictions:
         else:
             tractions = self._tractions_of_theory(variant, x, with_shear=with_shear)
         if not self.discrepancy.is_half_plane_theory:
+            # theory without faults
             theory = self._tractions_of_theory(Variant(), self.discrepancy.x, with_shear=with_shear)
             tractions = tractions + (
                 self.discrepancy.reference_tractions[: len(tractions)] - theory
@@ -193,12 +196,13 @@ class Predictions:
         return tractions
 
     def _tractions_of_theory(self, variant: Variant, x: Array, *, with_shear: bool) -> Tractions:
-        """Pressure p of half-plane theory with some faults put in at points x (n,), and shear q if
+        """Pressure p of half-plane theory with faults put in at points x (n,), and shear q if
         `with_shear`: (1 or 2, k, n) at k instants. `variant` holds the size of each fault: no
         memory of friction, long load steps, small bodies, a soft normal contact, unlike materials
         (Dundurs' beta).
 
-        Factors, swaps and offsets of the file are applied later.
+        Factors, swaps and offsets of the file are applied later. InputError where the contact
+        slides or separates, and where theory would take a grid of points.
         """
         discrepancy = self.discrepancy
         scene = self._scene_with_faults(variant)
@@ -208,11 +212,14 @@ class Predictions:
         if variant.history_fault in ("straight steps", "end of steps") and with_shear:
             takes_ends = variant.history_fault == "end of steps"
             return _tractions_by_long_steps(discrepancy, scene, x, takes_ends=takes_ends)
+
+        # small bodies: curvatures that blocks of finite height add to half-planes
         effects = None
         if variant.share_of_block_curvatures < 0 or variant.relative_layer_compliance < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
         if variant.share_of_block_curvatures:
             effects = _curvatures_of_blocks(discrepancy, scene, variant.share_of_block_curvatures)
+        # the pressure alone, with a soft layer of compliance 1/k
         if not with_shear:
             layer_compliance = (
                 variant.relative_layer_compliance
@@ -230,10 +237,12 @@ class Predictions:
                     self._tractions_of_theory(variant_without_layer, x, with_shear=True)[SHEAR],
                 ]
             )
+        # one memory curve for all flat punches: None where bulk stress or tilt needs a grid
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions_of_scene(scene, x, time, effects=effects)
         if variant.dundurs_beta:
+            # (P, Q) of fine steps, and the step of each instant
             loads, step_numbers = _fine_load_steps(scene, time)
             tractions[SHEAR] += shear_by_coupling(
                 scene, x, loads, step_numbers, variant.dundurs_beta
@@ -241,7 +250,10 @@ class Predictions:
         return tractions
 
     def _scene_with_faults(self, variant: Variant) -> Scene:
-        """The scene with the variant's wrong load, modulus and friction."""
+        """The scene with the wrong load, modulus E* and friction coefficient of a `variant`. Its
+        `wrong_load` names a load that is turned or left out, "" for none; the factors are 1 without
+        a fault.
+        """
         scene = self.discrepancy.scene
         if variant.wrong_load:
             scene = scene.vary(load=wrong_loads(scene)[variant.wrong_load])
@@ -252,13 +264,14 @@ class Predictions:
         return scene
 
     def _times_with_faults(self, variant: Variant, scene: Scene) -> Array:
-        """Times of the load path whose tractions a result with the variant's faults has at its k
-        instants: later by a delay, or in the first cycle in place of the steady one.
+        """Times of the load path, (k,), whose tractions a result with the faults of `variant` has
+        at its k instants: earlier by a delay, or in the first cycle in place of the steady one.
         """
         discrepancy = self.discrepancy
         path = scene.load.path()
         if variant.history_fault == "first revolution":
             assert path.period is not None
+            # cycle_fraction (k,): share of a period since the start of the cycle, up to 2
             fraction_in_cycle = np.where(
                 discrepancy.cycle_fraction > 1,
                 discrepancy.cycle_fraction - 1,
@@ -267,6 +280,7 @@ class Predictions:
             return path.cycle_start + np.minimum(fraction_in_cycle, 1 - 1e-12) * path.period
         if variant.delay:
             assert path.period is not None
+            # looked up in the third cycle, by which all paths are steady
             fraction = np.mod(discrepancy.cycle_fraction - variant.delay, 1.0)
             return path.cycle_start + (_STEADY_CYCLE + fraction) * path.period
         return discrepancy.time
@@ -279,16 +293,18 @@ class Predictions:
         effects: BodyEffects | None,
         layer_compliance: float,
     ) -> Array:
-        """(k, n) pressure p at points and instants, which depends on P alone where nothing tilts
-        the contact. `effects` is what finite bodies add to half-planes; `layer_compliance` is that
-        of a layer into which the faces sink by p times it [length/stress], used where p depends on
-        P alone.
+        """(k, n) pressure p of half-plane theory at points x (n,) and times (k,); it depends on P
+        alone where nothing tilts the contact. `effects` is what finite bodies add to half-planes;
+        `layer_compliance` is that of a layer into which the faces sink by p times it
+        [length/stress], used where p depends on P alone.
         """
+        # is_driven: displacements are imposed in place of loads
         if effects is not None or scene.load.is_driven or self.discrepancy.comparison.may_tilt:
             return _tractions_of_scene(scene, x, time, effects=effects, fields=("pressure",))[
                 PRESSURE
             ]
         normal_load = np.asarray(scene.load.path().at(time)[0])
+        # closed form of the profile: pressure at x under any load
         contact = contact_of(scene.profile, scene.material)
         if layer_compliance:
             return pressure_on_layer(scene, x, normal_load, layer_compliance)
@@ -296,9 +312,9 @@ class Predictions:
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """Points between the nodes of linear elements, (m,), and weights (m, n): tractions at these
-    points times the weights, summed, are the force of each of the n nodes over its length.
-    `nodes` (n,) are their x.
+    """Points between the n nodes of linear elements, (m,), and weights (m, n): tractions at these
+    points times the weights, summed, are the force of each node over its length. `nodes` (n,) are
+    their x. 48 points lie between two nodes.
     """
     spacings = np.diff(nodes)
     spacing_before = np.concatenate([spacings[:1], spacings])
@@ -365,19 +381,23 @@ def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp
 
 
 def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
-    """Curvatures that two equal blocks of height `BLOCK_HEIGHT` a_ref add, times `share`."""
+    """Curvatures that two equal blocks of height `BLOCK_HEIGHT` a_ref (5) add to half-planes, times
+    `share`: of the gap per P, and of the tangential displacement per Q.
+    """
     height = BLOCK_HEIGHT * discrepancy.half_width
-    unit = share * discrepancy.comparison.scales.compliance / height**2
+    # A/H^2, A = 2/E*
+    curvature_unit = share * discrepancy.comparison.scales.compliance / height**2
     return BodyEffects(
         datum_length=scene.profile.datum_length,
-        normal_curvature=Estimate(_NORMAL_CURVATURE * unit),
-        tangential_curvature=Estimate(_TANGENTIAL_CURVATURE * unit),
+        normal_curvature=Estimate(_NORMAL_CURVATURE * curvature_unit),
+        tangential_curvature=Estimate(_TANGENTIAL_CURVATURE * curvature_unit),
     )
 
 
 def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
-    """Tractions (2, k, n), p and q, at points x and at the given times, as if each load were the
-    first one, without memory of those before (Cattaneo): q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
+    """Pressure p and shear q, (2, k, n), at points x and at the given times, as if each load were
+    the first one, without memory of those before (Cattaneo): q = sign(Q) f [p(x, P) - p(x, P -
+    |Q|/f)].
 
     Raises
     ------
@@ -391,6 +411,7 @@ def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     stick_load = normal_load - np.abs(tangential_load) / friction
     if not np.all(stick_load > 0):
         raise InputError("the loads slide")
+    # closed form of the profile: pressure at x under any load
     contact = contact_of(scene.profile, scene.material)
     pressure = contact.pressure(x, normal_load)
     shear = np.sign(tangential_load) * friction * (pressure - contact.pressure(x, stick_load))
@@ -400,9 +421,9 @@ def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
 def _tractions_by_long_steps(
     discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool
 ) -> Tractions:
-    """Tractions p and q, (2, k, n), if the result's own load increments replace the load path: by
-    straight lines in the plane of P and Q, or (`takes_ends`) as a solver takes them that meets the
-    Coulomb law at their ends.
+    """Pressure p and shear q of half-plane theory, (2, k, n), if the result's own load increments
+    replace the load path: by straight lines in the plane of P and Q, or (`takes_ends`) as a solver
+    takes them that meets the Coulomb law at their ends.
 
     While P rises such an increment is that of P first, and then that of Q at the new P; while P
     falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
@@ -412,10 +433,12 @@ def _tractions_by_long_steps(
     path = scene.load.path()
     assert path.period is not None
     result_cycle = discrepancy.comparison.result_cycle
+    # at all instants of the result, up to the end of its last cycle
     times_of_result = discrepancy.comparison.result.time
     times = times_of_result[times_of_result <= result_cycle.time[-1]]
     times_of_instants = discrepancy.time
     if times_of_result[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
+        # share of a period at each instant of the last cycle
         fraction = fraction_of_cycle(discrepancy.comparison)
         times_of_cycles = [path.cycle_start + (cycle + fraction) * path.period for cycle in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *times_of_cycles])
@@ -424,6 +447,7 @@ def _tractions_by_long_steps(
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not takes_ends:
         return _tractions_of_scene(scene, x, times, straight=True)[:, rows_of_instants]
+    # vertices (P, Q) of the steps that the solver takes in effect
     polygon = [(0.0, 0.0)]
     polygon_times = []
     least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
@@ -488,6 +512,7 @@ def _with_other_sign(value: Any) -> Any:
     """
     match value:
         case Wave():
+            # half a period later or earlier: the other sign of a sinusoid
             phase = value.phase_degrees + (180 if value.phase_degrees <= 0 else -180)
             return value.vary(
                 mean=-value.mean,
