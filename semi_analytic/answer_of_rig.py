@@ -101,15 +101,27 @@ class RiggedScene:
     def driven_path(
         self, cycles: int, refinement: int, extra_times: Array | None = None
     ) -> DrivenPath:
-        """Loads and gross sliding along the path of the actuators over so many cycles, by
-        `refinement` times the least number of steps; also at `extra_times` (k,).
+        """Loads and gross sliding along the path of the actuators of the rig over so many cycles.
+
+        Parameters
+        ----------
+        cycles
+            number of cycles after the initial loading
+        refinement
+            factor on the least number of steps
+        extra_times
+            (k,) more instants at which a step ends; None: no more
         """
         path = self.scene.load.path_of_actuators()
         return self.driven_path_of_rows(actuator_rows(path, cycles, refinement, extra_times))
 
     def driven_path_of_rows(self, rows: ActuatorRows) -> DrivenPath:
-        """Loads and gross sliding along a path of given steps. InputError where the bodies never
-        touch, or where the displacement of an actuator does not determine its load.
+        """Loads P and Q and gross sliding along a path of the actuators that is given by the ends
+        of its steps.
+
+        `rows` are these instants with P, or the normal approach in its place, and the displacement
+        U of the tangential actuator. InputError where the bodies never touch, or where the
+        displacement of an actuator does not determine its load.
         """
         scene = self.scene
         if scene.load.states_approach:
@@ -117,6 +129,7 @@ class RiggedScene:
                 self.contact, self.modulus, self.compliance, rows.load_or_approach
             )
             rows = rows._replace(load_or_approach=loads)
+        # Flat punches of the contact; largest_s: coordinate s of the widest of them.
         table = self._punch_table(rows)
         largest_load = float(np.max(rows.load_or_approach))
         self.compliance.require_unique_force(float(table.half_width(table.largest_s)), largest_load)
@@ -130,8 +143,10 @@ class RiggedScene:
             raise InputError(
                 "load: P is never positive, so that the bodies never touch; it is a compression"
             )
+        # Curvatures that the bodies add per load; normal_under_shear: N_Q, of the gap per Q.
         curvatures = self.compliance.curvatures
         limit = self.scene.friction.coefficient * rows.load_or_approach
+        # The Q at the Coulomb limit that widens the contact.
         widening_force = -np.sign(curvatures.normal_under_shear) * limit
         loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.end_rows, None)
         return punch_table_of(self.contact, self.modulus, loads, curvatures)
@@ -159,6 +174,7 @@ def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
         assert rig.datum_length is not None  # for the type checker: the scene was checked
         effects = BodyEffects(datum_length=rig.datum_length)
     modulus = composite_modulus(scene.material)
+    # unit_compliance: A/pi; a stiff rig has no stiffness stated: its spring compliance is 0.
     compliance = Compliance(
         unit_compliance=2 / (math.pi * modulus),
         datum_length=effects.datum_length,
@@ -181,10 +197,10 @@ def _tilt_products_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]
     """
     if not isinstance(scene.profile, Hertz):
         return 0.0, 0.0
-    under_shear = effects.tilt_under_shear.value
-    under_pressure = effects.tilt_under_pressure.value
+    tilt_under_shear = effects.tilt_under_shear.value
+    tilt_under_pressure = effects.tilt_under_pressure.value
     radius = scene.profile.radius
-    return radius * under_pressure * under_shear, radius * under_shear**2
+    return radius * tilt_under_pressure * tilt_under_shear, radius * tilt_under_shear**2
 
 
 class _Slide(NamedTuple):
@@ -203,7 +219,16 @@ def slides_of(driven_path: DrivenPath, rows: slice) -> list[_Slide]:
     A row is an instant at the end of a load step; the step up to the first of the `rows` does not
     count. Neighbouring steps that slide in one direction make one interval. A sliding distance
     below 1e-9 of the actuator's range is round-off.
+
+    Parameters
+    ----------
+    driven_path
+        for each row the time, the sliding distance and friction work of the step that ends there,
+        and the displacement of the actuator, (n,) each
+    rows
+        rows of the path that are looked at
     """
+    # Sign of the slide of each step, 0 for round-off.
     row_numbers = np.arange(len(driven_path.time))[rows]
     actuator_range = float(np.ptp(driven_path.actuator_displacement)) or 1.0
     slide_direction = np.sign(driven_path.slide_distance)
@@ -245,6 +270,12 @@ def findings_of_rig(question: Question) -> Findings:
     and again by steps twice as long; the difference is stated as error. Fields are those of
     half-planes with the effects of the bodies, under these loads.
 
+    Parameters
+    ----------
+    question
+        the scene with its rig, points, instants and fields that are wanted, and the effects of the
+        finite bodies, None for half-planes
+
     Raises
     ------
     InputError
@@ -257,12 +288,15 @@ def findings_of_rig(question: Question) -> Findings:
             "straight_steps: it goes with given loads; leave it out where a displacement is"
             " prescribed"
         )
+    # Follow the actuators; `corrected_path` has half-widths and displacements under the loads
+    # found.
     rig = rigged_scene(question.scene, question.effects)
     fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
     history_done = clock.perf_counter()
 
+    # Fields at points are even or odd in x: they are evaluated once at each |x|.
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
@@ -270,6 +304,8 @@ def findings_of_rig(question: Question) -> Findings:
     time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
     fields = fields_at(question, point_fields, distance, row_numbers)
+    # Friction work of the last cycle, the closed integral of Q dU + P d(approach), and errors by
+    # name.
     cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
     errors = cycle_energy.errors
     density = np.full(len(distance), np.nan)
@@ -285,6 +321,7 @@ def findings_of_rig(question: Question) -> Findings:
     ):
         datum_shift = compliance_to_datum * values_over_time[load]
         values_over_time[displacement] = values_over_time[displacement] + datum_shift
+    # Values that were not asked for are NaN.
     work = cycle_energy.work if wants_work else math.nan
     values: dict[str, Any] = {
         **values_over_time,
@@ -348,7 +385,7 @@ def _energy_of(
     steady_from: int | None,
 ) -> _Energy:
     """Friction work of the last cycle of a rig, or of a path without a cycle; the closed integral
-    of its loads over their displacements, and relative errors of both [energy per thickness].
+    of its loads over their displacements; and relative errors of both [energy per thickness].
 
     To the work of the path is added what tilt and bulk strain of the bodies change, and what the
     terms of their effects beyond curvatures do.
@@ -361,16 +398,21 @@ def _energy_of(
         half-widths and displacements of the fine path, with the curvatures of the bodies
     steady_from
         index of the first steady cycle, None without one
+    rig
+        scene with its rig, contact and the effects of its bodies
     """
+    # Rows of the last cycle, and P and Q at all rows up to its end.
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, rig.scene, steady_from)
     change_by_bodies = _ChangeByBodies.of_driven_path(rig, fine_path, last_cycle)
     tilt_and_strain = _tilt_and_strain_of(rig, fine_path, last_cycle, steady_from, change_by_bodies)
+    # In the steady cycle, index 1 of a path that repeats it.
     work_of_tilt_and_strain = tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
         fine_path.work(last_cycle)
         + work_of_tilt_and_strain.value
         + change_by_bodies.work_of_next_order
     )
+    # By name: change of values from coarse to fine steps; the uncertainty by the bodies is added.
     errors = _errors_of_steps(fine_path, coarse_path, steady_from)
     if work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
@@ -417,11 +459,22 @@ class _ChangeByBodies(NamedTuple):
         path, against half-planes under the same P and Q.
 
         The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
-        order, x^4. `driven_path` holds the loads, which were found with curvatures alone. All zero
-        for half-planes, where the bodies slide as a whole, and where half-planes would do no work.
+        order, x^4. All values are 0 for half-planes, where the bodies slide as a whole, and where
+        half-planes would do no work.
+
+        Parameters
+        ----------
+        rig
+            scene with contact, E* and the effects of its bodies
+        driven_path
+            path with the loads, which were found with curvatures alone
+        rows
+            rows of the path, the ends of its steps
         """
         if rig.scene.bodies.half_planes or _reason_without_next_order(driven_path, rows):
             return cls()
+        # The same loads three times: half-planes; bodies with all terms; bodies with curvatures
+        # alone.
         followed_path = driven_path.followed_path
         loads = (followed_path.normal_load, followed_path.tangential_load)
         table_and_loads = (followed_path.table, followed_path.friction, *loads)
@@ -458,9 +511,9 @@ def _tilt_and_strain_of(
     """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
     [energy per thickness].
 
-    A perturbation in these small numbers to the second order; a numerical solution on grids where
-    that does not hold. Nothing where the bodies have neither tilt nor strain. Left out, with the
-    reason, where no cycle is steady.
+    It is taken to the second order in tilt and strain, or from a numerical solution on grids where
+    that does not hold. It is 0 where the bodies have neither tilt nor strain. It is left out, with
+    the reason, where no cycle is steady.
 
     Parameters
     ----------
@@ -472,6 +525,8 @@ def _tilt_and_strain_of(
         index of the first steady cycle, None without one
     change_by_bodies
         what curvatures change of the work, which makes that of tilt and strain uncertain
+    rig
+        scene with its rig, contact and the effects of its bodies
     """
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
@@ -483,6 +538,7 @@ def _tilt_and_strain_of(
         )
     except DeclinedError as reason:
         tilt_and_strain = _tilt_and_strain_on_grids(rig, driven_path, last_cycle, str(reason))
+    # a at the largest P, and the ratio of the fourth order to the curvatures there.
     half_width = float(rig.contact.half_width(np.max(driven_path.followed_path.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return tilt_and_strain._replace(
@@ -498,12 +554,23 @@ def _tilt_and_strain_on_grids(
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
     [energy per thickness]: a numerical solution on grids under the loads that were found.
 
-    Used where the perturbation to the second order in tilt and strain does not hold, for `reason`.
-    Where the contact slides as a whole, or grids do not take the loads, the work is left out, and
-    the result states why.
+    Used where the second order in tilt and strain does not hold. Where the contact slides as a
+    whole, or grids cannot solve the loads, the work is left out, and `left_out` states why.
+
+    Parameters
+    ----------
+    rig
+        scene with its rig and the effects of its bodies
+    driven_path
+        the path with P and Q, and the gross sliding of the step that ends at each row
+    last_cycle
+        rows of the last cycle
+    reason
+        why the second order does not hold
     """
     if np.any(driven_path.slide_distance[last_cycle][1:] != 0):
         return TiltAndStrainPart(left_out=reason)
+    # The loads of the cycle, at most 55 straight steps of them, in the place of the displacements.
     try:
         scene_of_loads = loads_of_cycle(rig.scene, driven_path, last_cycle, _STEPS_ON_GRIDS)
     except (DeclinedError, InputError) as fault:
@@ -530,6 +597,8 @@ def _compliance_to_answer_datum(rig: RiggedScene) -> float:
 
     L0 is the depth that every answer counts its displacements from, L that at which the rig
     prescribes them.
+
+    `rig.compliance` holds L and the compliance A/pi of half-planes, `rig.scene.profile` L0.
     """
     if not rig.scene.bodies.half_planes:
         return 0.0
@@ -540,6 +609,9 @@ def _compliance_to_answer_datum(rig: RiggedScene) -> float:
 def _corrected_path(rig: RiggedScene, driven_path: DrivenPath) -> PathSeries:
     """Half-widths, displacements and work along a path of a rig, with the curvatures that its
     bodies give to the faces; the loads were found with the same curvatures.
+
+    `driven_path` holds the memory of friction along the path, and the displacement by gross sliding
+    and separation, (n,).
     """
     effects = without_next_order(rig.effects)
     return PathSeries(
@@ -554,11 +626,19 @@ def _fine_and_coarse_paths(
     the first steady cycle; None without one.
 
     A steady cycle ends in the friction state that it started from. Cycles are added until one is
-    steady by both kinds of steps. The instants `time` (n,) of the answer are rows of the fine path.
-    Instants around the ends of gross sliding are rows of both.
+    steady by both kinds of steps. The instants of the answer are rows (ends of steps) of the fine
+    path. Instants around the ends of gross sliding are rows of both.
+
+    Parameters
+    ----------
+    rig
+        scene with its rig, which follows its actuators by steps
+    time
+        (n,) instants of the answer, or None
     """
     scene = rig.scene
     has_cycle = scene.load.path_of_actuators().period is not None
+    # Two cycles are tried first, then more, up to the number of the scene.
     most_cycles = max(scene.cycles, 2) if has_cycle else 0
     for cycles in range(min(2, most_cycles), most_cycles + 1):
         coarse_path = rig.driven_path(cycles, refinement=1)
@@ -593,10 +673,11 @@ def _steady_in_both(fine_path: DrivenPath, coarse_path: DrivenPath) -> int | Non
 
 def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     """Times (k,) around each end of gross sliding while P varies, which the path needs as further
-    rows: `_ROWS_AT_SLIDE_END` of them over the last step with a slide and the step after it.
+    rows: 33 of them over the last step with a slide and the step after it.
 
     Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
     f P. While P varies that instant lies inside of a step. Only the first 200 ends get rows.
+    `driven_path` has for each row the time, P, and the slide of the step that ends there.
     """
     is_sliding = driven_path.slide_distance != 0
     load = driven_path.followed_path.normal_load
@@ -605,15 +686,17 @@ def _times_near_slide_ends(driven_path: DrivenPath) -> Array:
     last_sliding_rows = last_sliding_rows[load_varies][:_MOST_SLIDE_ENDS]
     begin_times = driven_path.time[last_sliding_rows - 1]
     end_times = driven_path.time[last_sliding_rows + 1]
-    shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_SLIDE_END)[:, None]
-    return (begin_times + shares_of_two_steps * (end_times - begin_times)).ravel()
+    fractions_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_SLIDE_END)[:, None]
+    return (begin_times + fractions_of_two_steps * (end_times - begin_times)).ravel()
 
 
 def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
-    """Times (k,) at which each of the `cycles` is where it is at the given times (n,) of any cycle;
+    """Times (k,) at which each of the cycles is where it is at some given times (n,) of any cycle;
     given times within the initial loading once, as they are.
 
     A path of the actuators that does not repeat gets its times back.
+
+    `cycles` is the number of cycles.
     """
     path = scene.load.path_of_actuators()
     if path.period is None:
@@ -631,8 +714,17 @@ def _rows_of_answer(
     """Rows, the ends of load steps, that the answer to a rig covers, as a slice; and P and Q at all
     rows of the path up to the last of these.
 
-    Covered is the steady cycle of index `steady_from`, with the row at which it begins; the whole
-    path where no cycle is steady.
+    Covered is the first steady cycle, with the row at which it begins; the whole path where no
+    cycle is steady.
+
+    Parameters
+    ----------
+    driven_path
+        path with P and Q; `end_rows` are the rows at which the initial loading and each cycle end
+    scene
+        the scene, with the path of its actuators
+    steady_from
+        index of the first steady cycle, None without one
     """
     period = scene.load.path_of_actuators().period
     followed_path = driven_path.followed_path
@@ -663,6 +755,8 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
     """
     loads = np.stack([rows.normal_load, rows.tangential_load], axis=1)
     points = [(float(normal), float(tangential)) for normal, tangential in loads]
+    # The first point is the unloaded state. A cycle comes back to its begin, so that its last point
+    # is left out.
     loading = tuple(points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if rows.period is not None:
@@ -682,6 +776,7 @@ def _errors_of_steps(
     none; that of Q over the largest |Q|. Without work, or without Q, there is no such error.
     """
     errors = {}
+    # Rows of the steady cycle; end_rows: rows at which the initial loading and each cycle end.
     fine_rows = slice(0, None)
     coarse_rows = slice(0, None)
     if steady_from is not None:
@@ -695,6 +790,7 @@ def _errors_of_steps(
     force = fine_path.followed_path.tangential_load
     largest_force = float(np.max(np.abs(force)))
     if largest_force > 0:
+        # At the instants that both paths have.
         _, rows_in_fine, rows_in_coarse = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
@@ -725,7 +821,7 @@ def _notes(
     tilt_and_strain: TiltAndStrainPart,
 ) -> Iterator[str]:
     """Sentences for the notes of the answer to a rig: where displacements are prescribed, which
-    effects are left out, how much of the way the spring takes, gross sliding and separation.
+    effects are left out, how much of the motion the spring takes, gross sliding and separation.
 
     Parameters
     ----------
@@ -737,6 +833,8 @@ def _notes(
         relative errors by the name of the value
     tilt_and_strain
         what tilt and bulk strain of the bodies add to the work
+    rig
+        scene with its rig, contact and the effects of its bodies
     """
     scene = rig.scene
     force_unit, length_unit, _ = scene.unit_words
@@ -759,8 +857,10 @@ def _notes(
         yield from notes_of_effects(
             rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
         )
-    spring = rig.compliance.tangential_spring_compliance
-    if spring:
+    # Tangential spring between actuator and contact, 0 if the rig is stiff; ranges of U over the
+    # cycle.
+    spring_compliance = rig.compliance.tangential_spring_compliance
+    if spring_compliance:
         actuator_range = float(np.ptp(driven_path.actuator_displacement[last_cycle]))
         contact_range = float(np.ptp(driven_path.displacement[last_cycle]))
         yield (
@@ -791,6 +891,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     without_tangential_load = 0 * normal_load
     any_friction = 1.0  # without Q nothing slips
     effects_without = without_next_order(rig.effects)
+    # Largest pressure and half-width with the next order, then without it.
     pressures = []
     half_widths = []
     for effects in (rig.effects, effects_without):
@@ -818,12 +919,21 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
     """Sentences on gross sliding, when the bodies slide as a whole: how far, when and with what
     friction work in the last cycle, and when before it.
 
-    Along all of a path without cycles. `driven_path` holds sliding distance and work of each step,
-    `last_cycle` the rows of the last cycle.
+    For a path without cycles they are about all of the path.
+
+    Parameters
+    ----------
+    scene
+        the scene, whose units are named
+    driven_path
+        sliding distance and work of each step of the path
+    last_cycle
+        rows of the last cycle; of the whole path if there is no cycle
     """
     force_unit, length_unit, _ = scene.unit_words
     energy_unit = f"{force_unit}·{length_unit}/{length_unit}"
     span_text = "the last cycle" if last_cycle.start else "the path"
+    # Intervals of gross sliding: begin, end, distance and friction work of each.
     slides = slides_of(driven_path, last_cycle)
     slides_before = (
         slides_of(driven_path, slice(0, last_cycle.start + 1)) if last_cycle.start else []

@@ -58,7 +58,8 @@ class GridAnswer:
 
     def __init__(self, question: Question) -> None:
         """Follow the load path of a question, with bulk stress and tilt, by a numerical solution on
-        grids; at its points, or at some across the contact where it has none.
+        grids, at the points of the question; at 200 points across the widest contact and 5 % beyond
+        where it states none.
         """
         self._start_of_clock = clock.perf_counter()
         scene = question.scene
@@ -70,7 +71,9 @@ class GridAnswer:
             x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
         self.question = question
         self.x = x
+        # Whether the fields asked for are the same in the steady cycle however it was reached.
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
+        # pointwise: whether fields at points are wanted; steady: whether the last cycle is enough.
         self.path_on_grids: PathOnGrids = follow_on_grid(
             self._path_loads,
             self._tilted_contact,
@@ -89,15 +92,17 @@ class GridAnswer:
         """The answer of a path that was followed on grids: loads, fields and friction work, their
         estimated errors, notes, and how the path ended.
 
-        `steady_cycle` is the steady cycle without grids and without the initial loading, where that
-        was found and grids found a steady cycle too: W(x), permanent stick and W are taken from it,
-        W also of each cycle from the first steady one on. A last cycle that is not steady gets a
-        note of how far its W may be from the steady one.
+        `steady_cycle` is the answer for the steady cycle by a method without grids; None where
+        there is none, or where grids found no steady cycle. W(x), permanent stick and W are taken
+        from it, W also for each cycle from the first steady one on. A last cycle that is not steady
+        gets a note of how far its W may be from the steady one.
         """
         question = self.question
         path_on_grids = self.path_on_grids
         path = question.scene.load.path()
         is_steady = path_on_grids.steady_from is not None
+        # path_on_grids: works of all cycles, index of the first steady one (None if none is),
+        # errors.
         values = self._values()
         work_of_last_cycle = float(path_on_grids.works[-1])
         errors = self._errors_on_grids()
@@ -112,6 +117,7 @@ class GridAnswer:
             errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
+        # period: duration of a cycle, None for a path that does not repeat.
         if path.period is not None and not is_steady:
             # `unsteady_work` estimates how far the last cycle's work is from the steady one.
             unsteady_share = path_on_grids.unsteady_work / work_of_last_cycle
@@ -140,8 +146,10 @@ class GridAnswer:
         )
 
     def _errors_on_grids(self) -> dict[str, float]:
-        """Relative errors of the fields that were asked for, by name. That of the work of a steady
-        cycle contains its difference from the closed integral of Q dU.
+        """Relative errors of the fields that were asked for, by name, as the grids estimate them.
+
+        That of the friction work of a steady cycle also contains the difference of that work from
+        the closed integral of Q dU, `loop_work`.
         """
         path_on_grids = self.path_on_grids
         errors = dict(path_on_grids.errors)
@@ -154,11 +162,13 @@ class GridAnswer:
         """The sentence that an answer by grids carries: numbers of cells across the contact and of
         increments in a cycle, and how well W and the stick edges are known.
 
-        With `steady_cycle` it states that W does not come from grids.
+        With `steady_cycle`, the answer for that cycle by a method without grids, it states that W
+        does not come from grids.
         """
         path_on_grids = self.path_on_grids
         cells = path_on_grids.counts["cells"]
         n_stick_zones = path_on_grids.counts["pieces"]
+        # counts: "cells" across the contact, and "pieces", the largest number of stick zones.
         error_of_work = f"dissipation to {path_on_grids.errors['dissipation']:.1e}, "
         note_of_zones = ""
         if n_stick_zones > 1:
@@ -184,6 +194,7 @@ class GridAnswer:
         path = self.question.scene.load.path()
         if not self.question.wants_last_cycle_alone or path.period is None:
             return slice(None)
+        # works: one for each cycle that was followed; all cycles have the same period.
         start_of_last_cycle = path.cycle_start + (len(self.path_on_grids.works) - 1) * path.period
         return slice(
             int(np.searchsorted(self.path_on_grids.time, start_of_last_cycle * (1 + 1e-12))), None
@@ -200,6 +211,7 @@ class GridAnswer:
         question = self.question
         path_on_grids = self.path_on_grids
         scene = question.scene
+        # Instants of the answer: all that were followed, or those of the last cycle.
         rows = self._rows()
         time = path_on_grids.time[rows]
         normal_load, tangential_load, _, tilt = path_on_grids.loads[:, rows]
@@ -208,8 +220,10 @@ class GridAnswer:
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
         stress_of_lower, stress_of_upper = self._path_loads.bulk_stresses(time)
+        # A/pi of half-planes, and what the other datum length adds to U.
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
+        # Friction work of each cycle; of the last alone where the steady cycle is enough.
         works = path_on_grids.works[-1:] if self._steady_only else path_on_grids.works
         values: dict[str, Any] = {
             "tangential_displacement": path_on_grids.displacement[rows] + datum_shift,

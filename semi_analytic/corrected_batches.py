@@ -72,16 +72,23 @@ class EllipseOfLoads:
     def load_combination(
         self, *, normal_factor: Array, tangential_factor: Array, constant: Array
     ) -> _Sinusoid:
-        """`normal_factor` P + `tangential_factor` Q + `constant` over the cycle, for factors
-        (m, k).
+        """Weighted sum of the loads over the cycle, `normal_factor` P + `tangential_factor` Q +
+        `constant`, as a sinusoid of the phase angle; (m, k) for factors (m, k) over m ellipses.
         """
-        amplitude = tangential_factor * self.tangential_amplitude
-        cosine = normal_factor * self.normal_amplitude + amplitude * np.cos(self.phase)
-        sine = amplitude * np.sin(self.phase)
+        # Components along cos t and sin t; the constant part is the mean.
+        tangential_part_amplitude = tangential_factor * self.tangential_amplitude
+        cosine_component = (
+            normal_factor * self.normal_amplitude + tangential_part_amplitude * np.cos(self.phase)
+        )
+        sine_component = tangential_part_amplitude * np.sin(self.phase)
         mean = (
             normal_factor * self.mean_normal + tangential_factor * self.mean_tangential + constant
         )
-        return _Sinusoid(mean, np.hypot(cosine, sine), np.arctan2(sine, cosine))
+        return _Sinusoid(
+            mean,
+            np.hypot(cosine_component, sine_component),
+            np.arctan2(sine_component, cosine_component),
+        )
 
 
 class CurvatureColumns(NamedTuple):
@@ -155,6 +162,11 @@ def cycle_of_punches(
         eta (m, k): normal load that the punches up to each carry of the profile
     parabola_load
         G = (pi E*/4) c^2 (m, k), the same of a parabola of curvature 1
+
+    Returns
+    -------
+    CycleOfPunches
+        B_+, -B_- and the load P - eta - kn G outside of the punches, as sinusoids
     """
     friction = loads.friction
     # kn G = `gap_per_normal` P + `gap_per_tangential` Q, and so on for kt G of the faces.
@@ -162,6 +174,7 @@ def cycle_of_punches(
     gap_per_tangential = parabola_load * curvatures.normal_under_shear
     faces_per_tangential = parabola_load * curvatures.tangential
     faces_per_normal = parabola_load * curvatures.tangential_under_pressure
+    # Sums of P and Q with constant factors: sinusoids of the phase angle.
     forward_bound = loads.load_combination(
         normal_factor=-friction * (1 - gap_per_normal) - faces_per_normal,
         tangential_factor=1 - faces_per_tangential + friction * gap_per_tangential,
@@ -201,8 +214,18 @@ def works_of_ellipses(
 
     Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
     the profile or would split; the half-width is 0 where no point sticks all through. The loads
-    must not slide the contact as a whole: W then has no meaning. Units are those of `contact`,
-    whose E* is `modulus` [stress].
+    must not slide the contact as a whole: W then has no meaning. 2048 ellipses are taken at once.
+
+    Parameters
+    ----------
+    loads
+        P and Q of m ellipses, and f
+    curvatures
+        N, N_Q of the gap and T, T_P of the faces, (m, 1) each
+    contact
+        normal contact of the profile
+    modulus
+        E* [stress], in the units of `contact`
 
     Examples
     --------
@@ -240,9 +263,21 @@ def _works_and_stick(
 
     The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie
     between permanent stick and the largest contact. Each punch goes through the cycle by itself.
+
+    Parameters
+    ----------
+    loads
+        P and Q of m ellipses, and f
+    curvatures
+        N, N_Q of the gap and T, T_P of the faces, (m, 1) each
+    contact
+        normal contact of the profile; `least_half_width` is that of its flat, `extent` its end
+    modulus
+        E* [stress]
     """
 
     def cycle_at(half_width: Array) -> CycleOfPunches:
+        """Coulomb bounds and load outside over the cycle, of punches of these half-widths."""
         profile_load = np.where(
             half_width > contact.least_half_width, contact.load(half_width), 0.0
         )
@@ -269,6 +304,7 @@ def _works_and_stick(
             + reverse_bound.amplitude
         )
 
+    # Edges (m, 1): of the largest and the least contact in the cycle, and of permanent stick.
     largest_load = loads.mean_normal + loads.normal_amplitude
     largest_half_width = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
     middle = np.zeros_like(largest_half_width)
@@ -276,17 +312,24 @@ def _works_and_stick(
     least_contact_edge = _roots_between(minus_least_load_outside, middle, contact_edge)
     stick_edge = np.minimum(_roots_between(overlap_of_bounds, middle, contact_edge), contact_edge)
 
+    # Integrals over the punches from permanent stick to the largest contact, in two ranges.
     works = np.zeros((2, len(contact_edge)))
-    fractions, weights = _crowded_gauss_rule()
+    node_fractions, node_weights = _crowded_gauss_rule()
     # Punches beyond the edge of the least contact open in a part of the cycle: w has a kink there.
     kink = np.clip(least_contact_edge, stick_edge, contact_edge)
-    for inner_edge, length in ((stick_edge, kink - stick_edge), (kink, contact_edge - kink)):
-        half_width = inner_edge + length * fractions
+    for inner_edge, range_of_half_width in (
+        (stick_edge, kink - stick_edge),
+        (kink, contact_edge - kink),
+    ):
+        half_width = inner_edge + range_of_half_width * node_fractions
         work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
         works += np.sum(
-            work_of_punches * (weights * length / np.maximum(half_width, _SMALLEST_FLOAT)), axis=2
+            work_of_punches
+            * (node_weights * range_of_half_width / np.maximum(half_width, _SMALLEST_FLOAT)),
+            axis=2,
         )
 
+    # dP/da must be positive, and the table of the profile wide enough.
     stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, contact_edge)
     is_refused = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
     works[:, is_refused] = np.nan
@@ -313,8 +356,21 @@ def _least_stiffness_at_edge(
     contact would split where it is not positive.
 
     kn = N P + N_Q Q, the curvature that the bodies add to the gap, adds kn dG/da = (pi E*/2) kn a.
-    Taken is a lower bound of kn: the least N P, or 0 if that is positive, minus the largest |N_Q
-    Q|.
+    A lower bound of kn is used: the least N P over the cycle, or 0 if that is positive, minus the
+    largest |N_Q Q|.
+
+    Parameters
+    ----------
+    loads
+        P and Q of m ellipses
+    curvatures
+        N as `normal` and N_Q as `normal_under_shear`, (m, 1) each
+    contact
+        normal contact of the profile; `stiffness` is dP/da
+    modulus
+        E* [stress]
+    contact_edge
+        (m, 1) half-width a of the largest contact [length]
     """
     largest_load = loads.mean_normal + loads.normal_amplitude
     least_load = loads.mean_normal - loads.normal_amplitude
@@ -348,6 +404,7 @@ def _roots_between(
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
     for _ in range(_MOST_SECANTS):
+        # Secant through both bounds, kept between them.
         value_difference = np.where(
             value_at_upper > value_at_lower, value_at_upper - value_at_lower, 1.0
         )
@@ -378,7 +435,9 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     """w = closed-int f L |dF| of flat punches in a steady cycle, in forward and in reverse slip,
     (2, m, k) [force^2 per thickness^2].
 
-    F is the tangential force that a punch keeps while it sticks; L the normal load outside of it.
+    F is the tangential force that a punch keeps while it sticks, L the normal load that wider
+    punches carry. `cycle` has s B_s for s = +1 and -1, and L, as sinusoids of the phase angle:
+    mean + amplitude cos(angle - phase), (m, k) each; `friction` (m, 1) is f.
     While L > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
     The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
     """
@@ -393,6 +452,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     # F is known at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
     begin_angle = np.where(never_opens, forward_bound.phase, load_outside.phase - opening_angle)
     contact_angle = np.where(never_opens, full_turn, 2 * opening_angle)
+    # Largest and least values of both bounds, in the order in which they follow the begin.
     turning_angles = np.stack(
         [
             forward_bound.phase,
@@ -405,6 +465,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     angles_since_begin.sort(axis=0)
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
+    # From angle to angle, until contact ends: f int L dB over the part of the bound beyond F.
     for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
             bound_at_angle = bound.values_at(angle)
@@ -424,12 +485,11 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
                                         - sin(D) (theta - sin(theta) cos(theta))/2)]
 
     Arrays are (m, k): k flat punches under each of m ellipses of loads. L is the normal load that
-    the wider flat punches carry. Only differences of the integral count:
-    the constant is left out.
+    the wider flat punches carry. Only differences of the integral count: the constant is left out.
 
-    In the phase angle t of the cycle B = B_0 + A cos(t - t_B) and L = p + b cos(t - t_L), with the
-    phases t_B and t_L. While B rises it is at the angle theta = t_B - t before its maximum, from 0
-    to pi; D = t_B - t_L.
+    In the phase angle t of the cycle B = B_0 + A cos(t - t_B) and L = p + b cos(t - t_L). B_0 and p
+    are means, A and b amplitudes, t_B and t_L phases of `bound` and `load_outside`. While B rises
+    it is at the angle theta = t_B - t before its maximum, from 0 to pi; D = t_B - t_L.
     """
     # A bound that does not vary is divided by as well; its integral is 0 by the last factor.
     positive_amplitude = np.maximum(bound.amplitude, _SMALLEST_FLOAT)

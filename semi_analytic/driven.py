@@ -124,12 +124,22 @@ class Compliance(NamedTuple):
     def displacement_by_tilt(
         self, normal_load: Array | float, tangential_load: Array | float
     ) -> Array:
-        """alpha_Q M, what the tilt adds to U under P and Q [length]; 0 unless the profile is a
-        parabola.
+        """Displacement that the tilt of finite bodies adds to U under P and Q [length], of the
+        shape of the loads; 0 unless the profile is a parabola.
+
+        A tilt alpha = alpha_P P + alpha_Q Q moves the contact of a parabola of radius R to x = -R
+        alpha. The moment of its pressure, -R alpha P, moves the bodies by alpha_Q times it.
+        `tilt_products` are R alpha_P alpha_Q and R alpha_Q^2.
         """
-        of_pressure, of_shear = self.tilt_products
+        product_of_normal_load, product_of_tangential_load = self.tilt_products
         load = np.asarray(normal_load)
-        return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
+        return np.asarray(
+            -load
+            * (
+                product_of_normal_load * load
+                + product_of_tangential_load * np.asarray(tangential_load)
+            )
+        )
 
     def actuator_compliance(self, half_width: Array | float, normal_load: Array | float) -> Array:
         """Compliance d(U + Q/k_s)/dQ of the actuator at constant P [1/stress], where c =
@@ -167,6 +177,7 @@ class Compliance(NamedTuple):
         stick_half_width = (
             largest_half_width * np.arange(1, _SAMPLED_HALF_WIDTHS + 1) / _SAMPLED_HALF_WIDTHS
         )
+        # dU/dQ plus the compliance of the spring, at 400 half-widths.
         slope_of_displacement = self.actuator_compliance(stick_half_width, largest_load)
         if np.all(slope_of_displacement > 0):
             return
@@ -229,9 +240,11 @@ def actuator_rows(
     InputError
         For more steps than can be followed.
     """
+    # Times between which each actuator moves one way.
     turning_times = np.array(_turning_times_of_actuators(path, cycles))
     n_turns = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
+    # Equal steps between two turning times: 16 at least if there are few turning times.
     steps_between_turns = max(math.ceil(steps_per_cycle * n_cycles / n_turns), 1)
     if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
         steps_between_turns = max(steps_between_turns, _FEWEST_STEPS_BETWEEN_TURNS)
@@ -264,7 +277,7 @@ def actuator_rows(
     load_or_approach, displacement = path.at(time)
     cycle_end_times = [turning_times[-1]]
     if path.period is not None:
-        cycle_end_times = [path.cycle_start + k * path.period for k in range(cycles + 1)]
+        cycle_end_times = [path.cycle_start + cycle * path.period for cycle in range(cycles + 1)]
     end_rows = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
     return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, end_rows)
 
@@ -272,6 +285,9 @@ def actuator_rows(
 def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     """Ascending times between which the motion of each actuator of a rig is monotonic: turning
     points, ends of segments of the path, and instants at which the bodies separate or touch.
+
+    `path` has the normal actuator in the place of P, the tangential one in that of Q; it is
+    followed over the initial loading and the given number of `cycles`.
     """
     segments = list(path.segments(cycles))
     times = [segments[0].start]
@@ -281,6 +297,7 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
         monotonic_ends = sorted(
             {segment.start, segment.end, *normal_turning_times, *tangential_turning_times}
         )
+        # P, or the approach, changes its sign between two such times.
         touch_times = [
             _root_between(partial(_load_or_approach_at, segment), begin, end)
             for begin, end in pairwise(monotonic_ends)
@@ -298,8 +315,8 @@ def _load_or_approach_at(segment: LoadSegment, time: float) -> float:
 def _root_between(function: Callable[[float], float], begin: float, end: float) -> float:
     """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
-    That is false position, but the value at an end that stays twice is halved. It ends at a value
-    of 1e-14 of the larger one at the ends, or after 200 iterations.
+    That is false position, but the value at an end that stays twice is halved. It ends where the
+    function is 1e-14 of the larger of its first two values, or after 200 iterations.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
@@ -362,6 +379,8 @@ def loads_of_approach(
             " positive where the bodies are pressed together"
         )
 
+    # Flat punches of the contact, by a coordinate s of their half-width, up to the largest
+    # approach.
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
     # Bracket of s of the edge of contact.
     low_s = np.zeros(len(approach))
@@ -388,7 +407,18 @@ def _load_and_approach(
     eta and G are the loads of the flat punches of the profile and of x^2/2; P(c) is carried by
     those of half-width up to c, p_2 the second moment of the pressure. N P x^2/2 is what the bodies
     add to the gap, c_n their compliance, k_n the spring.
+
+    Parameters
+    ----------
+    table
+        loads and integrals of the flat punches by the coordinate s of their half-width c
+    compliance
+        A/pi as `unit_compliance`, datum length L, c_n, 1/k_n, and the curvature N
+    edge_s
+        (n,) coordinates of the edges of contact
     """
+    # N; punch_sums: integrals of ln(2 L/c) and of c^2/2 over the punches up to the edge, each over
+    # d eta and over dG.
     normal_curvature = compliance.curvatures.normal
     load = table.profile_load(edge_s) / (1 - normal_curvature * table.parabola_load(edge_s))
     punch_sums = [table.punch_sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
@@ -411,6 +441,15 @@ def _table_of_approach(
     """Table of the flat punches of a contact up to a half-width at which the normal approach of the
     actuator is at least `largest_approach` [length].
 
+    Parameters
+    ----------
+    contact
+        normal contact of the profile
+    modulus
+        E* [stress]
+    compliance
+        compliances of half-planes, bodies and springs, with the datum length
+
     Raises
     ------
     InputError
@@ -418,6 +457,7 @@ def _table_of_approach(
         approach falls while P grows.
     """
     extent = contact.extent  # half-width to which the profile is given
+    # Widened by half, at most 60 times; least_half_width: of the flat part of the profile.
     half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_MOST_WIDENINGS):
         table = PunchTable(contact, modulus, half_width)
@@ -435,6 +475,7 @@ def _table_of_approach(
             f"load.approach: {largest_approach:.6g} is more than the profile can be pressed in:"
             " check units"
         )
+    # The approach must grow with the half-width, and so with P.
     s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
@@ -527,9 +568,19 @@ def follow_actuator(
     """Tangential load Q(t), partial slip and gross sliding of a contact in a rig that prescribes P
     and the displacement U_act(t) of an actuator, step by step from the unloaded state.
 
-    `rows` are instants with P and U_act. `table` holds the flat punches of the contact, `friction`
-    is f, `compliance` that of bodies and springs.
+    Parameters
+    ----------
+    table
+        flat punches of the contact
+    friction
+        f
+    compliance
+        compliance of contact, bodies and springs
+    rows
+        instants with P as `load_or_approach` and U_act as `displacement`
 
+    Examples
+    --------
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=50.0)  # a^2 = P
@@ -557,6 +608,7 @@ def follow_actuator(
     # Part of U_act by gross sliding and separation so far: it causes no Q.
     free_displacement = instant_before.actuator_displacement
     times = [instant_before.time]
+    # Of each instant: loads and edge of contact; memory of friction with its slip zones; slide.
     memory_rows = [step_solver.row_under_loads(0.0, 0.0)]
     steps = [memory.step(state, memory_rows[0])]
     slides = [0.0]
@@ -564,13 +616,14 @@ def follow_actuator(
     actuator_displacements = [instant_before.actuator_displacement]
     # Where each instant of `rows` is in these lists: begins of slides are in them too.
     index_of_row = [0] * len(rows.time)
-    for k in range(1, len(rows.time)):
+    for row_number in range(1, len(rows.time)):
         instant_after = _Instant(
-            time=float(rows.time[k]),
-            normal_load=float(rows.load_or_approach[k]),
+            time=float(rows.time[row_number]),
+            normal_load=float(rows.load_or_approach[row_number]),
             tangential_load=0.0,  # not known yet
-            actuator_displacement=float(rows.displacement[k]),
+            actuator_displacement=float(rows.displacement[row_number]),
         )
+        # A step is parted where gross sliding begins within it.
         for part_end in step_solver.ends_of_parts(instant_before, instant_after, free_displacement):
             solved_step = step_solver.solved_step(
                 state, part_end, instant_before.tangential_load, free_displacement
@@ -585,7 +638,7 @@ def follow_actuator(
             actuator_displacements.append(part_end.actuator_displacement)
             state = solved_step.step.state
             instant_before = part_end._replace(tangential_load=solved_step.row.tangential_load)
-        index_of_row[k] = len(times) - 1
+        index_of_row[row_number] = len(times) - 1
     return DrivenPath(
         time=np.array(times),
         followed_path=path_of_steps(memory, np.array(memory_rows).T, steps),
@@ -606,7 +659,9 @@ class _Instant(NamedTuple):
     actuator_displacement: float
 
     def at_fraction(self, end: _Instant, fraction: float) -> _Instant:
-        """The instant at a fraction of the straight step from this one to `end`; Q is not known."""
+        """The instant at a fraction, 0 to 1, of the straight step from this one to `end`: time, P
+        and U_act are interpolated; Q is not known yet and stated as 0.
+        """
         return _Instant(
             self.time + fraction * (end.time - self.time),
             self.normal_load + fraction * (end.normal_load - self.normal_load),
@@ -631,6 +686,16 @@ class _StepSolver:
     """Solves the steps of a rig one after another: Q from U_act."""
 
     def __init__(self, memory: FrictionMemory, compliance: Compliance) -> None:
+        """Prepare the steps of a rig: a cache of edges of contact, and the integrals over the
+        pieces of memory curve so far, of which there is the empty curve only.
+
+        Parameters
+        ----------
+        memory
+            memory of friction of the contact, with its table of flat punches
+        compliance
+            compliance of contact, bodies and springs, with the datum length
+        """
         self._memory = memory
         self._compliance = compliance
         self._table = memory.table
@@ -644,11 +709,13 @@ class _StepSolver:
 
     def row_under_loads(self, load: float, force: float) -> Row:
         """Loads P = `load` and Q = `force`, the curvatures that they add to gap and faces, and the
-        edge of contact with the loads of the flat punches up to it.
+        edge of contact under them, with the loads of the flat punches up to that edge.
         """
+        # N, N_Q of the gap per P and per Q; T, T_P of the faces per Q and per P.
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
+        # Coordinate s of the edge of contact in the table of punches; then eta, G and G_4 there.
         edge_s = self._edge_s(load, gap_curvature)
         edge_loads = self._table.punch_loads_at(edge_s)
         return Row(
@@ -678,6 +745,7 @@ class _StepSolver:
         memory = self._memory
         if memory.is_unloaded(end.normal_load) or memory.is_unloaded(begin.normal_load):
             return (end,)
+        # Pieces of memory curve before the trials, which are discarded after each.
         n_pieces = len(memory.pieces)
 
         def excess_displacement(direction: int, fraction: float) -> float:
@@ -743,12 +811,14 @@ class _StepSolver:
             )
         target_displacement = end.actuator_displacement - free_displacement
         friction_limit = memory.friction * end.normal_load
+        # Trial with the Q before: the actuator must push forward or back from there.
         # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
         force = min(max(force_before, -friction_limit), friction_limit)
         memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
         self._discard_pieces(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
+        # Sliding as a whole, if U_act goes beyond U + Q/k_s at Q = +-f P.
         row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
         sliding_step = memory.step_of_gross_sliding(row_at_limit, direction)
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
@@ -756,6 +826,7 @@ class _StepSolver:
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
+        # Newton's method: missing displacement over d(U + Q/k_s)/dQ, within the bracket.
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
         for _ in range(_MOST_ITERATIONS):
@@ -782,7 +853,8 @@ class _StepSolver:
     def _step_and_displacement(
         self, state: MemoryState, load: float, force: float
     ) -> tuple[MemoryStep, float]:
-        """Memory of friction after a step to P = `load`, Q = `force`, and U + Q/k_s there [length].
+        """Memory of friction after a step from `state` to the loads P = `load`, Q = `force`, and
+        the displacement U + Q/k_s of the actuator there [length]; k_s is the spring of the rig.
 
         The pieces of the new memory curve are stored.
         """
@@ -802,7 +874,11 @@ class _StepSolver:
         """
         self._integrate_new_pieces()
         compliance = self._compliance
+        # Of `compliance`: unit_compliance is A/pi; curvatures.tangential is T, normal_under_shear
+        # N_Q.
         curvatures = compliance.curvatures
+        # Integrals of ln(2 L/c) and c^2/2 over the punches up to the edge, each over d eta and over
+        # dG.
         sums_at_edge = self._table.punch_sums_at(row.edge_s, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
@@ -825,11 +901,15 @@ class _StepSolver:
         displacement += added_compliance * row.tangential_load
         displacement += curvatures.tangential * shear_second_moment / 2
         displacement += curvatures.normal_under_shear * pressure_second_moment / 2
-        by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
-        return displacement + float(by_tilt)
+        displacement_by_tilt = compliance.displacement_by_tilt(row.normal_load, row.tangential_load)
+        return displacement + float(displacement_by_tilt)
 
     def _compliance_at(self, step: MemoryStep, load: float) -> float:
-        """d(U + Q/k_s)/dQ at the end of a step under P = `load` [1/stress]."""
+        """Compliance d(U + Q/k_s)/dQ of the actuator at the end of a step under P = `load`
+        [1/stress], by the half-width that sticks there; at least 1e-9 of the table's largest.
+        """
+        # Coordinates s in the table of punches: inner end of an inner slip zone, else the stick
+        # edge.
         stick_edge_s = step.inner_zone_s[0] if step.inner_zone_direction else step.stick_edge_s
         half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
@@ -849,6 +929,8 @@ class _StepSolver:
         = profile_slope d eta + parabola_slope dG, with the loads eta and G of the punches of the
         profile and of x^2/2. L is the datum length.
         """
+        # Three lists with one entry for each piece of memory curve; number_below: of the piece that
+        # it continues; top_s: coordinate s of its outer end.
         pieces = self._memory.pieces
         for piece in pieces[len(self._sums_at_tops) :]:
             sums_at_top = self._table.punch_sums_at(piece.top_s, self._compliance.datum_length)
