@@ -33,15 +33,20 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
 
     The second cycle is steady. What depends on the initial loading is NaN: shear, slip and the
     tangential displacement. `strokes` are the forward and the reverse half of the cycle, in which Q
-    rises and falls, with slip in one direction each.
+    rises and falls, with slip in one direction each. The question holds scene, points and the
+    fields that are wanted.
     """
-    started = clock.perf_counter()
+    time_at_start = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
     path_loads, tilted_contact = path_loads_and_contact(scene)
+    # instants of the first cycle, with P, Q, bulk strain and tilt
     time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
     period = path.cycle[-1].end - path.cycle_start
+    # whether Q rises
     is_forward = _is_rising(time, tangential_load, period)
+
+    # edges of contact and of stick at each instant, (n, 2)
     contact_middle, contact_half_width = tilted_contact.centre_and_half_width_under(
         normal_load, tilt
     )
@@ -56,11 +61,12 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
     if x is None:
         x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
 
+    # what is not wanted is NaN, or open
     nan_at_points = np.broadcast_to(np.nan, (len(time), len(x)))
     nan_at_instants = nan_at_points[:, 0]
     pressure = nan_at_points
     state = np.full(nan_at_points.shape, np.int8(OPEN))
-    approach = nan_at_instants
+    normal_approach = nan_at_instants
     friction_work = math.nan
     loop_work = math.nan
     density = np.full(len(x), math.nan)
@@ -72,13 +78,19 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
         states_in_contact = np.where(is_between_edges(stick_edges, x), np.int8(STICK), slip_state)
         state = np.where(is_between_edges(contact_edges, x), states_in_contact, state)
     if question.wants("normal_approach"):
-        approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
+        normal_approach = tilted_contact.approach(
+            contact_middle, contact_half_width, normal_load, tilt
+        )
     if question.wants("dissipation"):
+        # W and its relative error
         friction_work, errors["dissipation"] = _work_and_error(strokes)
     if question.wants("loop_work"):
         loop_work = work_by_loads(strokes)
     if question.wants("dissipation_density"):
+        # W(x) and its error over the largest
         density, errors["dissipation_density"] = _density_and_error(strokes, x)
+
+    # the stick zone is smallest at the largest Q
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
     stress_of_lower, stress_of_upper = path_loads.bulk_stresses(time)
     return Findings(
@@ -96,7 +108,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
             "contact_half_width": contact_half_width,
             "stick_half_width": stick_half_width,
             "tangential_displacement": nan_at_instants,
-            "normal_approach": approach,
+            "normal_approach": normal_approach,
             "dissipation": friction_work,
             "loop_work": loop_work,
             "cycle_dissipation": np.array([friction_work]),
@@ -114,7 +126,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
         notes=tuple(neglected_coupling(scene.material)),
         errors={name: error for name, error in errors.items() if error > PROMISED_ERROR},
         counts={"quadrature_nodes": 4 * STROKE_NODE_COUNT**2, "cycles_solved": 1},
-        seconds={"dissipation": clock.perf_counter() - started},
+        seconds={"dissipation": clock.perf_counter() - time_at_start},
     )
 
 
@@ -123,13 +135,14 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     spread over each load segment, with every turning point.
     """
     segments = loads.path.cycle
-    times = []
+    times_of_segments = []
     for segment in segments:
+        # 400 in all
         n_times = _INSTANTS_PER_CYCLE // len(segments) + 2
         even_times = np.linspace(segment.start, segment.end, n_times)[1:]
-        times.append(np.unique(np.append(even_times, loads.turning_times(segment))))
-    return np.concatenate(times), np.concatenate(
-        [loads.loads_in_segment(time) for time in times], axis=1
+        times_of_segments.append(np.unique(np.append(even_times, loads.turning_times(segment))))
+    return np.concatenate(times_of_segments), np.concatenate(
+        [loads.loads_in_segment(time) for time in times_of_segments], axis=1
     )
 
 
@@ -148,7 +161,7 @@ def _stick_zones(
     [length].
 
     `tangential_load` (n,) is Q there, `is_forward` (n,) whether the stroke is the one in which Q
-    rises.
+    rises. Index 1 of the loads of a stroke is Q.
     """
     forward_stroke, reverse_stroke = strokes
     share_of_stroke = np.clip(
@@ -179,9 +192,9 @@ def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array,
     density = forward_stroke.work_density(x, STROKE_NODE_COUNT) + reverse_stroke.work_density(
         x, STROKE_NODE_COUNT
     )
-    by_half_the_nodes = forward_stroke.work_density(
+    density_by_half_the_nodes = forward_stroke.work_density(
         x, STROKE_NODE_COUNT // 2
     ) + reverse_stroke.work_density(x, STROKE_NODE_COUNT // 2)
     largest_density = float(np.max(density))
-    change = largest_error(np.abs(by_half_the_nodes - density))
-    return density, change / largest_density if largest_density > 0 else 0.0
+    largest_change = largest_error(np.abs(density_by_half_the_nodes - density))
+    return density, largest_change / largest_density if largest_density > 0 else 0.0

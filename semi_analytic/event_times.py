@@ -78,7 +78,8 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
     Initial loading and cycles up to the first steady one are covered. On an ellipse of loads with
     an area, events get the letters A to M of figure 2 of Davies, Barber and Hills (2012). For a
-    clockwise one that figure is mirrored.
+    clockwise one that figure is mirrored. The friction history is a sequence of times of stick, or
+    of slip in one direction.
 
     Raises
     ------
@@ -95,30 +96,37 @@ def events(scene: Scene) -> tuple[Event, ...]:
     """
     scene = validated(scene, Scene)
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
+    # empty without such an ellipse
     time_by_letter = _time_by_letter(history)
+
+    # events of one instant become one
     merged_events: list[Event] = []
     for event in sorted(_unlettered_events(history), key=lambda event: event.time):
         event_before = merged_events[-1] if merged_events else None
+        # _SAME_TIME_SHARE: 1e-9
         tolerance = _SAME_TIME_SHARE * max(abs(event.time), 1.0)
         if event_before is not None and abs(event_before.time - event.time) <= tolerance:
             merged_events[-1] = _merged_event(event_before, event)
         else:
             merged_events.append(event)
+
+    # letters, and without what merely goes on
     lettered_events = []
     for event in merged_events:
         if not event.name.endswith(_CONTINUATION_ENDING):
-            letters = [
+            letters_of_event = [
                 letter
                 for letter, time in time_by_letter.items()
                 if abs(time - event.time) <= _LETTER_TOLERANCE
             ]
-            lettered_events.append(replace(event, letter="".join(letters)))
+            lettered_events.append(replace(event, letter="".join(letters_of_event)))
     return tuple(lettered_events)
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
     """Two events of one instant as one, with the lower load at the edge of slip and both names, but
-    for a name by which a state goes on.
+    for a name by which a state goes on, which ends in " goes on". That load, `front_load`, is P_c,
+    whose contact is the stick zone.
     """
     names = [
         name
@@ -164,10 +172,12 @@ def _unlettered_events(history: History) -> Iterator[Event]:
 
     That curve is M(eta), the tangential force of the flat punches up to the load eta; a growing
     slip zone erases it from the edge of contact inwards. A span is a time in full stick, or with
-    slip in one direction, in which the stick edge stays on one piece of it.
+    slip in one direction, in which the stick edge stays on one piece of it, `sticking_piece`; its
+    `direction` is 1, -1 or 0.
 
-    A change of state comes twice, as the begin of a span and as the end of the span before.
-    `events` merges the two, and drops those whose name ends in `_CONTINUATION_ENDING`.
+    `_event_at` makes an event with the loads and the load at the stick edge. A change of state
+    comes twice, as the begin of a span and as the end of the span before. `events` merges the two,
+    and drops those whose name ends in `_CONTINUATION_ENDING`.
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
@@ -207,7 +217,8 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     along one curved segment of the load path, or they have equal anchor and slope.
 
     A memory curve M(eta) is the tangential force of the flat punches up to the load eta. Its anchor
-    is the instant of the load path through whose P and Q it passes. None: nothing sticks.
+    is the instant of the load path through whose P and Q it passes. None: nothing sticks. An `arc`
+    is a piece that is a curved part of the load path, passed in full stick.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
@@ -229,10 +240,10 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     a span is a time in full stick or with slip in one direction.
 
     The turning points of an ellipse are sought a little beyond its ends too: the loads may turn
-    smoothly at an end.
+    smoothly at an end. Times count as one within 1e-9.
     """
     segment = span.segment
-    time_step = 1e-3 * (segment.end - segment.start)
+    time_difference = 1e-3 * (segment.end - segment.start)
     searched_segment = segment
     if is_plain_ellipse(segment):
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
@@ -240,10 +251,10 @@ def _load_extremes(span: Span) -> Iterator[Event]:
         for time in searched_segment.turning_points(combination):
             if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
                 # From the turning point to just after it, and to just before it.
-                rise_after = float(segment.change_of(combination, time + time_step, time))
-                rise_before = float(segment.change_of(combination, time - time_step, time))
-                kind = "largest" if rise_after + rise_before < 0 else "least"
-                yield _event_at(span, time, f"{load_name} {kind}")
+                rise_after = float(segment.change_of(combination, time + time_difference, time))
+                rise_before = float(segment.change_of(combination, time - time_difference, time))
+                extreme_name = "largest" if rise_after + rise_before < 0 else "least"
+                yield _event_at(span, time, f"{load_name} {extreme_name}")
 
 
 def _event_at(span: Span, time: float, name: str) -> Event:
@@ -251,7 +262,8 @@ def _event_at(span: Span, time: float, name: str) -> Event:
     span lies; times outside the span are moved to its nearer end.
 
     A span is a time in full stick or with slip in one direction. `front_load` is P_c, the load that
-    the flat punches up to the stick edge carry; the slip zones carry P - P_c.
+    the flat punches up to the stick edge carry; the slip zones carry P - P_c, `slip_zone_load`.
+    `delay` is how much later the span is than the segment's own time.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
     normal_load, tangential_load = (float(load) for load in span.segment.loads(time_in_segment))
@@ -270,8 +282,9 @@ def _time_by_letter(history: History) -> dict[str, float]:
     of loads; empty without such an ellipse.
 
     At each of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
-    the events before it; see the module. J is as long after I as I is after G. A clockwise ellipse
-    is mirrored, Q for -Q. Of loads on a line C and D would coincide, so that it has no letters.
+    the events before it. A is the start of the cycle, B and I the end of full stick, E and M of
+    forward slip, G of reverse slip. J is as long after I as I is after G. A clockwise ellipse is
+    mirrored, Q for -Q. Of loads on a line C and D would coincide, so that it has no letters.
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}
@@ -279,6 +292,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
     ellipse = history.ellipse_of_cycle.ellipse
     assert ellipse is not None  # for the type checker: `ellipse_of_cycle` is one
     # Over pi; positive for an anticlockwise ellipse.
+    # amplitudes of P and Q, and the lag of Q
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
@@ -306,6 +320,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
     }
     times = {"A": history.ellipse_of_cycle.start}
     for letter, extreme in extreme_by_letter.items():
+        # on the ellipse, up to whole revolutions
         time = ellipse.time_of_largest(load_combinations[extreme[:-1]])
         if extreme.endswith("-"):
             time += math.pi  # half a revolution from the maximum to the minimum

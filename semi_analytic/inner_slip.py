@@ -69,7 +69,8 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
 
     mu [1/length] is straight between the m + 1 half-widths, a sum of hat functions. A hat is 1 at
     one half-width and 0 at the others; the last half-width has the mu of the one before. The slip
-    is relative to that at x = 0. `modulus` is E* [stress].
+    is relative to that at x = 0. A punch of half-width c carries the tangential load (pi E*/2) mu c
+    dc. `modulus` is E* [stress].
     """
     x_column = x[:, None]
     larger_width = np.maximum(half_widths, x_column)
@@ -102,8 +103,9 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
 
 
 def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
-    """Integrals over c of a kernel times each hat function, (k, m), from the primitives of the
-    kernel and of c times it at the half-widths (m + 1,), (k, m + 1) each.
+    """Integrals over half-widths c of a kernel times each hat function, which is 1 at one
+    half-width and 0 at the others, (k, m), from the primitives of the kernel and of c times it at
+    the half-widths (m + 1,), (k, m + 1) each.
     """
     begin_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
@@ -165,16 +167,19 @@ class InnerSlip:
         the middle, and whether each point lies in its slip zone.
 
         They are added to the fields of the memory curve, by which |q| would exceed f p inside the
-        contact. A point between two half-widths counts as slipping where both of them do.
+        contact. A point between two half-widths counts as slipping where both of them do;
+        `is_slipping` (m,) is that of all but the last of the `half_widths` (m + 1,). `densities`
+        (m,) are the mu of the punches, `slip_at_middle` is the slip at x = 0.
         """
+        # influence matrices (k, m)
         shear_per_density, slip_per_density = _shear_and_slip_of_punches(
             x, self.half_widths, self.modulus
         )
-        punch_within_x = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside = punch_within_x < len(self.is_slipping)
-        next_one_slips = np.append(self.is_slipping[1:], False)
-        slips_at_both_ends = (self.is_slipping & next_one_slips)[
-            np.minimum(punch_within_x, len(self.is_slipping) - 1)
+        number_of_half_width_within = np.searchsorted(self.half_widths, x, side="right") - 1
+        is_inside = number_of_half_width_within < len(self.is_slipping)
+        next_point_slips = np.append(self.is_slipping[1:], False)
+        slips_at_both_ends = (self.is_slipping & next_point_slips)[
+            np.minimum(number_of_half_width_within, len(self.is_slipping) - 1)
         ]
         return SlipAtPoints(
             shear=shear_per_density @ self.densities,
@@ -240,8 +245,10 @@ def inner_slip(
     NotFoundError
         Where no slip zone is found with the first half-widths.
     """
+    # _EDGE_WIDTH_SHARE: 1e-3
     slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _EDGE_WIDTH_SHARE))]
     contact = _MemoryContact(tractions, direction, half_width, slip_ends, edge_of_stick, modulus)
+    # 97 half-widths, closer together at the edge of contact
     graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
     # The interval between a half-width and a slip end next to it would have no length.
     is_apart = np.all(
@@ -249,6 +256,7 @@ def inner_slip(
     )
     is_apart[[0, -1]] = True
     half_widths = np.union1d(graded_widths[is_apart], slip_ends)
+    # None where the search does not converge
     solution = _slip_on_punches(contact, half_widths, None)
     if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
@@ -264,7 +272,9 @@ def inner_slip(
 
 def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
     """The half-widths, ascending, with more of them around the ends of the slip zone and around
-    `slip_ends`, where slip of the memory curve begins or ends.
+    `slip_ends`, where slip of the memory curve begins or ends. The two intervals on each side of an
+    end are cut into four parts. `slips` (m,) tells which of the half-widths but the last are in the
+    slip zone.
     """
     numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
@@ -272,20 +282,24 @@ def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends
         numbers_of_ends[:, None] + np.arange(-_PUNCHES_AROUND_END, _PUNCHES_AROUND_END)
     ).ravel()
     intervals = np.unique(np.clip(intervals_around, 0, len(slips) - 1))
-    shares = np.arange(1, _PARTS_OF_INTERVAL) / _PARTS_OF_INTERVAL
-    new_widths = half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares
-    return np.union1d(half_widths, new_widths)
+    shares_of_interval = np.arange(1, _PARTS_OF_INTERVAL) / _PARTS_OF_INTERVAL
+    added_half_widths = (
+        half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares_of_interval
+    )
+    return np.union1d(half_widths, added_half_widths)
 
 
 def _force_of_punches(half_widths: Array) -> Array:
-    """Tangential force int r dx of each hat function of mu, over pi E*/2: int mu c dc, (m,)."""
+    """Tangential force int r dx of each hat function of mu, which is 1 at one half-width c and 0 at
+    the others, over pi E*/2: int mu c dc, (m,).
+    """
     begin_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
-    of_rising_hat = interval_length * (begin_width / 2 + interval_length / 3)
-    force = interval_length * (begin_width / 2 + interval_length / 6)
-    force[1:] += of_rising_hat[:-1]
-    force[-1] += of_rising_hat[-1]
-    return np.asarray(force)
+    force_of_rising_hats = interval_length * (begin_width / 2 + interval_length / 3)
+    force_of_hats = interval_length * (begin_width / 2 + interval_length / 6)
+    force_of_hats[1:] += force_of_rising_hats[:-1]
+    force_of_hats[-1] += force_of_rising_hats[-1]
+    return np.asarray(force_of_hats)
 
 
 def _slip_on_punches(
@@ -296,19 +310,25 @@ def _slip_on_punches(
 
     The zone (active set) starts from that of a coarser solution. It is changed until no sticking
     point exceeds the limit and no slipping point moves against its direction. Unknowns are the
-    density mu at the points, (m,), and the slip at x = 0; int r dx = 0 is the last equation.
+    density mu at the points, (m,), and the slip at x = 0; int r dx = 0 is the last equation, r the
+    shear that the slip makes. States of points: 1 slips in `direction`, 0 sticks, -1 slips the
+    other way, as the edge does.
     """
     direction = contact.direction
     points = half_widths[:-1]
+    # influence matrices (m, m) of the punches
     shear_per_density, slip_per_density = _shear_and_slip_of_punches(
         points, half_widths, contact.modulus
     )
+    # q and f p of the memory curve at the points
     shear, limit = contact.tractions(points)
     excess = (
         direction * shear - limit
     )  # beyond the limit of slip in the direction `direction` [stress]
     excess_of_reverse = -direction * shear - limit
+    # _ROUND_OFF_SHARE: 1e-9
     excess_tolerance = _ROUND_OFF_SHARE * float(np.max(excess))
+    # points outside the stick zone slip at the edge
     is_at_edge = points >= contact.stick_half_width
     states = np.where(excess > excess_tolerance, _SLIPPING, _STICKING)
     if coarser_solution is not None:
@@ -316,24 +336,27 @@ def _slip_on_punches(
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]
     states = np.where(is_at_edge, _SLIPPING_BACK, states)
+
+    # equations for mu and the slip at x = 0
     n_points = len(points)
-    matrix = np.zeros((n_points + 1, n_points + 1))
-    matrix[n_points, :n_points] = _force_of_punches(half_widths)
-    right_side = np.zeros(n_points + 1)
+    equations_matrix = np.zeros((n_points + 1, n_points + 1))
+    equations_matrix[n_points, :n_points] = _force_of_punches(half_widths)
+    right_hand_side = np.zeros(n_points + 1)
     for trial in range(_MOST_TRIALS):
-        # A sticking point does not slip further; the shear of a slipping one comes to the limit.
-        # Slip at the edge is at its limit already: r = 0.
+        # A sticking point does not slip further, w = 0; the shear of a slipping one comes to the
+        # limit. Slip at the edge is at its limit already: r = 0.
         is_resting = states == _STICKING
-        matrix[:n_points, :n_points] = np.where(
+        equations_matrix[:n_points, :n_points] = np.where(
             is_resting[:, None], slip_per_density, shear_per_density
         )
-        matrix[:n_points, n_points] = is_resting
-        right_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
-        right_side[:n_points] += np.where(
+        equations_matrix[:n_points, n_points] = is_resting
+        right_hand_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
+        right_hand_side[:n_points] += np.where(
             (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse, 0.0
         )
-        *densities, slip_at_middle = np.linalg.solve(matrix, right_side)
+        *densities, slip_at_middle = np.linalg.solve(equations_matrix, right_hand_side)
 
+        # which points are in the wrong state
         added_shear = direction * (shear_per_density @ densities)
         slip = direction * (slip_per_density @ densities + slip_at_middle)
         slip_roundoff = _ROUND_OFF_SHARE * float(np.max(np.abs(slip)))
@@ -354,6 +377,8 @@ def _slip_on_punches(
                 direction,
                 states,
             )
+
+        # later trials change one point at a time
         if trial > _TRIALS_OF_ALL_POINTS:
             changed_points = changed_points[:1]
         states[changed_points] = new_states[changed_points]

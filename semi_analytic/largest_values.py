@@ -111,7 +111,7 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
     ----------
     answer
         of half-plane theory, for the load path of its scene or for straight steps between its
-        instants; its instants say which cycle is the last
+        instants; its instants tell which cycle is the last
     names
         which of `SEARCHED_VALUES` are searched for. The others are NaN where the friction history
         is one memory curve: the tangential force, or bulk strain, locked in up to each load.
@@ -144,16 +144,18 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
 
 def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     """Largest values of half-plane theory for the answer's scene through the last cycle; `names`
-    are those of `SEARCHED_VALUES` to search for.
+    are those of "slip", "dissipation_density" and "edge_tension" to search for.
 
     Where one memory curve is the whole friction history, the maxima are searched for. For other
     scenes they are the largest at the default points and instants. A memory curve is the tangential
     force, or the bulk strain, locked in up to each load.
     """
     scene = answer.scene
+    # None where there is no one memory curve
     contact = _contact_of_one_curve(scene)
     if contact is None:
         return _extremes_at_default_points(scene)
+    # instants of the last cycle; "whole_cycle" is skipped where the answer has none
     rows_of_cycle = answer.last_cycle
     has_cycle = "whole_cycle" not in answer.work.skipped and len(rows_of_cycle) > 1
     if not has_cycle or answer.settings.get("straight_steps"):
@@ -206,7 +208,9 @@ class _Search:
 
     def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
         """Find the instants and places between which slip, friction work and pressure of an
-        `answer` are smooth; `has_cycle` is whether the answer has a whole last cycle.
+        `answer` are smooth; `has_cycle` is whether the answer has a whole last cycle. `contact` is
+        the normal contact of the scene. Straight steps are steps between the answer's own instants,
+        in place of the scene's path.
         """
         self.scene = answer.scene
         self.contact = contact
@@ -214,23 +218,30 @@ class _Search:
         self.has_cycle = has_cycle
         self.on_straight_steps = bool(answer.settings.get("straight_steps"))
         self.instants = answer.time
+        # load segment, begin and end time of each part on which P goes one way
         self.monotonic_parts: list[tuple[LoadSegment, float, float]] = []
         if self.on_straight_steps:
             self.instants = answer.time[answer.last_cycle]
         else:
             self.monotonic_parts = _monotonic_parts(self.scene, self.instants[0], self.instants[-1])
+        # instants between which slip of a point goes one way
         self.turning_times = self._find_turning_times()
+
+        # the largest load, and the edges of contact then
         turning_loads = np.asarray(self.scene.load.path().at(self.turning_times)[0])
         number_of_largest = np.argmax(turning_loads)
         self.largest_load_time = float(self.turning_times[number_of_largest])
+        # (n, 2)
         edges_at_turns = solve(self.scene, x=0.0, time=self.turning_times, fields=()).contact_edges
         self.widest_edges = edges_at_turns[number_of_largest]
+        # places between which values are smooth functions of x
         self.kinks = self._find_kinks(edges_at_turns[turning_loads > 0])
 
     def _find_kinks(self, edges_at_turns: Array) -> Array:
         """Places between which values are smooth functions of x, ascending, within the contact at
         the largest load: edges of contact (n, 2) at the turning points of the loads, corners of the
-        profile, the middle of the profile and of the contact.
+        profile, the middle of the profile and of the contact. Of a symmetric scene only the right
+        half is searched. `widest_edges` are the edges of contact at the largest load.
         """
         corners = [
             side * corner for corner in self.contact.corner_half_widths for side in (-1.0, 1.0)
@@ -275,17 +286,20 @@ class _Search:
 
     def _find_turning_times(self) -> Array:
         """Instants between which the slip of a point in contact moves one way, ascending: turning
-        points of P, Q - f P and -Q - f P; on straight steps, or without a cycle, all instants.
+        points of P, Q - f P and -Q - f P; on straight steps, or without a cycle, all instants. On
+        each of the `monotonic_parts`, (load segment, begin and end time), P goes one way.
         """
         if not self.has_cycle or self.on_straight_steps:
             return self.instants
-        times = [self.instants[0], self.instants[-1]]
+        turning_times = [self.instants[0], self.instants[-1]]
         friction = self.scene.friction.coefficient
         for segment, begin, end in self.monotonic_parts:
-            times += [begin, end]
+            turning_times += [begin, end]
             for slip_level in (slip_combination(1, friction), slip_combination(-1, friction)):
-                times += [time for time in segment.turning_points(slip_level) if begin < time < end]
-        return np.unique(times)
+                turning_times += [
+                    time for time in segment.turning_points(slip_level) if begin < time < end
+                ]
+        return np.unique(turning_times)
 
     def _answer_at(self, x: Array, time: Array, fields: tuple[str, ...]) -> ContactSolution:
         """Answer of half-plane theory at places x (n,) and instants `time` (m,); on straight steps
@@ -296,7 +310,10 @@ class _Search:
         return solve(self.scene, x=x, time=time, fields=fields)
 
     def largest_pressure_and_half_width(self) -> tuple[float, float, float]:
-        """Largest pressure [stress], its place and the half-width [length] at the largest load."""
+        """Largest pressure [stress], its place and the half-width [length], all at the time of the
+        largest load. The pressure is searched for over x, between the `kinks` of the contact;
+        `widest_edges` (2,) are the edges of contact then.
+        """
         time = np.array([self.largest_load_time])
 
         def pressures(x: Array) -> Array:
@@ -310,7 +327,8 @@ class _Search:
         contact, and the place of that point [length each]; 0 without friction.
 
         The range at a point is exact: slip moves one way between the turning points of the loads,
-        and until an edge of contact passes the point.
+        and until an edge of contact passes the point. On straight steps between the answer's own
+        instants the slip is taken at these.
         """
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
@@ -327,6 +345,7 @@ class _Search:
                 answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
             )
             edges = answer.contact_edges[cycle_rows]
+            # 1e-10 of the contact width at the largest load
             edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
             within_edges = (x >= edges[:, :1] - edge_tolerance) & (
                 x <= edges[:, 1:] + edge_tolerance
@@ -334,6 +353,7 @@ class _Search:
             is_in_contact = within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
             return range_of_slip(answer.slip[cycle_rows], is_in_contact)
 
+        # searched for over x, between the kinks
         return self._largest_over_contact("slip_place", slip_ranges)
 
     def _times_of_passing_edge(self, x: Array) -> Array:
@@ -341,14 +361,16 @@ class _Search:
 
         On each part of the load path on which P goes one way, the edge passes x when P is the load
         at which the edge is at x. There are none on straight steps, whose instants are fixed. In
-        the first round over a long record they are left out, as they would be too many.
+        the first round over a long record they are left out, as they would be too many: more than
+        400 parts, more than 33 places. `monotonic_parts` are load segments with begin and end time.
         """
         is_first_round = len(x) > _MOST_CANDIDATES * _PLACES_IN_ROUND
         is_long_record = len(self.monotonic_parts) > _PARTS_OF_LONG_RECORD
         if self.on_straight_steps or (is_long_record and is_first_round):
             return np.empty(0)
+        # load at which an edge of contact is at x
         edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
-        times = []
+        times_by_part = []
         for segment, begin_time, end_time in self.monotonic_parts:
             load_at_begin, load_at_end = (
                 float(segment.loads(time)[0]) for time in (begin_time, end_time)
@@ -358,10 +380,10 @@ class _Search:
                 & (edge_load < max(load_at_begin, load_at_end))
             ]
             if len(passed_loads):
-                times.append(
+                times_by_part.append(
                     segment.time_of(NORMAL_LOAD, passed_loads - load_at_begin, begin_time, end_time)
                 )
-        return np.concatenate(times) if times else np.empty(0)
+        return np.concatenate(times_by_part) if times_by_part else np.empty(0)
 
     def largest_work_density(self) -> tuple[float, float]:
         """Largest friction work per area over the cycle W(x) [energy / area], and its place."""
@@ -379,19 +401,22 @@ class _Search:
         """Largest value of a function of x over the contact, and its place, searched for between
         its kinks.
 
-        On straight steps the edge at each instant is a kink. Where these are hundreds, the maximum
-        on the curved path, which the steps approximate, is found first; its place is the attribute
-        `place_name` of `Extremes`. Only the kinks nearest to it are searched.
+        Kinks are places between which the function is smooth. On straight steps the edge at each
+        instant is a kink. Where these are hundreds, the maximum on the curved path, which the steps
+        approximate, is found first; its place is the attribute `place_name` of `Extremes`. Only the
+        kinks nearest to it are searched.
         """
+        # _PLACES_AT_FIRST: 96
         if not self.on_straight_steps or len(self.kinks) <= _PLACES_AT_FIRST:
             return _largest_value_and_place(values, self.kinks)
         start, end = self.instants[[0, -1]].tolist()
         place_on_path = getattr(
             _extremes_of_cycle(self.scene, start, end, SEARCHED_VALUES), place_name
         )
-        nearest = int(np.abs(self.kinks - place_on_path).argmin())
-        first = max(nearest - _KINKS_ON_EACH_SIDE, 0)
-        kinks_nearby = self.kinks[first : nearest + _KINKS_ON_EACH_SIDE + 1]
+        nearest_kink = int(np.abs(self.kinks - place_on_path).argmin())
+        # twelve kinks on each side
+        first_kink = max(nearest_kink - _KINKS_ON_EACH_SIDE, 0)
+        kinks_nearby = self.kinks[first_kink : nearest_kink + _KINKS_ON_EACH_SIDE + 1]
         return _largest_value_and_place(
             values, kinks_nearby, settled_share=_SETTLED_CHANGE_SHARE_ON_STEPS
         )
@@ -403,6 +428,7 @@ class _Search:
         It is searched for over time, between the turning points of the loads; on straight steps
         between all their instants.
         """
+        # bulk stress or tilt: the largest at a set of instants
         if self.scene.unsymmetric:
             return _largest_tension(
                 self.scene, _places_between_kinks(self.turning_times, _INSTANTS_AT_FIRST)
@@ -411,6 +437,7 @@ class _Search:
 
         def tensions(time: Array) -> Array:
             nonlocal largest_uncertainty
+            # at instants, both edges and both faces
             tension, errors = edge_tension(self.scene, time)
             largest_uncertainty = max(largest_uncertainty, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))
@@ -426,22 +453,25 @@ def _monotonic_parts(
     """Parts of a load path between the times `start` and `end` on which the normal load P rises or
     falls throughout: load segment, begin and end time of each.
 
-    `start` may lie anywhere in a cycle. Segments of which only round-off lies in between are left
-    out.
+    `start` may lie anywhere in a cycle. Without a period the path has one pass. Segments of which
+    only round-off lies in between are left out.
     """
     path = scene.load.path()
+    # the initial loading, and the cycles between both times
     segments = list(path.initial_loading)
     if path.period is not None:
         first_cycle = math.floor((start - path.cycle_start) / path.period + _EDGE_TOLERANCE_SHARE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _EDGE_TOLERANCE_SHARE)
         for number in range(max(first_cycle, 0), last_cycle):
             segments += path.segments_of_cycle(number)
+
+    # cut at the turning points of P
     least_duration = _EDGE_TOLERANCE_SHARE * (end - start)
     parts = []
     for segment in segments:
         part_begin = max(segment.start, start)
         part_end = min(segment.end, end)
-        turns = [
+        turning_times = [
             time
             for time in sorted(segment.turning_points(NORMAL_LOAD))
             if part_begin < time < part_end
@@ -449,7 +479,7 @@ def _monotonic_parts(
         if part_end - part_begin > least_duration:
             parts += [
                 (segment, begin_time, end_time)
-                for begin_time, end_time in pairwise([part_begin, *turns, part_end])
+                for begin_time, end_time in pairwise([part_begin, *turning_times, part_end])
             ]
     return parts
 
@@ -467,6 +497,8 @@ def _largest_value_and_place(
     closer ones around the largest local maxima. A round that raises the largest value by less than
     `settled_share` of itself ends the search, if the round before raised it by less than 1e-10. So
     do 16 rounds, and a value that is not finite, which is returned. One kink alone is the place.
+    Around a local maximum eleven places are tried, and the vertex of the parabola through it and
+    its neighbours.
 
     >>> top, place = _largest_value_and_place(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -479,9 +511,12 @@ def _largest_value_and_place(
     number_of_largest = int(np.argmax(first_values))
     largest_value = float(first_values[number_of_largest])
     place = float(first_places[number_of_largest])
+    # three at most, each with its two neighbours
     maxima = _local_maxima(first_places, first_values)
     nearly_settled_share = max(settled_share, _NEARLY_SETTLED_CHANGE_SHARE)
     is_nearly_settled = False
+
+    # closer and closer places around the maxima
     for _ in range(_MOST_SEARCH_ROUNDS):
         if not np.isfinite(largest_value):
             break
@@ -512,8 +547,8 @@ def _places_between_kinks(kinks: Array, count: int) -> Array:
     """
     if len(kinks) == 1:
         return kinks
-    intervals = max(count // (len(kinks) - 1), 2)
-    return np.unique([np.linspace(begin, end, intervals + 1) for begin, end in pairwise(kinks)])
+    n_intervals = max(count // (len(kinks) - 1), 2)
+    return np.unique([np.linspace(begin, end, n_intervals + 1) for begin, end in pairwise(kinks)])
 
 
 class _LocalMaximum(NamedTuple):
@@ -526,7 +561,8 @@ class _LocalMaximum(NamedTuple):
 
     def vertex(self) -> float:
         """Place at which the parabola through the three values is largest; the middle place where
-        the parabola has no maximum.
+        the parabola has no maximum. `places` and `values` (3,) are of the maximum and its
+        neighbours.
 
         >>> _LocalMaximum(
         ...     np.array([0.0, 1.0, 3.0]), np.array([0.0, 3.0, 3.0])
@@ -540,10 +576,10 @@ class _LocalMaximum(NamedTuple):
         if not first_slope > last_slope:
             return middle_place
         # The slope goes from the first to the last between the middles of both intervals.
-        vertex = (first_place + middle_place) / 2 + first_slope / (first_slope - last_slope) * (
-            last_place - first_place
-        ) / 2
-        return min(max(vertex, first_place), last_place)
+        vertex_place = (first_place + middle_place) / 2 + first_slope / (
+            first_slope - last_slope
+        ) * (last_place - first_place) / 2
+        return min(max(vertex_place, first_place), last_place)
 
     def places_around(self) -> Array:
         """Equally spaced places between the neighbours, and that of the vertex."""
@@ -556,24 +592,29 @@ class _LocalMaximum(NamedTuple):
         """
         all_places = np.concatenate([self.places[:1], places, self.places[-1:]])
         all_values = np.concatenate([self.values[:1], values, self.values[-1:]])
-        best_place = int(np.argmax(values)) + 1
-        three_places = slice(best_place - 1, best_place + 2)
-        return _LocalMaximum(all_places[three_places], all_values[three_places])
+        number_of_largest = int(np.argmax(values)) + 1
+        maximum_and_neighbours = slice(number_of_largest - 1, number_of_largest + 2)
+        return _LocalMaximum(all_places[maximum_and_neighbours], all_values[maximum_and_neighbours])
 
 
 def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     """The highest local maxima of values at places, (n,) each, places ascending: three at most, of
     at least 97 % of the largest value.
     """
-    beyond_end = np.array([-np.inf])
-    is_above_last = values >= np.concatenate([beyond_end, values[:-1]])
-    is_above_next = values >= np.concatenate([values[1:], beyond_end])
+    below_all_values = np.array([-np.inf])
+    is_above_last = values >= np.concatenate([below_all_values, values[:-1]])
+    is_above_next = values >= np.concatenate([values[1:], below_all_values])
     is_high = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
-    numbers = np.flatnonzero(is_above_last & is_above_next & is_high)
-    highest_numbers = numbers[np.argsort(-values[numbers], kind="stable")][:_MOST_CANDIDATES]
+    numbers_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_high)
+    highest_numbers = numbers_of_maxima[np.argsort(-values[numbers_of_maxima], kind="stable")][
+        :_MOST_CANDIDATES
+    ]
     last_number = len(places) - 1
     neighbours = [np.clip([k - 1, k, k + 1], 0, last_number) for k in highest_numbers.tolist()]
-    return [_LocalMaximum(places[three], values[three]) for three in neighbours]
+    return [
+        _LocalMaximum(places[maximum_and_neighbours], values[maximum_and_neighbours])
+        for maximum_and_neighbours in neighbours
+    ]
 
 
 # ------------------------------------------------------------------------------ no one memory curve
@@ -583,9 +624,11 @@ def _extremes_at_default_points(scene: Scene) -> Extremes:
     the points and instants that half-plane theory takes where none are given.
 
     For scenes whose friction history is not one memory curve (tangential force, or bulk strain,
-    locked in up to each load): without it no smooth function is there to be searched.
+    locked in up to each load): without it no smooth function is there to be searched. Slip counts
+    while a point is in contact.
     """
     answer = solve(scene)
+    # instants of the last cycle
     cycle_rows = answer.last_cycle
     pressure = answer.pressure[cycle_rows].max(axis=0)
     edges = answer.contact_edges[cycle_rows]
@@ -613,6 +656,7 @@ def _largest_tension(source: ContactSolution | Scene, time: Array) -> tuple[floa
     """The largest tension at an edge of contact at instants (n,), 0 where all are compressive, and
     its uncertainty [stress each].
     """
-    values, uncertainties = edge_tension(source, time)
-    place_of_largest = np.unravel_index(np.argmax(values), values.shape)
-    return float(max(values[place_of_largest], 0.0)), float(uncertainties[place_of_largest])
+    # at instants, both edges and both faces
+    tensions, uncertainties = edge_tension(source, time)
+    index_of_largest = np.unravel_index(np.argmax(tensions), tensions.shape)
+    return float(max(tensions[index_of_largest], 0.0)), float(uncertainties[index_of_largest])

@@ -119,9 +119,13 @@ class Stroke:
 
     def slip_rate(self, x: Array, u: Array) -> Array:
         """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
-        zone and fractions u of the stroke, arrays that broadcast [length].
+        zone and fractions u of the stroke, arrays that broadcast [length]. With N = f P - d Q and
+        a = f alpha - d eps of tilt alpha and bulk strain eps it is -dN/du (A/pi)
+        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), A = 2/E*.
         """
+        # middle and half-width of the stick zone
         m, c = self.stick_zone(u)
+        # dN/du and da/du
         load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
         distance = np.maximum(np.abs(x - m), c)
         root_of_squares = np.sqrt((distance - c) * (distance + c))
@@ -132,24 +136,32 @@ class Stroke:
 
     def stick_zone_recedes(self) -> bool:
         """Whether all along this stroke the stick zone lies inside the contact, recedes at both
-        ends, and all points outside it slip in the direction d: only then its closed form holds.
+        ends, and all points outside it slip in the direction d: only then its closed form holds. It
+        recedes at both ends where |da/dN| <= A/(pi c), c its half-width, N = f P - d Q, a = f
+        alpha - d eps of tilt alpha and bulk strain eps, A = 2/E*.
         """
+        # dN/du and da/du, u the fraction of the stroke
         load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
         stick_middle, stick_half_width = self.stick_zone(_SAMPLED_STROKE_FRACTIONS)
         contact_middle, contact_half_width = self.contact_at(_SAMPLED_STROKE_FRACTIONS)
+        # the stick zone exists and shrinks
         if load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
         if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
+
+        # it lies inside the contact
         round_off = _ROUND_OFF_SHARE * np.max(contact_half_width)
-        left_inside = np.all(
+        is_left_end_inside = np.all(
             contact_middle - contact_half_width <= stick_middle - stick_half_width + round_off
         )
-        right_inside = np.all(
+        is_right_end_inside = np.all(
             stick_middle + stick_half_width <= contact_middle + contact_half_width + round_off
         )
-        if not (left_inside and right_inside):
+        if not (is_left_end_inside and is_right_end_inside):
             return False
+
+        # points at the edges of contact slip in the direction d
         least_slip_rate = load_rate * self.compliance * _ROUND_OFF_SHARE
         rates_at_edges = [
             self.slip_rate(contact_middle + side * contact_half_width, _SAMPLED_STROKE_FRACTIONS)
@@ -161,17 +173,19 @@ class Stroke:
         """Friction work of this stroke, from one end of the cycle to the other: the integral of f p
         |ds| over both slip zones and the stroke [energy per thickness].
 
-        `count` nodes are taken along x and along the stroke.
+        `count` nodes are taken along x and along the stroke; they suit square roots at both ends. A
+        zone lies on each side of the stick zone, up to the edge of contact.
         """
         nodes, weights = _end_root_quadrature(count)
-        path_fraction = nodes[:, None]  # rows are instants, columns points
-        stick_middle, stick_half_width = self.stick_zone(path_fraction)
-        contact_middle, half_width = self.contact_at(path_fraction)
+        stroke_fraction = nodes[:, None]  # rows are instants, columns points
+        stick_middle, stick_half_width = self.stick_zone(stroke_fraction)
+        contact_middle, contact_half_width = self.contact_at(stroke_fraction)
         total_work = 0.0
         for sign_of_side in (-1, 1):
             zone_begin = stick_middle + sign_of_side * stick_half_width
-            zone_length = contact_middle + sign_of_side * half_width - zone_begin
-            power = self.friction_power(zone_begin + zone_length * nodes, path_fraction)
+            zone_length = contact_middle + sign_of_side * contact_half_width - zone_begin
+            # f p |ds/du|
+            power = self.friction_power(zone_begin + zone_length * nodes, stroke_fraction)
             total_work += float(weights @ (np.abs(zone_length) * power) @ weights)
         return total_work
 
@@ -183,7 +197,8 @@ class Stroke:
 
             U - U_1 = d f [h - 2 h_s + h_1],    m_q - m_q1 = d f [m_p - 2 m_ps + m_p1]
 
-        1 is the begin of the stroke. Index s is the contact that would be the stick zone.
+        1 is the begin of the stroke. Index s is the contact that would be the stick zone, d the
+        direction of slip.
         """
 
         def approach_and_moment(load: Array, tilt: Array) -> Array:
@@ -204,7 +219,8 @@ class Stroke:
         begin, u = 0, to its end, u = 1, (k,) [energy per area].
 
         At each point the stroke is divided where an edge of the slip zone passes it. Each part with
-        slip takes `count` nodes.
+        slip takes `count` nodes. A slip zone lies on each side of the stick zone, up to the edge of
+        contact.
         """
 
         def depth_in_slip_zone(x: Array, path_fraction: Array) -> Array:
@@ -216,7 +232,8 @@ class Stroke:
             )
 
         is_inside = depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
-        # Fractions u at which an edge of the slip zone passes a point, by bisection.
+        # Fractions u at which an edge of the slip zone passes a point, by bisection between 129
+        # samples.
         interval_of_crossing, crossed_points = np.nonzero(is_inside[1:] != is_inside[:-1])
         least_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing]
         largest_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing + 1]
@@ -234,25 +251,27 @@ class Stroke:
         order_by_point = np.lexsort((begin_fractions, point_of_part))
         point_of_part = point_of_part[order_by_point]
         begin_fractions = begin_fractions[order_by_point]
-        part_indices = np.flatnonzero(point_of_part[1:] == point_of_part[:-1])
+        part_numbers = np.flatnonzero(point_of_part[1:] == point_of_part[:-1])
         is_in_slip = (
             depth_in_slip_zone(
-                x[point_of_part[part_indices]],
-                (begin_fractions[part_indices] + begin_fractions[part_indices + 1]) / 2,
+                x[point_of_part[part_numbers]],
+                (begin_fractions[part_numbers] + begin_fractions[part_numbers + 1]) / 2,
             )
             > 0
         )
-        part_indices = part_indices[is_in_slip]
+        part_numbers = part_numbers[is_in_slip]
+
+        # integrate f p |ds/du| over each part
         nodes, weights = _end_root_quadrature(count)
-        part_lengths = (begin_fractions[part_indices + 1] - begin_fractions[part_indices])[:, None]
+        part_lengths = (begin_fractions[part_numbers + 1] - begin_fractions[part_numbers])[:, None]
         power = self.friction_power(
-            x[point_of_part[part_indices], None],
-            begin_fractions[part_indices, None] + part_lengths * nodes,
+            x[point_of_part[part_numbers], None],
+            begin_fractions[part_numbers, None] + part_lengths * nodes,
         )
-        works_at_points = np.bincount(
-            point_of_part[part_indices], (part_lengths * power) @ weights, len(x)
+        density_at_points = np.bincount(
+            point_of_part[part_numbers], (part_lengths * power) @ weights, len(x)
         )
-        return np.asarray(works_at_points, dtype=float)
+        return np.asarray(density_at_points, dtype=float)
 
 
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
@@ -261,7 +280,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     none, without friction, and where Q rests or P reaches 0.
 
     In phase means that these four lie on one line between two turning points, each half of the
-    cycle going along it once.
+    cycle going along it once. Samples are (4, n): P, Q, bulk strain and tilt.
     """
     friction = scene.friction.coefficient
     if not scene.load.path().cycle or friction <= 0:
@@ -273,6 +292,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     loads_at_begin = samples[:, np.argmin(force)]
     loads_at_end = samples[:, np.argmax(force)]
     change_of_loads = loads_at_end - loads_at_begin
+    # (4,), below which a change of each of them is round-off
     roundoff_of_loads = LoadSizes.of_samples(samples, profile, compliance, friction).roundoff
     if change_of_loads[1] <= roundoff_of_loads[1] or not np.min(load) > 0:
         return None
@@ -280,12 +300,14 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     deviations = np.abs(
         samples - loads_at_begin[:, None] - np.outer(change_of_loads, fraction_of_force)
     )
-    distances = np.max(deviations, axis=1)
-    fraction_steps = np.diff(fraction_of_force, append=fraction_of_force[0])
-    signs_of_steps = np.sign(fraction_steps[np.abs(fraction_steps) > _ROUND_OFF_SHARE])
-    if np.any(distances > roundoff_of_loads):
+    largest_deviations = np.max(deviations, axis=1)
+    fraction_changes = np.diff(fraction_of_force, append=fraction_of_force[0])
+    signs_of_changes = np.sign(fraction_changes[np.abs(fraction_changes) > _ROUND_OFF_SHARE])
+    # not on one line
+    if np.any(largest_deviations > roundoff_of_loads):
         return None
-    if np.count_nonzero(signs_of_steps != np.roll(signs_of_steps, 1)) != 2:
+    # more than one stroke each way
+    if np.count_nonzero(signs_of_changes != np.roll(signs_of_changes, 1)) != 2:
         return None
     strokes = (
         Stroke(profile, compliance, friction, loads_at_begin, change_of_loads, 1),
@@ -295,10 +317,11 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
 
 
 def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
-    """Friction work of a cycle from its loads [energy per thickness]: the closed integral of Q dU -
-    m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear. It is
-    a second route to W, without slip.
+    """Friction work of a cycle from its loads [energy per thickness]: the closed integral of Q
+    dU - m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear.
+    It is a second route to W, without slip. eps is the bulk strain, q the shear.
     """
+    # along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)
     u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
     change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle

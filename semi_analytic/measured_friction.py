@@ -171,11 +171,11 @@ def friction_from(
     Returns
     -------
     FrictionBatch
-        with all roots: one, or two or three where P varies. W(f) is sampled at 98 coefficients
-        from gross sliding to 10^6 times the larger of f_min and Q1/P1; its turning points and
-        roots are then refined. A root is good to 1e-10 of itself, close to a turning point of W
-        to 1e-5. A member of Hertz takes 0.2 ms, of a table 50 ms, a scene whose load is no
-        ellipse seconds.
+        with all roots f, arrays of the broadcast shape and one more axis: one, or two or three
+        where P varies. W(f) is sampled at 98 coefficients from gross sliding to 10^6 times the
+        larger of f_min and Q1/P1; its turning points and roots are then refined. A root is good to
+        1e-10 of itself, close to a turning point of W to 1e-5. A member of Hertz takes 0.2 ms, of a
+        table 50 ms, a scene whose load is no ellipse seconds.
 
     Raises
     ------
@@ -209,7 +209,8 @@ def friction_from(
                 f"friction_from: {', '.join(missing_names)} is missing; or give a scene"
             )
         return _friction_of_ellipses(dissipation, profile_and_material, loads)
-    parts_of_scene = (
+    # what a scene holds already
+    arguments_beside_scene = (
         profile,
         material,
         mean_normal_load,
@@ -219,8 +220,10 @@ def friction_from(
         phase_radians,
     )
     has_mean_tangential_load = np.any(np.asarray(mean_tangential_load) != 0)
-    if has_mean_tangential_load or any(value is not None for value in parts_of_scene):
+    if has_mean_tangential_load or any(value is not None for value in arguments_beside_scene):
         raise InputError("friction_from: a scene comes without profile, material and loads")
+
+    # a scene alone: elliptic loads by batches, other loads by `solve`
     scene = validated(scene, Scene)
     if scene.unsymmetric:
         raise InputError(
@@ -254,23 +257,31 @@ def sliding_limit(
     ... )  # (Q0 + Q1)/P0
     0.5
     """
-    # notation: a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit
-    a = (mean_normal_load - normal_amplitude) * (mean_normal_load + normal_amplitude)
-    b = np.abs(
+    # a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit: a and b
+    squared_coefficient = (mean_normal_load - normal_amplitude) * (
+        mean_normal_load + normal_amplitude
+    )
+    half_linear_coefficient = np.abs(
         mean_normal_load * mean_tangential_load
         - normal_amplitude * tangential_amplitude * np.cos(phase)
     )
     root_of_discriminant = np.sqrt(
         np.maximum(
-            b**2
-            + a
+            half_linear_coefficient**2
+            + squared_coefficient
             * (tangential_amplitude - mean_tangential_load)
             * (tangential_amplitude + mean_tangential_load),
             0.0,
         )
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(a > 0, (b + root_of_discriminant) / a, np.inf))
+        return np.asarray(
+            np.where(
+                squared_coefficient > 0,
+                (half_linear_coefficient + root_of_discriminant) / squared_coefficient,
+                np.inf,
+            )
+        )
 
 
 def _friction_of_ellipses(
@@ -284,10 +295,11 @@ def _friction_of_ellipses(
     profile_and_material
         values of the arguments `profile` and `material` of `dissipation`
     loads
-        its arguments for the ellipses, by name: numbers or arrays
+        its arguments for the ellipses, by name, in the order P0, P1, Q0, Q1, phase: numbers or
+        arrays
     """
-    # One call without friction checks every argument and gives the shape of the loads and of the
-    # profile's numbers.
+    # One call without friction checks every argument and gives the shape of the batch, that of the
+    # loads and of the profile's numbers together.
     frictionless: DissipationBatch = dissipation(
         **profile_and_material, **loads, friction_coefficient=0.0
     )
@@ -323,12 +335,15 @@ def _friction_of_ellipses(
         )
         return batch.value
 
+    # loads of all members, (m,) each
     flat_loads = {
         name: values_of_members(name, value, slice(None)) for name, value in loads.items()
     }
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        # f_min, the largest |Q|/P
         least_friction = sliding_limit(*flat_loads.values())
         amplitude_ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
+        # Q1/P1, 0 where P is constant
         load_amplitude_ratio = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
     return _friction_batch(
         target, work, least_friction, load_amplitude_ratio, shape, frictionless.notes
@@ -340,7 +355,8 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     loads other than an ellipse [energy per thickness].
 
     W is found by `solve` at each coefficient tried. They begin at f_min, the largest |Q|/P of the
-    path. Where no f within 1e-4 above it is admissible, no f is.
+    path, by 513 samples of each load segment. Where no f within 1e-4 above it is admissible, no f
+    is.
     """
 
     def work_at(friction: float) -> float:
@@ -373,6 +389,7 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         [loads_of_segment[1] for loads_of_segment in loads_of_segments]
     )
     load_varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
+    # range of Q over range of P, 0 where P is constant
     load_amplitude_ratio = (
         float(np.ptp(tangential_load) / np.ptp(normal_load)) if load_varies else 0.0
     )
@@ -420,7 +437,8 @@ def _friction_batch(
     `target`, with the reason where there is none.
 
     W(f) of each member of a batch is sampled, and its turning points are added. Between samples on
-    either side of the target the roots are then found by iteration.
+    either side of the target the roots are then found by iteration. The batch of targets has n
+    members after broadcasting.
 
     Parameters
     ----------
@@ -440,13 +458,18 @@ def _friction_batch(
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
         ) from fault
+    # W over ln f, (samples, m): first samples, then turning points among them
     curve = _sampled_work(work, least_friction_of_member, load_amplitude_ratio)
     curve = _with_turning_points(curve, work)
     n_members = len(least_friction_of_member)
+    # the member of each target, both (n,)
     member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
     flat_targets = np.broadcast_to(target_works, full_shape).ravel()
+    # (n, roots) ascending, their number, and whether a search failed
     roots, n_roots, is_unsettled = _roots_of(curve, work, member, flat_targets)
     is_work_known = np.isfinite(curve.works)
+
+    # the least and the most W that each member dissipates at any f
     least_work = np.min(np.where(is_work_known, curve.works, np.inf), axis=0)[member]
     most_work = np.max(np.where(is_work_known, curve.works, -np.inf), axis=0)[member]
     is_solvable = curve.is_solvable[member]
@@ -460,22 +483,28 @@ def _friction_batch(
     }
     reason = np.select([*conditions.values()], [*conditions], NoFriction.NONE).astype(np.int8)
     roots[reason != NoFriction.NONE] = np.nan
+
+    # a sentence for each target without a root
     sentences = tuple(
-        _SENTENCE_OF_REASON[NoFriction(reason[k])].format(
-            target=flat_targets[k],
-            least=least_work[k],
-            most=most_work[k],
-            f_min=least_friction_of_member[member[k]],
-            top=curve.largest_f[member[k]],
+        _SENTENCE_OF_REASON[NoFriction(reason[number])].format(
+            target=flat_targets[number],
+            least=least_work[number],
+            most=most_work[number],
+            f_min=least_friction_of_member[member[number]],
+            top=curve.largest_f[member[number]],
         )
-        for k in np.flatnonzero(reason)[:10]
+        for number in np.flatnonzero(reason)[:10]
     )
+
+    # results in the broadcast shape
     count = np.where(reason == NoFriction.NONE, n_roots, 0)
-    limits = (
-        np.where(is_solvable, values, np.nan).reshape(full_shape)
-        for values in (least_friction_of_member[member], least_work, most_work)
+    limits_of_members = (
+        np.where(is_solvable, limit_values, np.nan).reshape(full_shape)
+        for limit_values in (least_friction_of_member[member], least_work, most_work)
     )
-    least_friction, least_work, most_work = (read_only_copy(values) for values in limits)
+    least_friction, least_work, most_work = (
+        read_only_copy(limit_values) for limit_values in limits_of_members
+    )
     return FrictionBatch(
         roots=read_only_copy(roots.reshape(*full_shape, -1)),
         count=read_only_copy(count.reshape(full_shape), np.int64),
@@ -492,12 +521,14 @@ def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array
     """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
     times the larger of f_min and Q1/P1.
 
-    f_min = `least_friction` (m,) is the least f without gross sliding, Q1/P1 =
-    `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times the
-    larger. `work` gives W by coefficients and the indices of members.
+    f_min = `least_friction` (m,) is the least f without gross sliding,
+    Q1/P1 = `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times
+    the larger. A member is solvable where f_min and all its W are finite. `work` gives W by
+    coefficients and the indices of members.
     """
     n_members = len(least_friction)
     is_solvable = np.isfinite(least_friction) & (least_friction > 0)
+    # beyond f_min by 1e-12, its round-off
     least_f = np.where(is_solvable, least_friction, 1.0) * (1 + _ROUNDOFF_OF_LIMIT)
     middle_f = (
         np.maximum(least_f, np.where(is_solvable, load_amplitude_ratio, 0.0)) * _MIDDLE_FACTOR
@@ -506,6 +537,7 @@ def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array
     relative_excess = np.concatenate(
         [[0.0], np.logspace(-8, math.log10(0.05), _SAMPLES_CLOSE_TO_SLIDING - 1)]
     )
+    # (98, m): close to gross sliding, evenly spread, and far from it
     log_f = np.concatenate(
         [
             np.log(least_f) + np.log1p(relative_excess)[:, None],
@@ -526,25 +558,29 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     added as samples.
 
     Between two samples an extremum may hide two roots. `work` gives W by coefficients and the
-    indices of members.
+    indices of members. `curve` holds ln f and W, (samples, m) each, and whether W of a member is
+    known at all its samples.
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
 
     log_f, works, is_solvable, _ = curve
-    rise = np.diff(works, axis=0)
+    work_rise = np.diff(works, axis=0)
     largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
+    # _LEAST_RISE: 1e-10
     is_above_roundoff = (
-        np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _LEAST_RISE * largest_work
+        np.minimum(np.abs(work_rise[:-1]), np.abs(work_rise[1:])) >= _LEAST_RISE * largest_work
     )
+    # three samples on which W turns: the first of them, and the member
     first_sample, member_of_turn = np.nonzero(
-        is_solvable & is_above_roundoff & (rise[:-1] * rise[1:] < 0)
+        is_solvable & is_above_roundoff & (work_rise[:-1] * work_rise[1:] < 0)
     )
     if not len(first_sample):
         return curve
     # W falls before a minimum; of a maximum -W is minimised.
-    sign_to_minimum = np.where(rise[first_sample, member_of_turn] < 0, 1.0, -1.0)
-    extremum = elementwise.find_minimum(
+    sign_to_minimum = np.where(work_rise[first_sample, member_of_turn] < 0, 1.0, -1.0)
+    # iteration over ln f within the three samples
+    minimum_search = elementwise.find_minimum(
         lambda log_f_at_trial, member, sign: (
             sign
             * work(np.exp(log_f_at_trial).ravel(), member.ravel().astype(int)).reshape(
@@ -561,10 +597,10 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     order_by_member = np.argsort(member_of_turn, kind="stable")
     log_f_at_turn = np.full((int(row_of_turn.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
-    log_f_at_turn[row_of_turn, member_of_turn[order_by_member]] = extremum.x[order_by_member]
-    work_at_turn[row_of_turn, member_of_turn[order_by_member]] = (sign_to_minimum * extremum.f_x)[
-        order_by_member
-    ]
+    log_f_at_turn[row_of_turn, member_of_turn[order_by_member]] = minimum_search.x[order_by_member]
+    work_at_turn[row_of_turn, member_of_turn[order_by_member]] = (
+        sign_to_minimum * minimum_search.f_x
+    )[order_by_member]
     log_f = np.concatenate([log_f, log_f_at_turn])
     works = np.concatenate([works, work_at_turn])
     ascending_order = np.argsort(log_f, axis=0)
@@ -586,7 +622,7 @@ def _roots_of(
     Parameters
     ----------
     curve
-        samples of W over f for each member of the batch, turning points included
+        samples of W over ln f for each member of the batch, (samples, m), turning points included
     work
         function that gives W by coefficients and the indices of members
     member, target
@@ -602,16 +638,18 @@ def _roots_of(
     encloses_root = (
         (is_above[:-1] != is_above[1:]) & is_work_known[:-1] & is_work_known[1:] & is_valid
     )
+    # the sample below each root in f, and the target to which the root belongs
     sample_before, target_of_root = np.nonzero(encloses_root)
     order_by_target = np.lexsort((sample_before, target_of_root))
     sample_before = sample_before[order_by_target]
     target_of_root = target_of_root[order_by_target]
-    root_count = np.bincount(target_of_root, minlength=len(target))
-    roots = np.full((len(target), max(1, int(root_count.max(initial=0)))), np.nan)
+    n_roots = np.bincount(target_of_root, minlength=len(target))
+    roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_unsettled = np.zeros(len(target), dtype=bool)
     if len(sample_before):
         member_of_root = member[target_of_root]
-        found_roots = elementwise.find_root(
+        # iteration over ln f between two samples
+        root_search = elementwise.find_root(
             lambda log_f_at_trial, member_of_trial, goal_work: (
                 work(np.exp(log_f_at_trial).ravel(), member_of_trial.ravel().astype(int)).reshape(
                     log_f_at_trial.shape
@@ -624,8 +662,10 @@ def _roots_of(
         roots[
             target_of_root,
             np.arange(len(sample_before)) - np.searchsorted(target_of_root, target_of_root),
-        ] = np.exp(found_roots.x)
+        ] = np.exp(root_search.x)
+
+        # a residual above 1e-8 of the target: not found
         is_unsettled[
-            target_of_root[~(np.abs(found_roots.f_x) <= _LARGEST_RESIDUAL * target[target_of_root])]
+            target_of_root[~(np.abs(root_search.f_x) <= _LARGEST_RESIDUAL * target[target_of_root])]
         ] = True
-    return roots, root_count, is_unsettled
+    return roots, n_roots, is_unsettled

@@ -45,9 +45,9 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
     """Dimensionless bulk strain e < 0 and tangential load Q/(f P) under which the two ends of a
     Hertzian contact slip in opposite directions up to given depths (n,): (n,) each.
 
-    The contact is -1 < x < 1, in units of its half-width a, and sticks in -1 + d1 < x < 1 - d2. d1
-    = `left_depth`, d2 = `right_depth`, e = eps/(A f k a) of the module's text. Source: Nowell and
-    Hills (1987), at constant P.
+    The contact is -1 < x < 1, in units of its half-width a, and sticks in -1 + d1 < x < 1 - d2.
+    d1 = `left_depth`, d2 = `right_depth`. e = eps/(A f k a), with the bulk strain eps, A = 2/E*,
+    k = E*/(2 R), R the radius of the parabola. Source: Nowell and Hills (1987), at constant P.
 
     >>> e, q = loads_of_slip_depths(
     ...     np.array([0.5]), np.array([0.5])
@@ -57,33 +57,37 @@ def loads_of_slip_depths(left_depth: Array, right_depth: Array) -> tuple[Array, 
     """
     stick_middle = (left_depth - right_depth) / 2
     stick_half_width = 1 - (left_depth + right_depth) / 2
-    # notation: xi = b1 - d1 v^2 places in the left slip zone, b1 the left stick edge, v the nodes
+    # xi = b1 - d1 v^2: places in the left slip zone; b1, b2 left and right stick edge, v the nodes
     nodes, weights = graded_nodes(np.zeros(left_depth.shape), np.ones(left_depth.shape))
-    depth = left_depth[..., None] * (1 - nodes * nodes)
-    xi = depth - 1
+    depth_at_nodes = left_depth[..., None] * (1 - nodes * nodes)
+    xi = depth_at_nodes - 1
     root_ratio = np.sqrt(
-        (1 - nodes) * (1 + nodes) * (2 - depth) / (2 - depth - right_depth[..., None])
+        (1 - nodes)
+        * (1 + nodes)
+        * (2 - depth_at_nodes)
+        / (2 - depth_at_nodes - right_depth[..., None])
     )
     # sqrt(1 - xi^2)/w d xi, w = sqrt((b1 - xi)(b2 - xi))
     integrand_weights = weights * 2 * left_depth[..., None] * root_ratio
     e = stick_middle - 2 / np.pi * np.sum(integrand_weights, axis=-1)
-    moment = 4 / np.pi * np.sum(xi * integrand_weights, axis=-1)
+    moment_term = 4 / np.pi * np.sum(xi * integrand_weights, axis=-1)
     force = (
         1
         + 2 * e * stick_middle
         - 2 * stick_middle * stick_middle
         - stick_half_width * stick_half_width
-        + moment
+        + moment_term
     )
     return e, force
 
 
 def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
-    """Depths d1 and d2 of the slip zones at the left and the right end of a Hertzian contact -1 < x
-    < 1, (n,) each, that slip in opposite directions: the inverse of `loads_of_slip_depths`.
+    """Depths d1 and d2 of the slip zones at the left and the right end of a Hertzian contact
+    -1 < x < 1, (n,) each, that slip in opposite directions, from the loads.
 
-    `e` < 0 is the dimensionless bulk strain eps/(A f k a) of the module's text, `force` is Q/(f P),
-    (n,) each. They grow in proportion from nothing at constant P.
+    `e` < 0 is the dimensionless bulk strain eps/(A f k a), `force` is Q/(f P), (n,) each. A = 2/E*,
+    k = E*/(2 R), R the radius of the parabola, a the half-width of contact. `loads_of_slip_depths`
+    gives both from the depths. They grow in proportion from nothing at constant P.
 
     Raises
     ------
@@ -92,6 +96,7 @@ def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
     """
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
+        # by Newton's method; NaN or no solution where it fails
         depths = _depths_by_newton(loads)
         residual = np.abs(np.stack(loads_of_slip_depths(*depths)) - loads)
     if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
@@ -105,39 +110,48 @@ def _depths_by_newton(loads: Array) -> Array:
     `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method.
 
     The loads grow in steps, each starting from the solution of the step before. Where the method
-    fails the result is NaN or no solution.
+    fails the result is NaN or no solution. `loads_of_slip_depths` gives the loads under which slip
+    has given depths.
     """
     e, force = loads
-    depth = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEP_COUNT
+    # first guess, for a twelfth of the loads
+    depths = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEP_COUNT
     for load_step in range(1, _LOAD_STEP_COUNT + 1):
         load_fraction = load_step / _LOAD_STEP_COUNT
         for _ in range(_MOST_NEWTON_STEPS):
-            residual_of_loads = np.stack(loads_of_slip_depths(*depth)) - load_fraction * loads
-            depth_step = _newton_step(depth, residual_of_loads)
+            residual_of_loads = np.stack(loads_of_slip_depths(*depths)) - load_fraction * loads
+            newton_step = _newton_step(depths, residual_of_loads)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
-            longest_step = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
-            depth = depth - np.clip(depth_step, -longest_step, longest_step)
-            is_converged = np.all(np.abs(depth_step) <= 1e-14 * depth)
-            if is_converged or not np.all(np.isfinite(depth)):
+            longest_newton_step = np.minimum(
+                depths / 2, np.maximum(2 - depths.sum(axis=0), 0.0) / 4
+            )
+            depths = depths - np.clip(newton_step, -longest_newton_step, longest_newton_step)
+            is_converged = np.all(np.abs(newton_step) <= 1e-14 * depths)
+            if is_converged or not np.all(np.isfinite(depths)):
                 break
+
+        # first guess of the next load step, unless the slip zones would meet
         if load_step < _LOAD_STEP_COUNT:
-            extrapolated_depth = depth * (load_step + 1) / load_step
-            depth = np.where(extrapolated_depth.sum(axis=0) < 2, extrapolated_depth, depth)
-    return depth
+            extrapolated_depths = depths * (load_step + 1) / load_step
+            depths = np.where(extrapolated_depths.sum(axis=0) < 2, extrapolated_depths, depths)
+    return depths
 
 
 def _newton_step(depth: Array, residual: Array) -> Array:
     """Newton's step of the slip depths (2, n) at both ends of the contact, to be subtracted;
     `residual` (2, n) is that of the two loads, e and Q/(f P), as functions of the depths.
 
-    Derivatives are central differences; the two equations are solved by Cramer's rule.
+    Derivatives are central differences of 1e-6 of the depths; the two equations are solved by
+    Cramer's rule. `loads_of_slip_depths` gives both loads from the depths.
     """
     derivatives = []
     for end_number in (0, 1):
-        difference = _DIFFERENCE_SHARE_OF_DEPTH * depth * (np.arange(2) == end_number)[:, None]
-        loads_after = np.stack(loads_of_slip_depths(*(depth + difference)))
-        loads_before = np.stack(loads_of_slip_depths(*(depth - difference)))
-        derivatives.append((loads_after - loads_before) / (2 * difference[end_number]))
+        depth_difference = (
+            _DIFFERENCE_SHARE_OF_DEPTH * depth * (np.arange(2) == end_number)[:, None]
+        )
+        loads_after = np.stack(loads_of_slip_depths(*(depth + depth_difference)))
+        loads_before = np.stack(loads_of_slip_depths(*(depth - depth_difference)))
+        derivatives.append((loads_after - loads_before) / (2 * depth_difference[end_number]))
     (e_by_left, force_by_left), (e_by_right, force_by_right) = derivatives
     residual_of_e, residual_of_force = residual
     determinant = e_by_left * force_by_right - e_by_right * force_by_left
@@ -157,8 +171,9 @@ def _gauss_nodes(begin: Array, end: Array) -> tuple[Array, Array]:
 def _stick_edge_series(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
 ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
-    """Left and right stick edges b1/a and b2/a as functions of the unloading P - eta = |Q|/f, from
-    0 to `largest_unloading`: -e and Q/(f P) are the two factors times P - eta.
+    """Left and right stick edges b1/a and b2/a of a Hertzian contact |x| < a as piecewise Chebyshev
+    series of the unloading P - eta = |Q|/f, from 0 to `largest_unloading`: -e and Q/(f P) are the
+    two factors times P - eta, e the dimensionless bulk strain.
     """
 
     def stick_edges(unloading: Array) -> tuple[Array, Array]:
@@ -218,7 +233,9 @@ class OppositeSlip(TiltedProfile):
         """Left and right stick edges as functions of the unloading P - eta [force per thickness]:
         their distances b1/a and b2/a from the centre of contact, b1 < b2.
 
-        They need -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P).
+        They need -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P), the
+        dimensionless bulk strain. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact`
+        holds P, middle and half-width of the contact.
         """
         largest_load, _, half_width = self._contact
         force_per_unloading = (
@@ -235,12 +252,15 @@ class OppositeSlip(TiltedProfile):
 
     def centre_and_half_width(self, load: ArrayLike) -> tuple[Array, Array]:
         """Middle and half-width of the stick zone I(eta) at loads eta, any shape [length]; beyond
-        the largest unloading those at that, and at eta = P those of the contact.
+        the largest unloading those at that, and at eta = P those of the contact. I(eta) is the
+        stick zone after |Q| = f (P - eta); P - eta is the unloading. `_contact` holds P, middle and
+        half-width of the contact.
         """
         largest_load, middle, half_width = self._contact
         unloading = np.clip(
             largest_load - np.asarray(load, dtype=float), 0.0, self._largest_unloading
         )
+        # functions of the unloading, edges over the contact half-width
         left_edge_at, right_edge_at = self._stick_edges
         left_edge = left_edge_at(unloading)
         right_edge = right_edge_at(unloading)
@@ -257,7 +277,8 @@ class OppositeSlip(TiltedProfile):
 
     def load(self, half_width: ArrayLike) -> Array:
         """The load P_x = P - |Q|/f of the |Q| at which a stick edge passes x = `half_width`, by
-        bisection, any shape [force per thickness]. Here x is a place and carries its sign.
+        bisection over the unloading P - P_x, any shape [force per thickness]. Here x is a place and
+        carries its sign.
 
         Beyond the contact the value is above P, in proportion to the distance from its edge; it is
         0 where the point sticks up to the largest |Q|.
@@ -266,6 +287,7 @@ class OppositeSlip(TiltedProfile):
         relative_x = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
         lower_bound = np.zeros(relative_x.shape)
         upper_bound = np.full(relative_x.shape, self._largest_unloading)
+        # functions of the unloading, edges over the contact half-width
         left_edge_at, right_edge_at = self._stick_edges
         for _ in range(60):
             unloading = (lower_bound + upper_bound) / 2
@@ -280,9 +302,9 @@ class OppositeSlip(TiltedProfile):
         always_sticks = (relative_x >= left_edge_at(largest_unloading)) & (
             relative_x <= right_edge_at(largest_unloading)
         )
-        loads = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
+        load_at_x = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
         distance_beyond = np.abs(relative_x) - 1
-        return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), loads)
+        return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), load_at_x)
 
     def slip_direction_at(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
@@ -307,8 +329,9 @@ class OppositeSlip(TiltedProfile):
 
         "inverse_root" is integrated where x is inside the zone, eta > P_x; "arccosh_ratio" where it
         is outside, eta < P_x. P_x is the load at which a stick edge is at x, where the kernel is
-        singular. The ranges between neighbouring loads are integrated one by one and summed from P
-        down: those close to P_x by `graded_nodes`, for singular ends, the others by Gauss' rule.
+        singular. `_largest_unloading` is P - eta at the largest |Q|. The ranges between
+        neighbouring loads are integrated one by one and summed from P down: those close to P_x by
+        `graded_nodes`, for singular ends, the others by Gauss' rule.
         """
         largest_load = self.intervals.largest_load
         least_load = largest_load - self._largest_unloading
@@ -319,6 +342,7 @@ class OppositeSlip(TiltedProfile):
         different_loads, row_of_load = np.unique(loads, return_inverse=True)
         load_below = different_loads[:, None]
         load_above = np.append(different_loads[1:], largest_load)[:, None]
+        # P_x
         edge_load = self.load(different_places)
         begin_loads = load_below + 0 * edge_load
         if kernel == "inverse_root":
@@ -329,28 +353,36 @@ class OppositeSlip(TiltedProfile):
             end_loads = np.minimum(load_above, edge_load)
             distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
             is_integrated = end_loads > begin_loads
+
+        # integrals over the ranges between neighbouring loads, (ranges, places)
         range_integrals = np.zeros(is_integrated.shape)
         is_near = distance_to_edge_load < 3 * (load_above - load_below)
-        for is_of_rule, rule in (
+        for takes_rule, rule in (
             (is_integrated & is_near, graded_nodes),
             (is_integrated & ~is_near, _gauss_nodes),
         ):
-            range_indices, place_indices = np.nonzero(is_of_rule)
-            for first_pair in range(0, len(range_indices), _MOST_INTEGRALS_AT_ONCE):
+            range_numbers, place_numbers = np.nonzero(takes_rule)
+            for first_pair in range(0, len(range_numbers), _MOST_INTEGRALS_AT_ONCE):
                 pairs = (
-                    range_indices[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
-                    place_indices[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
+                    range_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
+                    place_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
                 )
                 eta, weight = rule(begin_loads[pairs], end_loads[pairs])
+                # the kernel method of that name
                 kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)
                 range_integrals[pairs] = np.sum(weight * kernel_at_nodes, axis=-1)
+
+        # summed from the largest load down
         integrals = np.cumsum(range_integrals[::-1], axis=0)[::-1]
         return np.asarray(
             integrals[row_of_load.ravel(), column_of_place.ravel()].reshape(places.shape)
         )
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of dp/d eta at x from P to `load`: -q(x)/f after |Q| = f (P - load) [stress]."""
+        """Integral of dp/d eta at x from P to `load`: -q(x)/f after |Q| = f (P - load) [stress].
+        dp/d eta is the traction by a unit of load on the stick zone I(eta); outside of all zones
+        q/f is the pressure with the sign of slip.
+        """
         sticks = self.load(x) < np.minimum(load, self.intervals.largest_load)
         shear_in_stick_zone = self._integral_up_to_largest_load(x, load, "inverse_root") / np.pi
         return -np.where(sticks, shear_in_stick_zone, self.pressure(x, load))
@@ -360,7 +392,10 @@ class OppositeSlip(TiltedProfile):
         return -self._integral_up_to_largest_load(x, load, "arccosh_ratio")
 
     def approach_integral(self, load: ArrayLike) -> Array:
-        """Integral of `log_datum_ratio` over eta from P to `load`."""
+        """Integral over eta from P to `load` of `log_datum_ratio`, what a unit of load on the stick
+        zone I(eta) adds to the tangential displacement or to another quantity; shape of `load`. It
+        is minus that from `load` to P.
+        """
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
         eta, weight = graded_nodes(least_load, np.full(np.shape(least_load), largest_load))
@@ -368,7 +403,8 @@ class OppositeSlip(TiltedProfile):
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load, g the
-        rate of U + kappa m_q per load on I(eta), over A/pi [force per thickness].
+        rate of (U + kappa m_q) pi/A per load on the stick zone I(eta) [force per thickness]. U is
+        the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q.
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)

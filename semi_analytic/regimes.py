@@ -60,7 +60,8 @@ def fretting_map(
     effects: BodyEffects | None = None,
 ) -> FrettingMap:
     """Fretting map of a rig: partial slip, mixed or gross sliding, with friction work and sliding
-    distance, over factors of stroke and normal load.
+    distance, over factors of stroke and normal load. Mixed: the contact slides as a whole before
+    the steady cycle, and not in it; gross sliding: in every cycle.
 
     Parameters
     ----------
@@ -98,6 +99,7 @@ def fretting_map(
         raise InputError(
             "fretting_map: the scene states loads; a map needs load.tangential_displacement"
         )
+    # motion of the actuators over time
     path = scene.load.path_of_actuators()
     if path.period is None:
         raise InputError("fretting_map: the path does not repeat; state a cycle")
@@ -107,14 +109,18 @@ def fretting_map(
     for name, values in zip(("stroke", "normal_load"), factors, strict=True):
         if not np.all(values > 0):
             raise InputError(f"fretting_map: {name} has {values.min():.6g}: factors are above 0")
+    # the normal contact and the compliance of contact, bodies and springs
     rig = rigged_scene(scene, checked_effects(effects))
     cycles = max(scene.cycles, 2)
+    # instants, P or normal approach, and displacement of the actuator
     rows = actuator_rows(path, cycles, one_step_at_constant_load=True)
     shape = factors[0].shape
     regimes = np.empty(shape, dtype=np.int8)
     dissipation = np.empty(shape)
     slide_distances = np.empty(shape)
     largest_forces = np.empty(shape)
+
+    # follow each scaled path, up to its first steady cycle
     for index_in_map in np.ndindex(shape):
         stroke_factor, load_factor = (float(values[index_in_map]) for values in factors)
         scaled_rows = rows._replace(
@@ -128,8 +134,10 @@ def fretting_map(
                 f"fretting_map: no steady cycle among the first {cycles} with stroke ="
                 f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
+        # row at which the cycle begins
         first_row = driven_path.end_rows[cycle_number]
         rows_of_cycle = slice(first_row, driven_path.end_rows[cycle_number + 1] + 1)
+        # intervals of gross sliding in the steady cycle
         slides_of_cycle = slides_of(driven_path, rows_of_cycle)
         regime = Regime.PARTIAL
         if slides_of_cycle:

@@ -59,8 +59,10 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     half-widths c' from the edge of stick to that of contact.
 
     Where tilt or bulk strain still changes, one side of the slip zone comes to rest before the
-    other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r x/sqrt(x^2 -
-    c'^2) dx, dimensionless as in `LoadsLeft`.
+    other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r
+    x/sqrt(x^2 - c'^2) dx, over (pi/A)^2 a^2 a_s'^2/N''. a is the contact half-width, A = 2/E*.
+    N = f P - s Q has a minimum at the end of the stroke, N'' its second derivative; a_s' is the
+    rate of f alpha - s eps, alpha the tilt, eps the bulk strain, s the direction of slip.
 
     Parameters
     ----------
@@ -69,6 +71,7 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     panel_count
         number of panels of the slip zone on each side, finer at both ends
     """
+    # borders of the panels on the right, as x/a
     angles = np.linspace(0.0, np.pi, panel_count + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
     inner_border = borders[:-1]
@@ -76,6 +79,7 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     # in the order in which panels come to rest
     panel_begin = np.concatenate([-outer_border[::-1], inner_border])
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
+    # on all panels; the even part is the mean of both sides
     shear = _shear_left(stick_ratio, panel_begin, panel_end)
     even_shear = (shear[panel_count:] + shear[:panel_count][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
@@ -89,7 +93,9 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), over
-    (pi/A)^2 a a_s'^2/N'' (the module's text). The panels are in the order in which they stop.
+    (pi/A)^2 a a_s'^2/N''. a is the contact half-width, A = 2/E*, N'' the second derivative of f
+    P - s Q at the end of the stroke, a_s' the rate of f alpha - s eps, alpha the tilt, eps the bulk
+    strain, s the direction of slip. The panels are in the order in which they stop.
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
@@ -100,7 +106,7 @@ def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Arr
     over it.
     """
     panel_x = (panel_begin + panel_end) / 2
-    width = panel_end - panel_begin
+    panel_width = panel_end - panel_begin
     arccosh_of_x = np.arccosh(np.abs(panel_x) / stick_ratio)
     signed_root = np.sign(panel_x) * np.sqrt(panel_x**2 - stick_ratio**2)
     image_of_x = np.sign(panel_x) * np.exp(-arccosh_of_x)
@@ -114,10 +120,10 @@ def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Arr
     log_integrals = _log_primitive(panel_x[:, None] - panel_begin) - _log_primitive(
         panel_x[:, None] - panel_end
     )
-    influence = (smooth_part * width - log_integrals) * width[:, None]
+    influence = (smooth_part * panel_width - log_integrals) * panel_width[:, None]
     cholesky_factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
-    y = scipy.linalg.solve_triangular(cholesky_factor, signed_root * width, lower=True)
-    z = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * width, lower=True)
+    y = scipy.linalg.solve_triangular(cholesky_factor, signed_root * panel_width, lower=True)
+    z = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * panel_width, lower=True)
     return np.asarray(
         scipy.linalg.solve_triangular(cholesky_factor, y**2 / z / 2, lower=True, trans="T")
     )
