@@ -287,7 +287,7 @@ class Options:
         command_words = ["halfplane", name]
         if operand:
             command_words.append(operand)
-        for option in fields(self):
+        for option in fields(self):  # in the order of their declaration
             value = getattr(self, option.name)
             if value == option.default or option.name in ("out", "json", "quiet", "verbose"):
                 continue
@@ -302,7 +302,8 @@ class Options:
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
         """Settings of mesh and solver: the options that were given, and the defaults of the preset
-        and of the solver for all others. InputError for a value out of range.
+        and of the solver for all others. InputError for a value out of range. The preset is a mesh
+        by name: default, coarse or fine.
 
         >>> mesh, _ = Options(preset="coarse", growth=0.2).settings()
         >>> mesh.edge_element_size, mesh.growth
@@ -601,7 +602,8 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
 
     `5%` sets the tolerance of the four main metrics together: dissipation, peak pressure,
     half-width of the contact, half-width of the permanent stick zone. `KEY=VALUE` sets that of one
-    metric; the last text for a key counts. `KEY=none` makes it infinite: the metric is not judged.
+    metric, KEY being one of the table `METRICS`; the last text for a key counts. `KEY=none` makes
+    it infinite: the metric is not judged.
 
     Raises
     ------
@@ -666,9 +668,10 @@ def ended_by_signals() -> Generator[list[int], None, None]:
     """Within this context SIGTERM and SIGHUP end the program as Ctrl-C does. Yields the list of
     signals received, in their order. A signal that was to be ignored (nohup) stays ignored.
     """
-    signals_received: list[int] = []
+    signals_received: list[int] = []  # by their numbers
 
     def end_program(number: int, _frame: object) -> None:
+        """Handle the signal of that number."""
         signals_received.append(number)
         raise KeyboardInterrupt
 
@@ -719,7 +722,12 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
     table of commands. Its signature is what the library reads: operands (positional arguments, such
     as the scene), then options as keywords, with the help texts as annotations. The function does
     the command's work, prints the answer and returns the exit code.
+
+    A row has operands (name, type, help, default; ... for none), names of options ("!" behind one
+    that must be given), help texts that differ from the usual ones, and the name of the function
+    that does the work, as "module:function".
     """
+    # the fields of `Options`: name, type with help text, default
     option_by_name = {option.name: option for option in fields(Options)}
     parameters = []
     for operand in command_row.operands:
@@ -735,8 +743,8 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
         annotation = option.type
         if option.name in command_row.help_of_option:
             help_text = command_row.help_of_option[option.name]
-            help_here = CommandLineParameter(help=help_text, group="Parameters")
-            annotation = Annotated[option.type, help_here]
+            parameter_with_help = CommandLineParameter(help=help_text, group="Parameters")
+            annotation = Annotated[option.type, parameter_with_help]
         parameters.append(
             Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         )
@@ -762,6 +770,9 @@ def _print_answer(command_row: _Command, answer: Answer, options: Options) -> in
     """Print the answer of a command and return its exit code. It prints lines and tables, or with
     --json one JSON object on stdout, in which numbers that are not finite are null. No other
     function prints answers.
+
+    `command_row` is the row of the command in the table of commands. An answer has the exit code,
+    the lines and tables (`parts`), and a function that makes the content for --json, or None.
     """
     if options.json and answer.content is not None:
         from reports.comparison.json_values import strict_json_values
@@ -807,9 +818,12 @@ _NEW_OBJECTS = 200_000
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code. `arguments` are the words after `halfplane`.
     Without them those of the process are taken, and its streams and signals are handled too.
+
+    The exit code is 141 where nobody reads the output, and 128 plus its number after a signal.
     """
     if arguments is not None:
         return Context().run(_run, list(arguments))
+    # the collector of garbage runs after 200,000 new objects, not 700
     gc.set_threshold(_NEW_OBJECTS, *gc.get_threshold()[1:])
     # No plugin of pydantic has a use here: to look for them reads the files of all packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
@@ -850,7 +864,8 @@ def _drop_unwritten() -> None:
 
 def _run(tokens: list[str], signals_received: Sequence[int] = ()) -> int:
     """Run the command line `tokens` and return its exit code. What is refused or goes wrong is
-    printed as one sentence on stderr. `signals_received` is filled when a signal comes.
+    printed as one sentence on stderr. `signals_received` is filled when a signal comes, with its
+    number.
     """
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
@@ -881,7 +896,7 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
         sentence = f"halfplane: warning: {_one_line(str(message))} ({category.__name__})"
         if sentence not in sentences_printed:
             sentences_printed.add(sentence)
-            complain(sentence)
+            complain(sentence)  # on stderr
 
     with warnings.catch_warnings():
         warnings.showwarning = show
@@ -890,7 +905,10 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
 
 def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequence[int]) -> int:
     """Print the exception `fault` of the command line `tokens` as one sentence on stderr, and
-    return the exit code for it. `signals_received` holds the signals until now.
+    return the exit code for it: 2 for bad input, 3 without convergence, 130 after an interruption,
+    70 for a fault of the program itself. `signals_received` holds the signals until now.
+
+    Notes of the fault, on what was saved before it, end the sentence.
     """
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):
@@ -989,7 +1007,8 @@ def _one_line(text: str) -> str:
 def _sentence_on_command_line(fault: CycloptsError) -> str:
     """One sentence on what is wrong with a command line that can't be read: the unknown word, the
     nearest known word, and which help lists them. `fault` is the exception of the command-line
-    library.
+    library: its tokens are the words of the command line, its command chain the command with its
+    subcommands. `app` holds all commands and options by name.
     """
     if isinstance(fault, UnknownCommandError):
         unknown_word = next(iter(fault.unused_tokens or [""]))
@@ -1023,7 +1042,7 @@ def _sentence_on_command_line(fault: CycloptsError) -> str:
         and fault.argument is not None
         and not fault.argument.tokens
     ):
-        # A word of its own in capitals, as in the help; an option as it is written.
+        # An operand in capitals, as in the help; an option (keyword only) as it is written.
         field_info = fault.argument.field_info
         name = fault.argument.name
         if field_info.kind is not field_info.KEYWORD_ONLY:
@@ -1037,7 +1056,8 @@ def _suggestion_for_unused_words(fault: UnusedCliTokensError, chain: Sequence[st
     "did you mean ...? ", or the command line to write. "" where no known word is near.
 
     `chain` is the command with the names of its subcommands. The command `sweep` takes a misspelt
-    subcommand for the name of a study, so that the words behind it are what is left over.
+    subcommand for the name of a study, so that the words behind it are what is left over. `fault`
+    holds the words of the whole command line, those left over, and the commands (`app`).
     """
     tokens_of_command = (fault.root_input_tokens or [])[len(chain) :]
     if not tokens_of_command:

@@ -59,6 +59,10 @@ def _criteria(options: Options) -> Criteria | None:
 def fields(job: Job) -> Answer:
     """The command `fields`: solve by finite elements, then write displacement, stress and tractions
     of both bodies to files for ParaView, with pictures and fatigue measures.
+
+    A job has the scene, the options of the command line, the output folder, and the stages whose
+    progress is shown. Options: `at` are instants, `every` and `frames` ask for a series of instants
+    over the last cycle, `pictures` for drawings at the instants of `at`.
     """
     from reports.field_output import files
 
@@ -66,14 +70,16 @@ def fields(job: Job) -> Answer:
     stages = job.stages
     options = replace(job.options, at=words_of_at(job.options))
     job = replace(job, options=options)
-    files.require_series(options.every, options.frames)
-    criteria = _criteria(options)
+    files.require_series(options.every, options.frames)  # InputError for values out of range
+    criteria = _criteria(options)  # fatigue measures with their constants; None for none
     require_times(options.at, "--at", scene)
     if options.pictures and options.at:
         require_drawing(stages)
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
+    # which instants are written and drawn
     request = _request(job, solution, criteria)
+    # content of fields.json; instants to draw, with displacement and stress of both bodies
     content, snapshots_drawn = _write_files(job, solution, request)
     # What was solved is saved before anything is drawn.
     if options.pictures and snapshots_drawn:
@@ -119,7 +125,8 @@ class _Request:
 
 def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | None) -> _Request:
     """What the options of `fields` ask for: the instants of a series over the last cycle (--every,
-    --frames) and those of --at, each once, in order of time; those of --at are drawn.
+    --frames) and those of --at, each once, in order of time; those of --at are drawn. `criteria`
+    are the fatigue measures that the options ask for, or None.
     """
     from reports.field_output import files
 
@@ -128,6 +135,7 @@ def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | Non
     instants_of_series: Sequence[Instant] = ()
     notes: list[str] = []
     if _has_series(options):
+        # notes: sentences on the choice of instants
         instants_of_series, notes = files.series_of(solution, options.every, options.frames)
     # an instant that is in both has the label that --at gives it
     instant_at_time = {instant.time: instant for instant in instants_of_series}
@@ -152,6 +160,9 @@ def _write_files(
 
     Returns the content of fields.json; and a pair for each instant that pictures are drawn of, with
     its snapshot: displacement and stress of both bodies at that instant.
+
+    `request` holds the instants, the times of those to draw, notes on their choice, and criteria:
+    fatigue measures with their constants, or None.
     """
     from reports.field_output import fatigue, files
     from reports.folder import results_folder
@@ -171,6 +182,8 @@ def _write_files(
                 snapshots_drawn.append((instant, snapshot))
             yield snapshot
 
+    # a temporary folder, whose files move to the job's folder at the end; earlier files of these
+    # names are removed
     with results_folder(job.folder, stale_prefixes=("fields/", "pictures/")) as staging:
         folder = staging / "fields"
         with stages.stage("files for ParaView", "instants") as show_progress:
@@ -211,6 +224,7 @@ def _with_pictures(
     """
     from reports.folder import replace_text, results_folder
 
+    # a temporary folder, whose files move to the job's folder at the end
     with results_folder(job.folder, stale_prefixes=("pictures/",)) as staging:
         pictures = _draw(solution, snapshots, staging / "pictures", job.stages)
     content = content | {"pictures": pictures, "seconds": dict(job.stages.seconds)}
@@ -247,6 +261,7 @@ def _parts(
 
     _, unit_of_length, unit_of_stress = units(scene)
     unit_of_load = load_unit(scene)
+    # in the table: of more than 12 instants the one with the largest stress
     instants_listed = instants
     if len(instants) > _ROWS:
         instants_listed = [max(instants, key=_largest_stress)]
@@ -300,8 +315,8 @@ def _largest_measures(
     """Rows of a table of fatigue measures: name and unit, largest value by theory, largest value by
     finite elements (FE), their difference FE/theory - 1, and the place of the value by FE.
 
-    `measures` holds an entry for each measure and body. Of the two bodies the row states that with
-    the larger value by FE.
+    `measures` holds an entry for each measure and body, with the value and its place x, y by both
+    engines. Of the two bodies the row states that with the larger value by FE.
     """
     from reports.units import minus
 
@@ -370,7 +385,7 @@ def _draw(
 ) -> list[str]:
     """Draw the mesh, and the von Mises stress at each instant, as SVG files in the new `folder`.
     Returns the names of the files below the folder of the run. A snapshot is displacement and
-    stress of both bodies at its instant.
+    stress of both bodies at its instant. `stages` shows the progress.
     """
     with stages.stage("pictures", "pictures") as show_progress:
         import numpy as np
@@ -379,8 +394,8 @@ def _draw(
         from reports.field_output import pictures
 
         folder.mkdir()
-        contact_edge = float(np.nanmax(solution.contact_edges))
-        half_width = scales_of_reference(solution).half_width
+        contact_edge = float(np.nanmax(solution.contact_edges))  # outermost of all instants
+        half_width = scales_of_reference(solution).half_width  # at the reference load
         figure = pictures.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
         names = [_write_picture(figure, folder)]
         # all figures have the same scales of stress and displacement

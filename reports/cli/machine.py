@@ -71,7 +71,9 @@ def doctor(options: Options) -> Answer:
 
 
 def examine(out: str | Path = "out") -> tuple[Finding, ...]:
-    """Python, packages, gmsh, off-screen rendering, the output folder."""
+    """The checks of this machine: Python, packages, gmsh, off-screen rendering, and whether the
+    output folder `out` can be written to. Each has a name, whether it is good, and why.
+    """
     return (
         Finding(
             "Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"
@@ -110,7 +112,8 @@ def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
     """Run the source text of a Python program in a process of its own. Returns whether it ended
     well, and the last line that it printed; after a failure its last line on stderr and the `hint`.
 
-    A library that brings its process down must not take this one along.
+    A library that ends its process, by a crash or without an end, must not end this one. The
+    program has 120 s.
     """
     command = [sys.executable, "-c", program]
     with tempfile.TemporaryDirectory() as folder:

@@ -36,7 +36,8 @@ def score(result: str | None, options: Options) -> Answer:
     answer has the verdict, likely causes of the difference, and the page.
 
     `result` is the path of a file of tractions, of a folder of such files from several meshes, or
-    of a measured loop of Q over U (--as loop). None with --mapping-example alone.
+    of a measured loop of Q over U (--as loop). None with --mapping-example alone. A file given as
+    --mapping names columns and units. The exit code is 3 where the reference is not converged.
     """
     from scenes import ConvergenceError, InputError
 
@@ -56,7 +57,7 @@ def score(result: str | None, options: Options) -> Answer:
     path = Path(result)
     is_loop = options.as_ == "loop"
     scene = read(options.scene)
-    mapping = load_mapping(options.mapping)
+    mapping = load_mapping(options.mapping)  # columns, units and signs; usual ones without a file
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
     _check_loop_options(path, options)
@@ -146,7 +147,8 @@ def _score_tractions(
     folder are results on several meshes, which are compared as a mesh study.
 
     `mapping` names columns and units of the file, `tolerances` are relative, by metric, and
-    `command` is the command line that the page states.
+    `command` is the command line that the page states. `options.against` chooses the reference:
+    half-plane theory or finite elements. `folder` is that of the page.
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
@@ -164,7 +166,7 @@ def _score_tractions(
                 path, mapping, scene, against=options.against, tolerances=tolerances
             )
         with stages.stage("diagnosis"):
-            report = report_with_diagnoses(report)
+            report = report_with_diagnoses(report)  # likely causes of the difference
     report = _with_inputs(report, mapping, stages)
     with stages.stage("report"):
         page = str(write(report, folder, command=command, seconds=dict(stages.seconds)))
@@ -181,7 +183,8 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     the comparison of an external result with theory within that uncertainty.
 
     The report is returned as it is where the scene states no uncertain input. The comparison is
-    left out where the result is a solution of this program.
+    left out where the result is a solution of this program. `mapping.measured` holds the
+    uncertainties of a measured result, and whether it is said to be measured.
     """
     from dataclasses import replace
 
@@ -208,7 +211,8 @@ def _score_loop(
     fits it, beside computed loops; and its page. Outside where f of the scene does not fit.
 
     `mapping` names columns and units of the table; `command` is the command line that the page
-    states.
+    states. Options: the compliance of the rig (fitted where it is not given), and whether loops of
+    theory or of finite elements are fitted (`against`).
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
@@ -228,6 +232,7 @@ def _score_loop(
     if scene.inputs:
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
+    # the area of the measured loop against the computed ones, with the uncertainties of both
     loop_validation = validation.loop_area_against_models(score, inputs, mapping.measured)
     sentences = validation.sentences(loop_validation, is_measured=True)
     further_content = {
@@ -263,7 +268,8 @@ def _score_loop(
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """What the terminal shows of the report on an external result: assumptions, verdict, metrics
     without a value, what the rows of the result show, likely causes, and the mesh study if there is
-    one. `page` is the path of the page.
+    one. `page` is the path of the page. Of `report`: `guesses` are assumptions on the file,
+    `read_as` how its columns were read, `evidence` what the rows show, `diagnoses` likely causes.
     """
     from reports.comparison.words import reading_in_words
 
@@ -329,9 +335,9 @@ def diff(a: str, b: str, options: Options) -> Answer:
     )
     from scenes import InputError
 
-    tolerances = patterned_tolerances(options.tolerance)
+    tolerances = patterned_tolerances(options.tolerance)  # pattern of keys -> largest difference
     path_b = Path(b)
-    values_a = read_run_values(a)
+    values_a = read_run_values(a)  # key -> value, with scene, settings and versions
     if not options.accept:
         if not path_b.exists():
             raise InputError(
@@ -368,7 +374,8 @@ def _difference_answer(difference: Difference) -> Answer:
 
 def _difference_parts(difference: Difference) -> Iterator[Part]:
     """What the terminal shows of the difference of two runs A and B: a table of the values that are
-    not identical, how many are identical, and which differ by more than their tolerance.
+    not identical, how many are identical, and which differ by more than their tolerance. A row has
+    a value of A and of B (`a`, `b`), their difference, and the verdict.
     """
     from reports.comparison.findings import SAME
 
@@ -394,7 +401,9 @@ def _difference_parts(difference: Difference) -> Iterator[Part]:
 
 
 def _cells(row: ValueRow) -> tuple[str, ...]:
-    """Cells of one value of `diff`: name, A, B, B − A, tolerance, verdict."""
+    """Cells of one value of two runs A and B: name, A, B, B − A, tolerance, verdict. The difference
+    is marked "rel." where it is over the larger of |A| and |B|.
+    """
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
     if row.difference is None:
         difference_text = "–"

@@ -31,6 +31,10 @@ _COLUMN_OF_COMMENTS = 32
 def init(file: Path, options: Options) -> Answer:
     """The command `init`: write a scene file to edit. It is a copy of a library scene, with its
     companions (the tables that it reads), or the commented example as the options choose it.
+
+    `file` is the new file. Options: `library_scene` (--from) is the scene to copy, `bodies` and
+    `profile` choose the example. InputError where a file is there already, for another ending than
+    .toml, and for --from with an option of the example.
     """
     from scenes import InputError, scene_companions, scene_text
 
@@ -47,7 +51,7 @@ def init(file: Path, options: Options) -> Answer:
     scene_file_text = (
         scene_text(copied_name) if copied_name else example(options.bodies, options.profile)
     )
-    companions: dict[Path, str] = {}
+    companions: dict[Path, str] = {}  # path -> text
     if copied_name:
         for name, companion_text in scene_companions(copied_name).items():
             companions[file.parent / name] = companion_text
@@ -110,6 +114,7 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     """
     text = (TEMPLATES / "scene.toml").read_text("utf-8")
     if bodies:
+        # remove the sign of a comment from the lines of the bodies
         first_place = text.index("# [bodies.lower]")
         last_place = text.index("# What you admit")
         text = (
@@ -118,6 +123,7 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
             + text[last_place:]
         )
     if profile == "flat_rounded":
+        # comments behind the lines start in column 32
         for old_line, new_line in (
             ('kind = "hertz"', '# kind = "hertz"'),
             ('# kind = "flat_rounded"', 'kind = "flat_rounded"'),
@@ -134,6 +140,9 @@ def check(source: str, options: Options) -> Answer:
     """The command `check`: validate the scene that `source` names, without solving it. It prints
     half-width and pressure at the largest load, how near the loads come to gross sliding, and
     remarks on doubtful input.
+
+    Options: `picture` is a file for a figure of a fitted profile, `loop` a measured loop whose
+    columns are stated. InputError where the scene, the loop or the picture is refused.
     """
     from reports.checking import (
         bulk_and_tilt,
@@ -155,13 +164,17 @@ def check(source: str, options: Options) -> Answer:
         _draw_fit(scene, options.picture)
     if scene.load.is_driven:
         return _check_rig(scene, source, options)
+    # how the table of a measured loop was read; empty without --loop
     columns_of_loop = _columns_of_loop(scene, options)
     n_rows = 0  # of a measured table of loads
     if isinstance(scene.load, TimeSeriesLoad):
         n_rows = len(scene.load.kept_rows())
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
+    # Why theory or finite elements refuse the scene. Elements are not asked above 10,000 rows.
     engines = engine_refusals(scene, source, finite_elements=n_rows <= _MOST_ROWS)
+    # the largest |Q|/(f P) of the path, with its time and loads
     nearest_instant = nearest_to_sliding(scene)
+    # what bulk stress and tilt do to the contact; None without them
     bulk = bulk_and_tilt(scene)
     # by half-plane theory; None where it does not take the scene
     contact = None
@@ -176,6 +189,7 @@ def check(source: str, options: Options) -> Answer:
             f"The record has {n_rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
+    # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene) | columns_of_loop
     half_width = contact.half_width if contact else 0.0
     notes, further_remarks = _notes_and_remarks(scene, columns_of_table, half_width)
@@ -188,6 +202,7 @@ def check(source: str, options: Options) -> Answer:
     rows += rows_of_sliding(scene, nearest_instant)
     table = Sheet("By half-plane theory", ("", "value"), rows, (1,))
     bulk_sentences = bulk_in_words(bulk) if bulk else ""
+    # how it was found out that the bodies have room for the contact, and on bulk stress and tilt
     sentences = filter(None, [engines.size_in_words, bulk_sentences])
     content = {
         "passed": True,
@@ -231,14 +246,17 @@ def _notes_and_remarks(
     notes = _question_in_words(scene)
     remarks: list[str] = []
     notes += [reading_in_words(table, columns) for table, columns in columns_of_table.items()]
-    if measured_loads := check_record(scene):  # None: the loads are not a measured table
+    # what the rows of measured loads show; None: the loads are not a measured table
+    if measured_loads := check_record(scene):
         for sentence, is_warning in record_in_words(scene, measured_loads):
             if is_warning:
                 remarks.append(sentence)
             else:
                 notes.append(sentence)
-    sliding = sliding_in_words(nearness_to_sliding(scene))
-    remarks += filter(None, [sliding, omissions_in_words(scene)])
+    # whether the bodies may slide by the uncertainty of the inputs
+    sentence_on_sliding = sliding_in_words(nearness_to_sliding(scene))
+    # and which inputs are left out of the uncertainties
+    remarks += filter(None, [sentence_on_sliding, omissions_in_words(scene)])
     remarks += fit_warnings(scene, half_width)
     sentences_on_fit, _ = findings_on_fit(scene)
     notes += [sentence for sentence in sentences_on_fit if sentence not in remarks]
@@ -264,7 +282,8 @@ def _question_in_words(scene: Scene) -> list[str]:
 
 
 def _draw_fit(scene: Scene, file: Path) -> None:
-    """Write a figure of a profile that is fitted to measured heights, as an SVG file.
+    """Write a figure of a profile that is fitted to measured heights, trace and residuals, as an
+    SVG file. Lines in it mark the edges of the largest contact.
 
     Raises
     ------
@@ -301,6 +320,8 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     ----------
     source
         file or name of the scene, for messages
+    options
+        of the command line; `loop` is refused
     """
     from reports.checking import engine_refusals
     from reports.comparison.words import bodies_in_words, question_in_words, reading_in_words
@@ -314,6 +335,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
             "--loop: it goes with given loads, and this scene prescribes U; leave it out"
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
+    # why theory or finite elements refuse the scene, "" where they do not
     engines = engine_refusals(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene)
@@ -347,7 +369,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
 
 def _loads_in_words(solution: ContactSolution, source: str) -> str:
     """The sentence of `check` on a scene with prescribed displacements: the range of Q, the largest
-    P, and how near the contact comes to sliding.
+    P, and how near the contact comes to sliding. `source` is the file or name of the scene.
     """
     from reports.comparison.laws import largest_load_ratio
     from reports.units import number
@@ -409,7 +431,7 @@ def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
 def _columns_of_loop(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
     """How the table of the measured loop that --loop names was read: path -> pairs of a quantity
     and words on the column that it was read from. Empty without --loop. A file given as --mapping
-    names the columns and their units.
+    names the columns and their units. The scene must have a closed loop of Q over U.
 
     Raises
     ------
@@ -486,7 +508,7 @@ def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
 
 def _details(scene: Scene) -> Iterator[str]:
     """Lines that state all about one scene: question, bodies, tolerances, files, and the numbers
-    that it expects.
+    that it expects. A line is as wide as the terminal, at least 40 columns.
     """
     from reports.comparison.metrics import tolerances_of
     from reports.comparison.pairs import are_half_planes
@@ -497,6 +519,7 @@ def _details(scene: Scene) -> Iterator[str]:
         unlike_materials_in_words,
     )
 
+    # key of a metric -> largest relative difference of finite elements and theory
     tolerances = tolerances_of(scene, are_half_planes(scene))
     expected_lines = [
         f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"

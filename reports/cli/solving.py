@@ -42,7 +42,7 @@ def read(source: str, *, may_prescribe_displacements: bool = False) -> Scene:
     """The scene that `source` names, in the library or as a file.
 
     InputError where it can't be read, where P does not stay positive or |Q| not below f P, and for
-    prescribed displacements unless `may_prescribe_displacements`.
+    prescribed displacements (`load.is_driven`) unless `may_prescribe_displacements`.
     """
     from reports.checking import require_admissible
     from scenes import InputError, load_scene
@@ -79,11 +79,16 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
     before two instants were solved ends as KeyboardInterrupt, and keeps nothing. Where the folder
     holds a file of somebody else that the command would write over, it is refused before anything
     is solved.
+
+    An answer has the exit code (130 after an interruption, 3 without convergence), what the
+    terminal shows, and the content for --json. The command is named as `solve_job`.
     """
 
     @wraps(solve_job)
     def command(source: str, options: Options) -> Answer:
-        """Solve the scene that `source` names; keep what was solved if it fails."""
+        """Solve the scene that `source` names, with the command-line options `options`; keep what
+        was solved if it fails.
+        """
         from reports.comparison.words import summary_rows
         from reports.folder import default_folder, usable_folder
         from scenes import ConvergenceError, InputError, Interrupted
@@ -104,7 +109,7 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
                 error_with_source.add_note(note)
             raise error_with_source from fault
         except Interrupted as stop:
-            partial_solution = stop.partial
+            partial_solution = stop.partial  # the steps solved so far, or None
             if partial_solution is None or len(partial_solution.time) < 2:
                 raise KeyboardInterrupt from stop
             # a solution that converged gets the file name of its engine, which "" stands for
@@ -136,7 +141,8 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
 
 def _file_names_of(command: str, scene: Scene) -> tuple[str, ...]:
     """Names of all files that the command named `command` may write to its folder: those of its
-    answer, and those named "partial" that a failure or an interruption leaves.
+    answer, and those named "partial" that a failure or an interruption leaves. Solution files of an
+    engine are named after it.
     """
     from reports.folder import NAMES_OF_RESULTS, names_of_solution_files
 
@@ -188,8 +194,8 @@ def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
 
 
 def require_drawing(stages: Stages) -> None:
-    """InputError where nothing can be drawn: found in a process of its own, for some libraries
-    bring theirs down.
+    """InputError where no picture can be drawn on this machine. That is tried in a process of its
+    own, since some libraries end their process.
     """
     from reports.cli.machine import drawing
     from scenes import InputError
@@ -206,6 +212,7 @@ def require_times(words: Iterable[str], option: str, scene: Scene) -> None:
     """
     from reports.field_output.files import instant_of
 
+    # of the load path; `instant_of` refuses a time outside it
     segments = list(scene.load.path().segments(scene.cycles)) if words else []
     for word in words:
         if word != "events":
@@ -276,6 +283,9 @@ def run(job: Job) -> Answer:
 
     A scene that one of the two alone takes gets the answer of the command `exact` or `fe`. One
     that prescribes displacements gets the answers of both, without a comparison.
+
+    A job has the scene, its name as the user gave it (`source`), the command-line options, the
+    output folder, and the stages whose progress is shown.
     """
     from reports.checking import engine_refusals
 
@@ -286,7 +296,7 @@ def run(job: Job) -> Answer:
     if options.stress:
         require_drawing(job.stages)
     load_engines(job.stages)
-    # What theory refuses is known before the finite elements are solved.
+    # Why theory or finite elements refuse the scene is known before anything is solved.
     engines = engine_refusals(job.scene, job.source)
     options.settings()  # values out of range are refused before anything is solved
     if no_comparison := engines.in_words(job.source):  # the reason, in a sentence
@@ -302,12 +312,14 @@ def run(job: Job) -> Answer:
             command = "exact"
         return replace(_answer_of_one_engine(job, solution, no_comparison), command=command)
     if options.third:
-        _third_solver(options.third).require()
+        _third_solver(options.third).require()  # InputError where its program is missing
     return _answer_of_both(job, _compare_engines(job, tolerances))
 
 
 def _require_no_option_of_both(job: Job, no_comparison: str) -> None:
-    """InputError for an option that goes with a comparison, of a scene that one engine takes."""
+    """InputError for an option that goes with a comparison, of a scene that one engine takes.
+    `no_comparison` is the reason, in a sentence.
+    """
     from scenes import InputError
 
     for name in ("tolerance", "budget", "vtu", "stress", "third"):
@@ -335,6 +347,9 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
     The budget of the errors (those of mesh, load steps and far field) is measured on request. For
     real bodies it is measured by default too, unless the record of loads is long. A third solver
     runs on request. The finite elements' solution is saved if anything after it fails.
+
+    A job has the scene, the command-line options, the output folder, and the stages whose progress
+    is shown. `tolerances`: key of a metric -> largest relative difference.
     """
     from reports.comparison.pairs import are_half_planes
     from reports.report import Report
@@ -348,7 +363,7 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
     if reason_for_no_budget:
         job.stages.remark(reason_for_no_budget)
     seconds_before = time.process_time()
-    fe = solve_finite_elements(job)
+    fe = solve_finite_elements(job)  # the solution
     with _solution_kept_on_interrupt(fe):
         with _solution_saved_on_failure(fe, job.folder):
             comparison = _comparison_with_theory(job, fe, tolerances, measures_budget)
@@ -358,6 +373,7 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
             report = Report(comparison)
             if measures_budget:
                 report = _report_with_budget(job, comparison, seconds_before)
+            # what the uncertainties of the inputs do to the values; None where none is stated
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
@@ -375,7 +391,7 @@ def _comparison_with_theory(
 
     Theory is also solved on the load path's polygon, whose vertices are the loads at these
     instants: that shows the error of the load steps. It has all fields if `measures_budget`, else
-    those that the page shows.
+    those that the page shows. Stages of `job` show the progress.
     """
     from reports.comparison.budget import SHOWN_ON_STEPS, theory_on_steps
 
@@ -396,6 +412,7 @@ def _comparison_with_theory(
             fe,
             polygon_reference=theory_on_polygon,
             tolerances=tolerances,
+            # compliances of finite bodies, where displacements count from different places
             effects=effects_between(reference, fe),
         )
 
@@ -405,7 +422,8 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     real bodies the causes of the difference.
 
     `seconds_before` is the processor time before the finite elements were solved. From it follows
-    what the budget costs over the run itself.
+    what the budget costs over the run itself. `job` has the scene, the command-line options (of
+    which mesh and solver have settings), and the stages whose progress is shown.
     """
     from reports.comparison.budget import error_budget, solve_refinements
     from reports.comparison.pairs import are_half_planes
@@ -415,7 +433,7 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     # Two coarser meshes are the least that shows an order of convergence; three on request.
     n_coarser_meshes = 3 if job.options.budget else 2
     mesh, settings = job.options.settings()
-    # Every run on another mesh is a stage of its own.
+    # The solved runs on coarser meshes and with other far fields; each is a stage of its own.
     refinements = solve_refinements(comparison, mesh, settings, job.stages.stage, n_coarser_meshes)
     report = with_budget(comparison, error_budget(comparison, refinements, seconds_of_run))
     if are_half_planes(job.scene):
@@ -423,6 +441,7 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     with job.stages.stage("why"):
         from reports.advising_by_numbers import split_difference_of_work
 
+        # the difference of the dissipation between theory and finite elements, by its causes
         causes = split_difference_of_work(report.comparison, report.budget)
     return replace(report, comparison=replace(report.comparison, why=causes))
 
@@ -444,6 +463,10 @@ def _inputs_shown(
 ) -> Iterator[Part]:
     """What the terminal shows of `inputs`, what the uncertainties of the scene's inputs do to the
     answer: sentences, then tables. Nothing where it is None: the scene states no uncertainty.
+
+    `inputs.values` are values of theory with their uncertainty, `inputs.difference` those of the
+    difference of finite elements and theory. The last argument of a table lists the columns that
+    are flush right.
     """
     from reports import input_words
 
@@ -467,8 +490,12 @@ def _inputs_shown(
 
 
 def _write_page(job: Job, report: Report) -> None:
-    """Write the page of a run and its files to the job's folder, timed as the stage "report"."""
-    fe = report.comparison.result
+    """Write the page of a run and its files to the job's folder, timed as the stage "report".
+
+    The options --vtu and --stress name instants, at which both bodies are written for ParaView, and
+    at which the page shows von Mises' stress.
+    """
+    fe = report.comparison.result  # the solution by finite elements
     command = job.command("run")
     with job.stages.stage("report"):
         from reports.field_output.files import instants_of
@@ -489,7 +516,8 @@ def _write_page(job: Job, report: Report) -> None:
 @contextmanager
 def _solution_kept_on_interrupt(solution: ContactSolution) -> Generator[None, None, None]:
     """Within this context Ctrl-C raises `Interrupted` with `solution` in it, so that the command
-    saves it; unless the page was complete in its folder already (`FilledBefore`).
+    saves it; unless the page was complete in its folder already (then `FilledBefore`, a kind of
+    KeyboardInterrupt, comes instead).
     """
     from reports.folder import FilledBefore
     from scenes import Interrupted
@@ -525,6 +553,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     """The answer of `run` from its report: exit code, what the terminal shows, and the content for
     --json. Where the code is not 0 for a third solver, an undecided metric or one without a value,
     a line on stderr says so.
+
+    Of `report` are used: the comparison, the error budget and the answer of a third solver (None
+    where there is none), and what the uncertainties of the inputs do. `job` has the options and the
+    seconds of each stage.
     """
     from reports.comparison import laws
     from reports.comparison.words import verdict_in_few_words
@@ -542,7 +574,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         complain(f"halfplane: {scene.name}: {third_answer.failure}")
         code = EXIT_NOT_CONVERGED
     else:
-        code = exit_code(comparison)
+        code = exit_code(comparison)  # 0 if it passed, else 1
         if not all(finding.is_met for finding in findings):
             code = EXIT_OUTSIDE
 
@@ -571,7 +603,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         """The object "result" of --json: headline, table, verdict, values of each metric, path of
         the page.
         """
-        report_content = whole_content(report, "", stages.seconds)
+        report_content = whole_content(report, "", stages.seconds)  # that of comparison.json
         solution_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
         for key, metric in report_content["metrics"].items():
@@ -597,7 +629,8 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     """What the terminal shows first of a comparison: headline, table of the values of both
     solutions, causes of the difference and verdict; in short forms unless `verbose`. A pair is a
-    text and its style on a terminal.
+    text and its style on a terminal. `comparison.why` is the difference of the dissipation split by
+    causes, None where it was not split.
     """
     from reports.comparison.words import (
         cells_of_first_table,
@@ -622,7 +655,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
         yield metrics_without_value
     if comparison.why is not None:
         yield comparison.why.sentence
-    style = _STYLES.get(verdict_for_colour(comparison) or "", "")
+    style = _STYLES.get(verdict_for_colour(comparison) or "", "")  # green, red or yellow
     long_verdict = f"{verdict_in_few_words(comparison)} {verdict_in_sentences(comparison)}".strip()
     yield long_verdict if verbose else verdict_in_short(comparison), style
     # Without --verbose the rule of judging is stated only where the size of a difference decides
@@ -636,7 +669,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
 def _topics_left_out(report: Report, findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
     """What a terminal without --verbose shows last: warnings about the table of measured loads, and
     a line that lists what is only on the page: the notes of the finite elements by their first
-    words, and how many of the expected numbers (`findings`) are met.
+    words, and how many of the scene's expected numbers (`findings`) are met.
     """
     from reports.measured import check_record, record_in_words
 
@@ -687,13 +720,14 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
 
     The table has a row for each metric and a column for each source of error (mesh, load steps,
     far field): what it contributes to the difference E of the result from theory. Then come the
-    rest of E that no source explains, and its uncertainty u. E stands in the table above.
+    rest of E that no source explains, and its uncertainty u. E stands in the table above. An entry
+    of `budget.budgets` is the budget of one metric.
     """
     from reports.comparison.budget_words import budget_table, cost_in_words, negligible_terms
 
     negligible_sources = negligible_terms(budget)
     heads, rows, _ = budget_table(budget, (*negligible_sources, "E"))
-    column_of_rest = heads.index("± u") - 1
+    column_of_rest = heads.index("± u") - 1  # its head becomes "left"
     heads = (*heads[:column_of_rest], "left", *heads[column_of_rest + 1 :])
     title = "Where the difference comes from"
     if _are_per_cent(rows):
@@ -718,7 +752,9 @@ def _are_per_cent(rows: Sequence[tuple[str, ...]]) -> bool:
 
 
 def _expected_shown(findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
-    """The numbers that the scene expects beside those found, and how many are met."""
+    """What the terminal shows of the numbers that a scene expects (`findings`): a table with the
+    values of the engines, and how many are met. Nothing where it expects none.
+    """
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
     if findings:
@@ -733,8 +769,9 @@ def _expected_shown(findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
 def exit_code(comparison: Comparison) -> int:
     """Exit code of a comparison: 0 if it passed, else 1.
 
-    Two kinds of metrics are named on stderr: those that have a tolerance but no value, and those
-    that are undecided, because their uncertainty reaches over the tolerance.
+    Two kinds of metrics are named on stderr: those that have a tolerance but no value (`unscored`),
+    and those that are undecided, because their uncertainty reaches over the tolerance. A comparison
+    is admissible where both solutions obey the laws of contact.
     """
     if comparison.unscored:
         keys = ", ".join(metric.key for metric in comparison.unscored)
@@ -804,7 +841,8 @@ def _answer_of_one_engine(
     """Save the solution of one engine and make the answer of its command: summary, JSON, exit code.
 
     `note` is added to the solution's notes. `inputs` is what the uncertainties of the scene's
-    inputs do to theory; None: it is computed here.
+    inputs do to theory; None: it is computed here. Exit code 0: the run converged, every law of
+    contact holds, and all numbers that the scene expects are met. Else 1.
     """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
@@ -830,7 +868,7 @@ def _answer_of_one_engine(
     code = (
         EXIT_WITHIN if admissible and all(finding.is_met for finding in findings) else EXIT_OUTSIDE
     )
-    values_of_rig = {}
+    values_of_rig = {}  # of a scene that prescribes displacements
     if job.scene.load.is_driven:
         values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
 
@@ -876,7 +914,8 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
     Parameters
     ----------
     engines
-        which of theory and finite elements take the scene
+        which of theory and finite elements take the scene; `refusal_of_theory` is the reason why
+        theory does not, "" where it does
     no_comparison
         why the two are not compared, in a sentence
     """
@@ -888,8 +927,9 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
     else:
         solution = _solve_rig(job)
         command = "exact"
-    inputs = _effects_of_inputs(job)
+    inputs = _effects_of_inputs(job)  # what the uncertainties of the inputs do to the values
     answer = _answer_of_one_engine(job, solution, no_comparison, inputs)
+    # finite elements beside theory, and what JSON states of them
     solution_of_elements = None
     content_of_elements: dict[str, Any] = {}
     if not engines.refusal_of_theory:
@@ -903,11 +943,13 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
         page = write(rig, job.folder, job.command("run"), remarks)
 
     def json_content() -> dict[str, Any]:
+        """The object "result" of --json: that of one engine, of finite elements, and the page."""
         assert answer.content is not None  # for the type checker: an engine's answer has JSON
         further_content = {"finite_elements": content_of_elements} if content_of_elements else {}
         return {**answer.content(), **further_content, "page": str(page)}
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows, from the summary of one engine to the path of the page."""
         yield from answer.parts
         if solution_of_elements is not None:
             rows = summary_rows(solution_of_elements, loads_are_found=True)
@@ -920,8 +962,9 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
 
 
 def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
-    """The finite elements' solution under prescribed displacements, which is saved, and what JSON
-    states of it. Where they refuse the scene: None, and the refusal under the key "refused".
+    """The finite elements' solution under prescribed displacements, which is saved in the job's
+    folder, and what JSON states of it. Where they refuse the scene: None, and the refusal under the
+    key "refused". A solution is admissible where it converged and every law of contact holds.
     """
     from reports.comparison.json_values import solution_content
     from reports.comparison.laws import certificates
@@ -961,7 +1004,8 @@ def write_solution(
     """Save a solution in the folder `out`, and return the path of its NetCDF file.
 
     Beside the NetCDF file come the summary as JSON and a table of the instants as CSV, all three
-    named `name`, by default after the engine. With `states_loads` scene.json is written too.
+    named `name`, by default after the engine. With `states_loads` the scene of the solution, with
+    its loads, is written too, as scene.json.
     """
     from reports.charts.templating import table_text
     from reports.comparison.cycles import NAMES_OF_BULK_SERIES
@@ -980,6 +1024,7 @@ def write_solution(
         }
         summary = json.dumps(strict_json_values(content), allow_nan=False, indent=1) + "\n"
         (folder / f"{stem}.json").write_text(summary, encoding="utf-8")
+        # loads, half-widths, displacements, ... at each instant, (n_steps,)
         columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations
         if solution.tilt is not None:  # bulk stress or tilt: the two edges of a zone differ
