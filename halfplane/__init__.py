@@ -85,6 +85,14 @@ package_names.install()
 
 
 def __getattr__(name: str) -> Any:
+    """Value of an attribute of this package that is loaded when it is first used: the version, a
+    package, or a function or class of one of them.
+
+    Raises
+    ------
+    AttributeError
+        For an unknown name.
+    """
     from importlib import import_module
 
     if name == "__version__":
@@ -95,6 +103,7 @@ def __getattr__(name: str) -> Any:
         return import_module(f"{__name__}.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'halfplane' has no attribute {name!r}")
+    # `_HOME`: for each public name its package, and its name there.
     package, original_name = _HOME[name]
     value = getattr(import_module(f"{__name__}.{package}"), original_name)
     _show_scenes_and_solutions(import_module(f"{__name__}.scenes.notebook_forms"))

@@ -54,8 +54,11 @@ class SecondNames:
     def find_spec(
         self, name: str, _path: Sequence[str] | None = None, _target: object = None
     ) -> ModuleSpec | None:
-        """The specification of a second name; None for any other, and for one that a user's own
-        module has.
+        """The specification of a module under a second name, such as `halfplane.scenes` of
+        `scenes`; None for any other name, and for one that a user's own module has.
+
+        The interface is that of an import finder of Python. `prefix` stands before the second
+        names, `home` before the first; one of them is "halfplane.", the other "".
         """
         if not name.startswith(self.prefix):
             return None
@@ -63,6 +66,7 @@ class SecondNames:
         if package not in PACKAGES:
             return None
         if submodule:
+            # A submodule counts only where its package was loaded under the second name.
             parent = sys.modules.get(name.rpartition(".")[0])
             if not is_second_name(parent):
                 return None
@@ -72,6 +76,8 @@ class SecondNames:
 
         if not self.home and not submodule:
             _require_checkout()
+
+        # The specification of the module itself, under its first name.
         spec = find_spec(self.first_name(name))
         if spec is None:
             return None
@@ -80,33 +86,36 @@ class SecondNames:
         return ModuleSpec(name, loader, origin=spec.origin, is_package=is_package)
 
     def _users_own(self, name: str) -> bool:
-        """Whether any other finder has Python code by that name; a folder without any, such as one
-        of scene files, is none.
+        """Whether any other finder of Python has code by that name, a module or package of the
+        user; a folder without any code, such as one of scene files, is none.
         """
         for finder in sys.meta_path:
             search = getattr(finder, "find_spec", None)
-            spec = None if finder is self or search is None else search(name, None)
-            if spec is None:
+            user_spec = None if finder is self or search is None else search(name, None)
+            if user_spec is None:
                 continue
-            folders = spec.submodule_search_locations
-            if spec.origin is not None or folders is None:
+            folders = user_spec.submodule_search_locations
+            if user_spec.origin is not None or folders is None:
                 return True
             files = [file for folder in folders for file in os.listdir(folder)]
             return any(file.endswith(".py") for file in files)
         return False
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """The second name's module."""
+        """A new module under the second name, with the attributes of the module under the first.
+
+        With the wheel (`prefix` is "") a DeprecationWarning is given once.
+        """
         from importlib import import_module
         from types import ModuleType
 
         if not self.prefix and not self.has_warned:
             self.has_warned = True
             _warn_of(spec.name.partition(".")[0])
-        original = import_module(self.first_name(spec.name))
-        module = ModuleType(spec.name, original.__doc__)
-        module.__dict__["__getattr__"] = lambda attribute: getattr(original, attribute)
-        module.__dict__["__dir__"] = lambda: dir(original)
+        first_module = import_module(self.first_name(spec.name))
+        module = ModuleType(spec.name, first_module.__doc__)
+        module.__dict__["__getattr__"] = lambda attribute: getattr(first_module, attribute)
+        module.__dict__["__dir__"] = lambda: dir(first_module)
         return module
 
     def exec_module(self, module: ModuleType) -> None:
@@ -140,6 +149,8 @@ def is_second_name(module: ModuleType | None) -> bool:
 
 def _require_checkout() -> None:
     """Refuse a module of the user that hides one of the five packages of a checkout.
+
+    The checkout is the folder above this package: its packages lie there.
 
     Raises
     ------

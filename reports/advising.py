@@ -67,6 +67,8 @@ def advise(
             f"{problem.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
             " relative to it"
         )
+
+    # Corrected theory first; `reason_for_size_alone` is "" where its uncertainty was checked.
     advice = None
     try:
         advice = advise_by_numbers(problem, limit, effects)

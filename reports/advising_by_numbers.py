@@ -156,9 +156,13 @@ class Advice:
     def reason_for_size_alone(self) -> str:
         """The reason why corrected theory gives only the size of the change by finite bodies, and
         no uncertainty that was checked against finite elements. "" where it gives one.
+
+        `parts` holds the change by tilt and bulk strain, where it is known, under ODD_PART;
+        `neglected_part` is their size where it is not; `work` is the change of the dissipation.
         """
         if has_coupled_tractions(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
+        # Checked up to a change of 5 % by tilt and bulk strain, and an uncertainty of 1 %.
         odd_part = max(abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part)
         if odd_part > _LARGEST_CHECKED_ODD_PART:
             return (
@@ -213,6 +217,7 @@ def advise_by_numbers(
     )
 
     scene = scene_of(scene)
+    # Unlike materials: pressure and shear depend on each other.
     is_coupled = has_coupled_tractions(scene)
     if is_coupled and scene.bodies.half_planes:
         raise InputError(
@@ -220,6 +225,8 @@ def advise_by_numbers(
             " 0), to which no body adds anything; solve the scene with finite elements"
             " (`halfplane run`)"
         )
+
+    # Theory of half-planes, and theory with the curvatures of the bodies' faces.
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
     theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
@@ -236,7 +243,10 @@ def advise_by_numbers(
     )
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
+
+    # The change of W by each curvature; then by tilt and bulk strain, the odd part.
     uncertain_fraction_by_curvature = uncertain_fraction_of_curvatures(effects, half_width)
+    # Fourth order over curvature in the bodies' responses.
     next_order_ratio = ratio_of_next_order(effects, half_width)
     parts = _parts_by_curvatures(
         effects, theory, corrected_solution, uncertain_fraction_by_curvature
@@ -251,14 +261,16 @@ def advise_by_numbers(
         if odd_part is not None:
             parts[ODD_PART] = odd_part
             neglected_part = 0.0
+
     # largest values of theory over all x and time, not only on the points of the solution
     exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
+    # Key of each quantity, its name in a solution, and in words.
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
         theory_value = QUANTITIES[name].value_of(theory)
         change = QUANTITIES[name].value_of(corrected_solution) / theory_value - 1
         uncertainty = abs(change) * max(uncertain_fraction_by_curvature.values())
-        if key == WORK:
+        if key == WORK:  # the sum of its parts
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
@@ -287,15 +299,17 @@ def _odd_part_of_work(
     even_part
         relative change of W by the curvatures of the faces
     ratio
-        fourth order over curvature in the bodies' responses (`ratio_of_next_order`)
+        fourth order in x over the curvature, in the bodies' responses
     """
     import semi_analytic
     from semi_analytic.next_order import uncertain_fraction_of_tilt_and_strain
 
     try:
+        # Relative change of W by tilt and bulk strain, with its uncertainty.
         odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
+    # Relative uncertainty by orders that are left out.
     uncertain_fraction = uncertain_fraction_of_tilt_and_strain(even_part, ratio)
     uncertainty_of_order = uncertain_fraction * abs(odd_change.value)
     return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_of_order)
@@ -319,6 +333,7 @@ def _change_of_stick(
     import semi_analytic
     from semi_analytic.odd_memory import DeclinedError, second_order_answer
 
+    # Theory in the first order of tilt and bulk strain; the answer itself is not needed here.
     try:
         second_order_answer(scene, effects)
     except DeclinedError:
@@ -327,6 +342,7 @@ def _change_of_stick(
     corrected_half_width = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
+    # An error of 0.5 % by tilt and bulk strain is added.
     return Estimate(corrected_half_width / theory_value - 1, uncertainty + _RELATIVE_ERROR_OF_STICK)
 
 
@@ -340,7 +356,9 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     Parameters
     ----------
     comparison
-        of finite elements with half-plane theory, W with its uncertainty
+        of finite elements with half-plane theory: `metric(WORK)` is the relative difference of W
+        with its uncertainty (`absolute` where it is not relative), `effects` are the elastic
+        responses of the bodies
     budget
         error budget that states the parts by mesh and load steps; None: these parts stay in the
         rest that no cause explains
@@ -352,6 +370,8 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
         )
     uncertainty = math.nan if metric.uncertainty is None else metric.uncertainty
     total_change = Estimate(metric.value, uncertainty)
+
+    # The part by mesh and load steps, and those by each cause.
     numerical_part = 0.0
     if budget is not None:
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
@@ -367,6 +387,7 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
             parts = _parts_of_flat_faces(advice, comparison)
     except (InputError, ConvergenceError) as reason:
         return Why(total_change, reason_not_split=str(reason))
+
     causes_without_estimate = [
         cause for cause, part in parts.items() if math.isnan(part.uncertainty)
     ]
@@ -385,17 +406,28 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
     """The causes of the change of the dissipation for bodies of like materials with flat faces:
     cause -> relative change with its uncertainty.
 
-    They are those of theory corrected by the bodies' elastic responses (`advice`). Where that gives
-    sizes without a checked uncertainty, half-planes with the whole compliance of the bodies
-    (kernels) are solved by finite elements: their change beyond the sum of the causes is a further
-    cause, which has the uncertainty of all.
+    They are those of theory corrected by the bodies' elastic responses. Where that gives sizes
+    without a checked uncertainty, half-planes with the entire compliance of the bodies (kernels)
+    are solved by finite elements. Their change beyond the sum of the causes is a further cause,
+    HIGHER_ORDERS, which has the uncertainty of all.
+
+    Parameters
+    ----------
+    advice
+        of corrected theory: `parts` by cause; `reason_for_size_alone`, "" where its uncertainty was
+        checked; `neglected_part`: size of the change by tilt and bulk strain where they were not
+        followed
+    comparison
+        of finite elements with half-plane theory
     """
     parts = dict(advice.parts)
     if not advice.reason_for_size_alone:
         if advice.neglected_part:
             parts[ODD_PART] = Estimate(0.0, advice.neglected_part)
         return parts
+
     theory_work = advice.changes[WORK].theory_value
+    # W [energy / thickness] with its uncertainty.
     work_by_kernels = _work_by_kernels(comparison)
     sum_of_parts = sum(part.value for part in parts.values())
     parts = {cause: Estimate(part.value) for cause, part in parts.items()}
@@ -416,6 +448,7 @@ def _parts_of_curved_faces(comparison: JudgedPair) -> dict[str, Estimate]:
     """
     import semi_analytic
 
+    # W [energy / thickness] with its uncertainty.
     work_by_kernels = _work_by_kernels(comparison)
     theory_work = semi_analytic.solve(comparison.scene, fields=WORK).dissipation
     change = work_by_kernels.value / theory_work - 1
@@ -439,10 +472,13 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
     import semi_analytic
 
     scene = comparison.scene
+    # W [energy / thickness] with its uncertainty.
     work_by_kernels = _work_by_kernels(comparison)
+    # Half-planes by finite elements twice as large as in the comparison.
     mesh, settings = _coarser_mesh_and_settings(comparison)
     solution_of_half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
     theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
+
     change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
     uncertainty_of_coupling = solution_of_half_planes.dissipation_uncertainty / theory_work
     change_by_bodies = (work_by_kernels.value - solution_of_half_planes.dissipation) / theory_work
@@ -503,13 +539,19 @@ def _parts_by_curvatures(
         half-plane theory, and theory with all curvatures
     uncertain_fraction_by_curvature
         relative uncertainty of the change by each curvature
+
+    Returns
+    -------
+    dict
+        Cause -> relative change with its uncertainty.
     """
     import semi_analytic
     from semi_analytic.next_order import CURVATURES, with_one_group_alone
 
     parts = {}
-    rest = corrected_solution.dissipation / theory.dissipation - 1
+    change_left = corrected_solution.dissipation / theory.dissipation - 1
     for curvature in CURVATURES:
+        # The responses of the bodies with this curvature alone.
         effects_of_curvature = with_one_group_alone(effects, curvature)
         solution = semi_analytic.solve(
             theory.scene, x=0.0, time=theory.time, effects=effects_of_curvature, fields=WORK
@@ -518,9 +560,9 @@ def _parts_by_curvatures(
         parts[curvature] = Estimate(
             change, abs(change) * uncertain_fraction_by_curvature[curvature]
         )
-        rest -= change
+        change_left -= change
     parts["both together"] = Estimate(
-        rest, abs(rest) * sum(uncertain_fraction_by_curvature.values())
+        change_left, abs(change_left) * sum(uncertain_fraction_by_curvature.values())
     )
     return parts
 
@@ -575,14 +617,19 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> tuple[float, float]:
-    """Sizes of the tilt and of the bulk strain of the bodies, |alpha_P| + |alpha_Q| and |e_P| +
-    |e_Q|: dimensionless, each the sum of that under P and that under Q.
+    """Sizes of the tilt and of the bulk strain of the bodies, |alpha_P| + |alpha_Q| and
+    |e_P| + |e_Q|: dimensionless, each the sum of that under P and that under Q.
+
+    `effects` are the elastic responses that the bodies add to half-planes, `half_width` is the
+    largest of the contact [length].
     """
     from semi_analytic.corrected import dimensionless_tilt_and_strain
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
+    # E* of both materials.
     modulus = composite_modulus(scene.material)
+    # The four responses by name, made dimensionless with half-width and E*.
     odd_numbers = dimensionless_tilt_and_strain(effects, half_width, modulus)
     sizes = {
         name: abs(number) for name, number in zip(TILT_AND_STRAIN_NAMES, odd_numbers, strict=True)
@@ -595,6 +642,10 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
 def advice_in_words(advice: Advice) -> str:
     """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
     what makes the error, whether that is within the limit, and what to do.
+
+    `advice.work` is the relative change of the dissipation, `parts` its parts by cause,
+    `neglected_part` the size of causes that were not followed, and `reason_for_size_alone` why the
+    uncertainty was not checked, "" where it was.
     """
     change = advice.work
     causes_in_words = [f"{cause} {in_percent(part.value)}" for cause, part in advice.parts.items()]
@@ -617,6 +668,14 @@ def advice_in_words(advice: Advice) -> str:
 def _sentence_on_limit(advice: Advice) -> str:
     """A sentence on whether the expected error of half-plane theory is within the limit, and what
     to do: use theory, correct it, or solve the scene.
+
+    Parameters
+    ----------
+    advice
+        `verdict` on the `limit`; `reason_for_size_alone`: why the uncertainty was not checked, ""
+        where it was; `refusal_of_kernels`: why half-planes with the compliance of the bodies added
+        are no way out, "" where that was not tried; `parts` of the change by cause;
+        `neglected_part`: size of causes that were not followed
     """
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
     advice_to_solve = "solve the scene (`halfplane run`)"
@@ -629,6 +688,8 @@ def _sentence_on_limit(advice: Advice) -> str:
         return f"That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
         return f"Whether it is within {limit_in_words} is undecided: {advice_to_solve}."
+
+    # Outside: theory can be corrected, unless tilt and bulk strain (ODD_PART) are large.
     odd_part = advice.parts.get(ODD_PART, Estimate(0.0))
     size_of_odd_part = max(advice.neglected_part, abs(odd_part.value))
     if advice.reason_for_size_alone or size_of_odd_part > advice.limit / 2:

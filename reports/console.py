@@ -54,7 +54,7 @@ class TimeLeft:
         >>> left.words(0, 4), left.words(1, 4)
         ('', '9 s left')
         """
-        now = self._clock()
+        now = self._clock()  # seconds
         # another count has begun
         if total is None or count < self._count or total != self._total or not count:
             self._start = now
@@ -95,6 +95,7 @@ class Stages:
         """
         start = time.perf_counter()
         self.note(f"{name} ...")
+        # A bar on a terminal, else a line every two seconds; `show` displays one step.
         progress_display = (
             self._progress_bar(name)
             if self.console.is_terminal
@@ -227,6 +228,7 @@ def show_table(
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
+    # Blanks beside the rules, whether there are outer rules, and widths of the columns.
     layout = _layout([columns, *table_rows], console.width)
     table = Table(
         title=Text(_printable_text(title)),
@@ -240,6 +242,8 @@ def show_table(
     for column_number, (head, column_width) in enumerate(zip(columns, widths, strict=True)):
         justify: Literal["right", "left"] = "right" if column_number in right_columns else "left"
         table.add_column(head, justify=justify, overflow="fold", width=column_width)
+
+    # Cells in lines of the column's width; words such as "within" have a colour.
     for row in table_rows:
         cells_of_row = map(_wrapped_cell, row, widths)
         table.add_row(*map(_coloured_cell, cells_of_row))
@@ -267,13 +271,16 @@ def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
     n_columns = len(rows[0])
     rules_between = n_columns - 1
     layouts = []
+    # From the widest layout to the narrowest: with blanks, without, without outer rules.
     for blanks, n_outer_rules in ((1, 2), (0, 2), (0, 0)):
         width_of_rules = rules_between * (1 + 2 * blanks) + n_outer_rules
+        # Widths in which no word is broken; none where there is no room.
         widths = _column_widths(rows, total_width - width_of_rules)
         if widths:
             layouts.append(_Layout(blanks, bool(n_outer_rules), widths))
     if not layouts:
         return _Layout(1, True, [])
+    # `_line_count`: lines that the rows take with these widths.
     return min(layouts, key=lambda layout: _line_count(rows, layout.widths))
 
 
@@ -300,6 +307,7 @@ def _column_widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]
     ([11, 1], [6, 6], [])
     """
     columns = list(zip(*rows, strict=True))
+    # Width of the longest cell of each column; below, that of the longest word.
     full_widths = [max(map(_width_of, column)) for column in columns]
     if sum(full_widths) <= total_width:
         return full_widths

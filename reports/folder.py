@@ -49,6 +49,7 @@ def _hidden_folder(writable_parent: Path, preferred_parent: Path) -> Path:
     OSError
         Where it can't be made.
     """
+    # Ctrl-C waits until the folder is where it belongs.
     with interrupts_wait():
         path = Path(tempfile.mkdtemp(prefix=_prefix_of_hidden_names(), dir=writable_parent))
         if writable_parent != preferred_parent:
@@ -79,10 +80,10 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
     OSError
         Where it can't be written; the old file stays.
     """
-    handle, name = tempfile.mkstemp(
+    file_handle, name = tempfile.mkstemp(
         prefix=_prefix_of_hidden_names(), dir=Path(os.path.realpath(path)).parent
     )
-    os.close(handle)
+    os.close(file_handle)
     files.replace_file(path, content, Path(name))
 
 
@@ -117,7 +118,11 @@ def _existing_folder(folder: Path) -> Generator[None, None, None]:
 
 
 def remove_left_behind(folder: Path) -> None:
-    """Remove hidden files and folders that killed processes of this program left in `folder`."""
+    """Remove hidden files and folders that killed processes of this program left in `folder`.
+
+    Their names match _HIDDEN_NAME: the program, a code of the machine, and the number of the
+    process.
+    """
     with suppress(OSError), os.scandir(folder) as entries:
         hidden_paths = [
             Path(entry.path)
@@ -204,6 +209,8 @@ def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> P
 
     Parameters
     ----------
+    out
+        the folder as the user named it
     names
         the files that will be written to the folder
 
@@ -261,9 +268,9 @@ def results_folder(
         beginnings of the names of earlier files that are removed unless written again; by default
         all of them
     solutions
-        names of solution files. After an error other than an InputError or Ctrl-C those written
-        are moved to `out`, and a note of the error names them. Where the disk itself fails they
-        are kept beside `out`
+        names of solution files. After an error other than an InputError or Ctrl-C those written are
+        moved to `out`, and a note of the error names them. Where the disk itself fails they are
+        kept beside `out`
 
     Raises
     ------
@@ -274,12 +281,15 @@ def results_folder(
     FilledBefore
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
+    # The folder as a path, checked; and a hidden folder beside it, from which files can be moved to
+    # it.
     folder = usable_folder(out)
     is_moving = False
     try:
         staging = _new_staging_folder(folder)
     except OSError as reason:
         raise _error_of_unwritable_folder(out, reason) from reason
+
     results = staging / "results"
     with ExitStack() as cleanup:
         cleanup.callback(_remove_hidden, staging)
@@ -294,6 +304,7 @@ def results_folder(
             cleanup.pop_all()  # nothing is removed
             raise InputError(f"{fault}{_place_of_rescued_files(staging)}") from fault
         except OSError as fault:
+            # An error of the disk: of the results' folder, or of a file somewhere else.
             is_about_folder = is_moving or not _is_about_another_file(fault, staging)
             if not is_about_folder:
                 _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
@@ -346,6 +357,7 @@ def _move_solutions(
     """
     # a second error must not hide the first
     with suppress(OSError, InputError):
+        # Names of the solutions that exist; all other files are removed.
         if written_names := _remove_all_except(staging / "results", solutions):
             _move_results(staging, folder, stale_prefixes, out)
             fault.add_note(
@@ -361,8 +373,9 @@ def _is_about_another_file(fault: OSError, staging: Path) -> bool:
 
 def _visible_folder(staging: Path) -> Path:
     """Rename the hidden temporary folder `staging`, so that users see it and no later run removes
-    it. Manifests and empty folders in it are removed first. Returns the new path, or the old one
-    where the folder can't be renamed.
+    it. Manifests and empty folders in it are removed first.
+
+    Returns the new path, or the old one where the folder can't be renamed.
     """
     try:
         for path in staging.iterdir():
@@ -383,8 +396,10 @@ def _error_of_unwritable_folder(out: str | Path, reason: OSError) -> InputError:
 
 
 def _refuse_foreign_files(folder: Path, names: Iterable[str], out: str | Path) -> None:
-    """InputError if a file with one of `names` is in `folder` already and no manifest of this
-    program lists it, or if it would be written outside of the folder through a link.
+    """Refuse (InputError) a folder in which a file with one of `names` exists that no manifest of
+    this program lists, or in which one would be written outside of the folder through a link.
+
+    `out` is the folder as the user named it, for the message.
     """
     # Where folders can't be locked, another run may move its files now. It moves its manifest
     # first: so the manifest is read last.
@@ -435,6 +450,8 @@ def _write_manifest(path: Path, names: Iterable[str]) -> Path:
 def _files_in_manifest(folder: Path) -> list[str]:
     """Names of files in `folder` that an earlier run listed in its manifest; none without a
     manifest of this program.
+
+    The manifest is a JSON file with the keys "written by" and "files".
     """
     try:
         manifest = parsed_json(text_of(folder / MANIFEST, "the manifest"))
@@ -470,22 +487,38 @@ def _move_results(
 
     Parameters
     ----------
+    staging
+        its folder "results" holds the new files
+    folder
+        where they go
     stale_prefixes
         beginnings of the names of earlier files that are removed unless written again
     out
         the folder as the user named it, for messages
+
+    Raises
+    ------
+    InputError
+        Where the folder holds a file under a new name that this program did not write.
+    FilledBefore
+        For a Ctrl-C that came while files were moved: all of them have been moved.
     """
     results = staging / "results"
     old_results = staging / "before"  # where replaced files go, to be put back after an error
+    # Names of files as paths relative to the folder.
     new_names = _names_of_files(results)
+    # The folder exists and is locked against other runs; `parents` makes folders in it.
     with _existing_folder(folder), _locked_folder(folder, out, make=True), ExitStack() as parents:
         _refuse_foreign_files(folder, new_names, out)
+        # Earlier files of this program; those of them that go; all that are moved away.
         other_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
         stale_names = {name for name in other_names if name.startswith(stale_prefixes)}
         replaced_names = sorted(
             (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
             key=lambda name: (name != _PAGE_NAME, name),
         )
+
+        # Both manifests, and folders for what is moved away or arrives.
         first_manifest = _write_manifest(staging / "begun.json", {*new_names, *other_names})
         last_manifest = _write_manifest(
             staging / "ended.json", {*new_names, *(other_names - stale_names)}
@@ -514,6 +547,8 @@ def _move_results(
                 undoing.pop_all()
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
+
+        # Folders that hold nothing any more.
         for parent_folder in {(folder / name).parent for name in stale_names} - {folder}:
             with suppress(OSError):  # the folder is not empty
                 parent_folder.rmdir()
@@ -524,10 +559,11 @@ def _locked_folder(
     folder: Path, out: str | Path, *, make: bool = False
 ) -> Generator[None, None, None]:
     """A context in which no other process of this program moves files to `folder`: it waits for a
-    lock on the folder.
+    lock on the folder, tried every 10 ms.
 
     Where the system can't lock a folder (Windows, some networks) there is no lock. If the folder is
-    absent, it is made with `make`; without it FileNotFoundError.
+    absent, it is made with `make`; without it FileNotFoundError. `out` is the folder as the user
+    named it, for the message.
 
     Raises
     ------
@@ -535,21 +571,23 @@ def _locked_folder(
         Where another process holds the lock for a minute.
     """
     latest_time = time.monotonic() + _LONGEST_WAIT_SECONDS
-    handle = None
+    folder_handle = None
     while fcntl is not None:
         if make:
             folder.mkdir(parents=True, exist_ok=True)
-        handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
+        folder_handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(folder_handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # a folder that was just replaced by another one has to be opened again
-            if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):
+            if os.path.exists(folder) and os.path.samestat(
+                os.fstat(folder_handle), os.stat(folder)
+            ):
                 break
         except BlockingIOError:
             pass
         except OSError:  # this file system has no locks
             break
-        os.close(handle)
+        os.close(folder_handle)
         if time.monotonic() > latest_time:
             raise InputError(
                 f"--out {out}: another process has held this folder for {_LONGEST_WAIT_SECONDS:g} s"
@@ -559,5 +597,5 @@ def _locked_folder(
     try:
         yield
     finally:
-        if handle is not None:
-            os.close(handle)
+        if folder_handle is not None:
+            os.close(folder_handle)

@@ -46,6 +46,7 @@ def stated_in_words(scene: Scene) -> str:
         return ""
     assert scene.uncertainty is not None
     inputs_in_words = ", ".join(uncertain_input.in_words for uncertain_input in scene.inputs)
+    # Coefficient of correlation of each pair of inputs.
     correlated_pairs = [
         f"{first_key} and {second_key} {coefficient:g}"
         for first_key, second_key, coefficient in scene.uncertainty.correlations
@@ -64,6 +65,9 @@ def stated_in_words(scene: Scene) -> str:
 def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
     """The standard uncertainties that a scene states of its inputs, for JSON: relative to the
     value, for a phase in degrees. None where it states none.
+
+    Each of `scene.inputs` has its key, its value, the uncertainty as the scene file states it, and
+    as a number.
     """
     rows = [
         {
@@ -91,16 +95,22 @@ def sentences(
     Parameters
     ----------
     effects
-        values of theory with their uncertainties by the inputs
+        `values` of theory and the `difference` of W and of the largest pressure, each by key with
+        its uncertainty by the inputs; `draws`: W by random draws, or None; `sliding`: how near the
+        loads come to gross sliding; `reason_unknown`: why none of these is known, "" where they are
     comparison
         finite elements compared with theory; without it the difference is that of theory corrected
         by responses of the bodies
+    scene
+        for the units
     """
     sliding = sliding_in_words(effects.sliding)
     if effects.reason_unknown:
         reason = _with_full_stop(effects.reason_unknown)
         reason_in_words = f"What the inputs make of the answer is not known: {reason}"
         return [*filter(None, [sliding]), reason_in_words]
+
+    # A warning of gross sliding, "" without one; then the other sentences.
     all_sentences = [sliding]
     all_sentences += [
         *_sentence_on_difference(effects, comparison),
@@ -109,6 +119,8 @@ def sentences(
     all_sentences += [_main_input_in_words(effects)]
     if effects.draws is not None:
         all_sentences.append(_draws_in_words(effects.draws, scene))
+
+    # Values whose second order is large are rough, unless they come from draws.
     drawn_values = effects.draws.values if effects.draws is not None else {}
     names_of_drawn_values = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
     # values whose second order is large, and that were not taken from draws
@@ -135,6 +147,10 @@ def sentences_of_report(report: Report) -> list[str]:
     For a result that may be measured they state whether it agrees with theory within both
     uncertainties. For any other result they state whether a measurement could show its difference
     from theory.
+
+    `report.inputs` are the uncertainties of theory's values by the inputs, None where none are
+    stated. `report.validation` holds values of the result against theory, and `is_measured` says
+    whether the result is a measurement.
     """
     effects = report.inputs
     comparison = report.comparison
@@ -155,6 +171,9 @@ def sliding_in_words(sliding: NearSliding | None) -> str:
     """A sentence that warns where two standard uncertainties of the inputs may make the bodies
     slide as a whole; else empty.
 
+    `sliding.ratio` is the largest |Q|/(f P), `uncertainty` its standard uncertainty, and
+    `is_in_reach` whether 1 is within two of them.
+
     >>> sliding_in_words(NearSliding(0.979, 0.05))
     'Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a
     whole: the largest |Q|/(f P) is 0.98 ± 0.05.'
@@ -174,6 +193,14 @@ def _with_full_stop(sentence: str) -> str:
 def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
     """A sentence on the difference in W between finite bodies and half-planes, with its uncertainty
     by the inputs; or on the reason why it is not stated. No sentence where W has no difference.
+
+    Parameters
+    ----------
+    effects
+        `difference` of the models by the key of the value, each with its uncertainty;
+        `reason_without_difference`: why there is none, "" where there is one
+    comparison
+        finite elements compared with theory; None: the difference is that of corrected theory
     """
     if effects.reason_without_difference:
         if comparison is not None:
@@ -185,6 +212,7 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
     if WORK not in effects.difference:
         return
     uncertain_difference = effects.difference[WORK]
+    # Difference of W over W, and a phrase on its source.
     relative_difference, source = _difference_of_work_and_source(uncertain_difference, comparison)
     percent_in_words = with_uncertainty(
         100 * relative_difference, 100 * uncertain_difference.uncertainty
@@ -208,6 +236,14 @@ def _difference_of_work_and_source(
 def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
     """A sentence on the uncertainty of a measurement of W by the scene's inputs, and whether such a
     measurement could tell finite bodies from half-planes. No sentence where it is not known.
+
+    Parameters
+    ----------
+    effects
+        `work_uncertainty`: standard uncertainty of W over W by the inputs, NaN where it is not
+        known; `difference` of the models by the key of the value
+    comparison
+        finite elements compared with theory; None: the difference is that of corrected theory
     """
     relative_uncertainty = effects.work_uncertainty
     if not math.isfinite(relative_uncertainty):
@@ -219,6 +255,7 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
         yield f"{statement}."
         return
     relative_difference, _ = _difference_of_work_and_source(effects.difference[WORK], comparison)
+    # Two standard uncertainties: 95 %.
     if abs(relative_difference) >= _FEWEST_SIGMAS_VISIBLE * relative_uncertainty:
         yield f"{statement} and can see it, if it adds less of its own."
     else:
@@ -229,11 +266,16 @@ def _main_input_in_words(effects: InputEffects) -> str:
     """A sentence that names the input that changes W most, and the next one if it changes W by at
     least a quarter of that; for the largest pressure where no input changes W. "" where none
     changes either.
+
+    `effects.values` holds theory's values by key. Each has its `changes` by one standard
+    uncertainty of every input, by the key of the input, and the keys of the inputs by the size of
+    that change.
     """
     for key in (WORK, PEAK):
         value = effects.values.get(key)
         if value is None or not value.keys_by_size_of_change:
             continue
+        # Key of an input -> its name.
         input_in_words = {
             uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
         }
@@ -252,6 +294,9 @@ def _main_input_in_words(effects: InputEffects) -> str:
 def _draws_in_words(draws: Draws, scene: Scene) -> str:
     """Sentences on the dissipation W by random draws of the inputs: why they were drawn, mean and
     standard deviation of W, and how many draws slide or are impossible.
+
+    `draws.values[WORK]` holds mean, standard deviation and 95 % range of W; `sliding` and
+    `impossible` are fractions of the `count` draws.
     """
     unit = energy_unit(scene)
     drawn_work = draws.values[WORK]
@@ -286,8 +331,13 @@ HEADS_OF_THEORY_VALUES = ("Value of theory", "value", "u", "u in %", "most of it
 def rows_of_theory_values(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     """Rows of the table of half-plane theory's values: name with unit, value, standard uncertainty
     by the inputs of the scene, the same in per cent, and the three inputs that change the value
-    most. Values from random draws of the inputs come last.
+    most.
+
+    Values from random draws of the inputs come last. `effects.values` holds the values by key, each
+    with its `changes` by one standard uncertainty of every input; `effects.draws` is None without
+    draws.
     """
+    # Key of an input -> its name.
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
@@ -325,7 +375,11 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     """Rows of the table of differences between finite bodies and half-planes: name, difference in
     per cent, standard uncertainty by the inputs in percentage points, and the three inputs that
     change the difference most.
+
+    `effects.difference` holds the relative differences by key, each with its `changes` by one
+    standard uncertainty of every input.
     """
+    # Key of an input -> its name.
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
@@ -351,6 +405,9 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     per cent. A fourth column holds the change of the difference between finite bodies and
     half-planes, in percentage points, where that is known. The last row holds the standard
     uncertainties by all inputs together.
+
+    `effects.values` and `effects.difference` hold theory's values and the differences by key, each
+    with its `changes` by one standard uncertainty of every input.
     """
     heads = ("Input", "as stated", "moves W by %")
     work = effects.values.get(WORK)
@@ -368,6 +425,8 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
                 change_in_words,
             )
         )
+
+    # By all inputs together; `work_uncertainty` is over W, NaN where not known.
     uncertainty_in_words = f"± {significant(100 * effects.work_uncertainty, 2)}"
     table.append(
         ("all inputs", "", uncertainty_in_words if math.isfinite(effects.work_uncertainty) else "–")
@@ -375,6 +434,8 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     difference = effects.difference.get(WORK)
     if difference is None:
         return heads, table
+
+    # The fourth column.
     changes_in_points = [
         _signed_ratio_in_words(100 * difference.changes[uncertain_input.key].value, 1.0)
         for uncertain_input in effects.inputs
@@ -414,6 +475,9 @@ def _in_percent(change: Estimate, value: float) -> str:
 def content_of_report(report: Report) -> dict[str, Any] | None:
     """The JSON content on the uncertain inputs of a report; None where the scene states no
     uncertainty. Numbers may be NaN or infinite.
+
+    `report.inputs` are the uncertainties of theory's values by the inputs, `report.validation`
+    values of the result against theory.
     """
     content_of_inputs = content(report.inputs, report.comparison.scene, report.comparison)
     if content_of_inputs is None:
@@ -434,7 +498,7 @@ def content(
 
     It holds the stated uncertainties, sentences, the values of theory and the difference of the
     models with their uncertainties by the inputs, random draws, and how near the loads come to
-    sliding.
+    sliding. `comparison` is that of finite elements with theory, None where there is none.
     """
     if effects is None:
         return None
@@ -473,6 +537,9 @@ def _content_of_value(value: UncertainValue) -> dict[str, Any]:
     """The JSON content of one value with its standard uncertainty by the inputs: the change of the
     value by one standard uncertainty of each input, and the keys of the inputs in the order of the
     size of that change.
+
+    "second_order" is the root of the summed squares of the second-order changes; where it is small,
+    the value is "nearly_linear". A value with the unit "share" is a relative difference already.
     """
     changes = {
         key: {"value": change.value, "error": change.uncertainty}

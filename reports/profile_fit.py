@@ -100,8 +100,11 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
 
     Parameters
     ----------
+    scene
+        whose profile was fitted
     resamples
-        largest number of simulated measurements; fewer where W takes a march for each
+        largest number of simulated measurements; fewer where W takes a solution along the load path
+        for each
     seed
         seed of the random numbers
 
@@ -111,30 +114,37 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         For a scene whose profile is not fitted, and where too few of the other fits, or no
         smoothing spline that is needed, carry the load.
     """
-    fit = profile_fit_of(scene)
+    fit = profile_fit_of(scene)  # measured rows, kind of the fit, noise
     if fit is None:
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
     from scenes.fitting import fitted_again, fitted_by_spline
 
+    # How W is computed, number of simulated measurements, and pattern of the residuals (None:
+    # noise).
     work_method = _work_method_of(scene)
     count = (
         min(resamples, _MOST_MARCHED_RESAMPLES) if work_method is _WorkMethod.MARCHED else resamples
     )
     pattern = _pattern_of_residuals(scene)
+
+    # W, a and p0 under the fitted profile, (3,), and under each simulated one, (n, 3).
     values_of_fit = _values_under_fit(scene, work_method)
     values_of_resamples = _values_with_other_noise(scene, fit, pattern, work_method, count, seed)
     changes = values_of_resamples - values_of_fit
     # The mean change is the error that the fit makes by itself at this noise: a curve that may not
     # bend down, or is smoothed, has one.
     bias = np.abs(np.mean(changes, axis=0))
+
+    # `weight` is that of the smoothing of a spline, 0 for other kinds.
     was_smoothed = bool(fit.weight)
     if was_smoothed:
         less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
         values_less_smoothed = _values_under_other_fit(scene, less_smoothed_profile, work_method)
         if values_less_smoothed is not None:
             bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
+
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":
         values_of_spline = _values_under_other_fit(
@@ -147,6 +157,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
                 " extent"
             )
         uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
+
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
         dissipation=None if work_method is _WorkMethod.LEFT_OUT else work,
@@ -190,6 +201,7 @@ def _values_under_other_fit(
     if profile_keys is None:
         return None
     try:
+        # The new profile is no longer a fitted one.
         return _values_under_fit(scene.vary(profile={**profile_keys, "fitted": None}), work_method)
     except InputError:
         return None
@@ -218,12 +230,17 @@ def _values_with_other_noise(
         how the dissipation is computed, or that it is left out
     seed
         seed of the random numbers
+    scene
+        whose profile was fitted; its name stands in the message
+    fit
+        record of the fit, with its noise
     """
     from scenes.fitting import fitted_again
 
     random = np.random.default_rng(seed)
     values_of_resamples = []
     for _ in range(count):
+        # Heights of standard deviation 1 for each row; keys of the profile fitted to them, or None.
         noise = _simulated_noise(random, fit, pattern)
         profile_keys = fitted_again(scene.profile, noise)
         values = _values_under_other_fit(scene, profile_keys, work_method)
@@ -248,6 +265,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     """
     fit = profile_fit_of(scene)
     assert fit is not None
+    # Numbers of the fitted rows; residuals are row minus curve.
     used_rows = fit.used_rows()
     residuals = fit.residuals(scene.profile.height)[used_rows]
     residuals = residuals - np.mean(residuals)
@@ -255,6 +273,8 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     range_of_heights = float(np.ptp(fit.rows.values[used_rows, 1]))
     if np.sqrt(sum_of_squares / len(residuals)) <= _LEAST_RELATIVE_RESIDUAL * range_of_heights:
         return None
+
+    # Correlation of neighbours, and variance of the means of blocks of sqrt(n) rows.
     n_rows = len(residuals)
     correlation = float(residuals[1:] @ residuals[:-1]) / sum_of_squares
     block_size = int(np.sqrt(n_rows))
@@ -271,9 +291,10 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
 def _simulated_noise(
     random: np.random.Generator, fit: Fitted, pattern: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
-    """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise. The
-    pattern of the residuals is added where there is one: moved along x, and at random reversed in x
-    and in sign.
+    """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise.
+
+    `pattern` (n,) are the residuals where they have a pattern along x, else None. It is added moved
+    along x, and at random reversed in x and in sign.
     """
     noise = random.standard_normal(len(fit.used_rows()))
     if pattern is None:
@@ -294,8 +315,12 @@ def _values_under_fit(scene: Scene, work_method: _WorkMethod) -> NDArray[np.floa
 
 
 def _work_of_ellipse(scene: Scene) -> float:
-    """Dissipation W of a cycle under an elliptical load path. InputError where it has no value, as
-    where all slides.
+    """Dissipation W of a cycle under an elliptical load path.
+
+    Raises
+    ------
+    InputError
+        Where it has no value, as where all slides.
     """
     load = scene.load
     names = (
@@ -305,6 +330,7 @@ def _work_of_ellipse(scene: Scene) -> float:
         "tangential_amplitude",
         "phase_radians",
     )
+    # `reason` is 0 where W has a value.
     batch = semi_analytic.dissipation(
         profile=scene.profile,
         material=scene.material,
@@ -325,17 +351,23 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     ----------
     half_width
         half-width of the largest contact [length]
+    scene
+        whose profile may be fitted
     """
     fit = profile_fit_of(scene)
     if fit is None:
         return []
     _, unit_of_length, _ = units(scene)
+
+    # Middle and tilt: stated, or fitted too.
     centre_source = "fitted" if fit.centre_fitted else "given"
     centre_in_words = f"Its middle, {centre_source}, is x = {number(fit.centre)} {unit_of_length}"
     if fit.tilt_fitted:
         centre_in_words += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
     elif fit.tilt:
         centre_in_words += f", and a tilt of {number(fit.tilt)} rad was taken out"
+
+    # Rows that were left out, and where the noise comes from.
     omissions_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
     omissions_in_words += _spikes_in_words(fit)
     noise_source = "stated" if fit.noise_stated else "taken from these residuals"
@@ -385,11 +417,13 @@ def _shape_in_words(scene: Scene) -> str:
 
 def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     """Sentences on what is wrong with a fitted profile: residuals that have a pattern or do not
-    agree with the stated noise, a contact wider than the rows. None where all is well, and for a
-    profile that is not fitted.
+    agree with the stated noise, a contact wider than the rows. An empty list where all is well, and
+    for a profile that is not fitted.
 
     Parameters
     ----------
+    scene
+        whose profile may be fitted
     half_width
         half-width of the largest contact [length]
     """
@@ -398,6 +432,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
         return []
     _, unit_of_length, _ = units(scene)
     warnings = []
+    # The residuals where they have a pattern along x; None where they may be noise.
     pattern = _pattern_of_residuals(scene)
     if pattern is not None:
         warnings.append(
@@ -406,6 +441,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             " smaller extent. The uncertainty is widened: by this pattern moved along x, and by"
             " the change that a smoothing spline makes."
         )
+
     n_rows = len(fit.used_rows())
     # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
     # with standard deviation sqrt(2/freedom).
@@ -421,6 +457,8 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             f"The residuals are {np.sqrt(variance_ratio):.2g} times what the stated noise explains:"
             f" {cause}."
         )
+
+    # `extent`: how far the rows reach from the middle.
     if half_width > fit.extent:
         warnings.append(
             f"The largest contact, a = {half_width:.4g} {unit_of_length}, is wider than the rows,"
@@ -433,6 +471,9 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
 def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     """A sentence on dissipation, half-width and peak pressure with their 95 % uncertainty by the
     noise of the rows.
+
+    `uncertainty` holds these values, each with its uncertainty (no dissipation for long records),
+    and the numbers of simulated measurements and of those that cannot carry the load.
     """
     _, unit_of_length, unit_of_stress = units(scene)
 
@@ -458,8 +499,8 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
 @lru_cache(maxsize=4)
 def findings_on_fit(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     """Sentences on a fitted profile, and the uncertainty of W, a and p0 by the noise of its rows.
-    No sentences and None for a profile that is not fitted; None where the uncertainty has no value.
 
+    No sentences and None for a profile that is not fitted; None where the uncertainty has no value.
     It takes up to some seconds, and page, JSON and terminal all ask for it: it is computed once.
     """
     if profile_fit_of(scene) is None:
@@ -482,6 +523,7 @@ def content(scene: Scene) -> dict[str, Any] | None:
     profile_fit = profile_fit_of(scene)
     if profile_fit is None:
         return None
+    # None for the uncertainty where it has no value.
     sentences, uncertainty = findings_on_fit(scene)
     fit = profile_fit.model_dump(mode="json", exclude={"rows"})
     fit["count"] = len(profile_fit.used_rows())

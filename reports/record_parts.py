@@ -92,8 +92,8 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     """The parts of a measured record of loads (rows without load, at rest, of cycles that are
     alike, ...) in the order of their first rows. Parts may overlap, and need not hold all rows.
 
-    Empty for other loads, for rows that are one cycle, under a prescribed displacement, and for
-    records too long to look through.
+    Empty for other loads, for rows that are one cycle (`repeats`), under a prescribed displacement
+    (`is_driven`), and for records of more than 200,000 rows.
 
     Examples
     --------
@@ -109,13 +109,18 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or load.repeats or load.is_driven:
         return ()
+    # Numbers, from 0, of the first row used and of the one after the last.
     first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
     if len(rows) > _MOST_ROWS_LOOKED_THROUGH:
         return ()
     unit = load_unit(scene)
+
+    # P below 5 % of its largest; swings of Q between turning points, None for too few.
     has_no_load = rows[:, _NORMAL] < _LEAST_SHARE_OF_LOAD * float(np.max(rows[:, _NORMAL]))
     swings = _swings_of(rows, ~has_no_load)
+
+    # Runs of rows without load, at rest, and of cycles.
     parts: list[RecordPart] = []
     words_of_no_load = f"no load: P is below {100 * _LEAST_SHARE_OF_LOAD:g} % of its largest"
     # Indices begin at 0, numbers of rows at 1: `index_beyond` is the number of the last row.
@@ -128,6 +133,8 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
         for first_index, index_beyond in _bounds_of_runs(is_at_rest):
             parts.append(RecordPart("rest", first_index + 1, index_beyond, words_of_rest))
         parts += _parts_of_swings(swings, unit)
+
+    # In the order of the first rows, numbered in the record as a whole.
     ordered_parts = sorted(parts, key=lambda part: (part.first_row, part.last_row))
     return tuple(
         RecordPart(part.kind, part.first_row + first_row, part.last_row + first_row, part.words)
@@ -140,6 +147,7 @@ def _swings_of(rows: Array, is_loaded: Mask) -> _Swings | None:
     where there is no load (`is_loaded` (n,) is False); None for fewer than six turning points.
     """
     tangential_load = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
+    # Indices of the rows at which Q turns, small swings left out.
     turns = rows_of_turns(tangential_load)
     if len(turns) < 2 * _FEWEST_CYCLES:
         return None
@@ -164,7 +172,8 @@ def rows_of_turns(force: Array) -> NDArray[np.int64]:
 
 def _is_at_rest(rows: Array, window_size: int) -> Mask:
     """Whether each row of a record (n, 3: time, P, Q) is at rest, (n,): whether it lies in a window
-    of `window_size` neighbouring rows over which neither P nor Q moves.
+    of `window_size` neighbouring rows over which neither P nor Q moves by more than 5 % of its
+    range.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
@@ -175,6 +184,7 @@ def _is_at_rest(rows: Array, window_size: int) -> Mask:
     first_centre = window_size // 2
     centres = slice(first_centre, first_centre + n_windows)
     is_window_at_rest = np.ones(n_windows, dtype=bool)
+    # Columns of P and of Q.
     for column in (_NORMAL, _TANGENTIAL):
         load = rows[:, column]
         largest_load = maximum_filter1d(load, window_size)[centres]
@@ -201,12 +211,24 @@ def _bounds_of_runs(mask: Mask) -> Iterator[tuple[int, int]]:
 
 def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
     """Parts of a record of loads by the range of Q of its swings, each from one turning point to
-    the next: runs of swings whose ranges are alike, and runs of others, of which the first may be
-    the run-in. A run of five or more alike swings whose mean of Q moves is a drift too. `unit` is
-    that of the loads.
+    the next: runs of alike swings, and runs of swings that are not, of which the first may be the
+    run-in.
+
+    Swings are alike whose range of Q is within 10 % of the median of the last half of all. A run of
+    five or more alike swings whose mean of Q moves is a drift too.
+
+    Parameters
+    ----------
+    swings
+        `ranges` and `means` (n,) of Q in each swing [load]; `turns` (n + 1,): indices of the rows
+        at the turning points
+    unit
+        of the loads
     """
     median_range = float(np.median(swings.ranges[len(swings.ranges) // 2 :]))
     is_alike = np.abs(swings.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
+
+    # A single swing is not half a cycle of a run: it counts with those that are not alike.
     for first_swing, swing_beyond in _bounds_of_runs(is_alike):
         is_single_swing = swing_beyond - first_swing < 2
         if is_single_swing:
@@ -229,6 +251,7 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
             f"{_cycles_in_words(n_swings)} that are alike, range of Q {mean_range} {unit}"
         )
         parts.append(RecordPart("alike", first_row, last_row, words_of_part))
+        # Drift: the mean of Q moves by more than 5 % of the median range.
         means_of_part = swings.means[first_swing:swing_beyond]
         drift_of_mean = float(means_of_part[-2:].mean() - means_of_part[:2].mean())
         if n_swings > 4 and abs(drift_of_mean) > _LEAST_DRIFT_SHARE * median_range:
@@ -261,8 +284,9 @@ def _cycles_in_words(n_swings: int) -> str:
 def parts_in_words(scene: Scene) -> list[str]:
     """Sentences on the parts of a record of loads (no load, rest, run-in, alike cycles), and on the
     keys of the scene that select the longest run of alike cycles. Empty without parts, and where
-    one part is nearly the whole record.
+    one part holds more than nine tenths of the rows.
     """
+    # Each with its kind, the numbers of its first and last row, and a sentence.
     parts = record_parts(scene)
     alike_parts = [part for part in parts if part.kind == "alike"]
     if not parts or (len(parts) == 1 and _is_nearly_all(scene, parts[0])):
@@ -288,8 +312,12 @@ def _is_nearly_all(scene: Scene, part: RecordPart) -> bool:
 
 def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> str:
     """At which rows of a record the bodies slide as a whole (|Q| > f P), and what to do, in words;
-    "" where there are none. Rows with hardly any P are left out: they are noise.
+    "" where there are none.
+
+    Rows with P below 5 % of its largest are left out: they are noise. `load` is the record: its
+    `rows` hold time, P and Q.
     """
+    # Numbers, from 0, of the first row used and of the one after the last.
     first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
     normal_load = rows[:, _NORMAL]
@@ -298,8 +326,11 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     if not np.any(slides):
         return ""
     first_sliding_row, last_sliding_row = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
+    # Runs of neighbouring rows that slide.
     n_strokes = sum(1 for _ in _bounds_of_runs(slides))
     largest_ratio = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal_load[slides]))
+
+    # Keys of the scene that leave these rows out, where enough rows remain before or after.
     keys_that_leave_out = []
     if first_sliding_row - first_row > 2:
         keys_that_leave_out.append(f"load.end = {{row = {first_sliding_row - 1}}}")

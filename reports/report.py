@@ -129,6 +129,9 @@ class Report:
     def first_sentence(self) -> str:
         """The first sentence of a report: what differs and by how much. Of an external result also
         its likely causes, or that none was found, and then which metrics are within tolerance.
+
+        `comparison.headlines` are its main metrics, each with its verdict; `diagnoses` are the
+        likely causes, empty for other results.
         """
         sentence = headline_sentence(self.comparison)
         if not self.diagnoses:

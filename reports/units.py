@@ -63,6 +63,7 @@ def significant(value: float, count: int) -> str:
     """
     if not math.isfinite(value):
         return "–"
+    # Digits before the point beyond `count` become zeros.
     if abs(value) >= 10**count:
         return minus(f"{float(f'{value:.{count}g}'):.0f}")
     keeps_zeros = 0 < abs(value) < 10 ** (count - 1)

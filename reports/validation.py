@@ -96,6 +96,10 @@ class AgainstMeasurement:
     def sentence(self) -> str:
         """The difference computed − measured with its uncertainty u_val, in per cent of the
         measured value, what u_val is made of, and the verdict.
+
+        u_val is the root of the summed squares of the standard uncertainties by numerics, inputs
+        and measurement. The verdict is "resolved" where the difference exceeds twice u_val, else
+        "hidden".
         """
         percent_per_unit = 100 / abs(self.measured_value) if self.measured_value else math.nan
         amount = with_uncertainty(
@@ -145,23 +149,34 @@ def result_against_theory(
     Parameters
     ----------
     comparison
-        of the result with theory
+        of the result with theory: `metric(key)` is the relative difference of a value (`absolute`
+        where it is not relative)
     effects
-        what the uncertainties of the scene's inputs do to theory. Nothing is compared where it is
+        uncertainties of theory's values by the scene's inputs. Nothing is compared where it is
         None, for none are stated, or where it is not known
     measured
         relative standard uncertainties of the result, as the mapping file states them; those that
         it does not state count as 0
+
+    Returns
+    -------
+    tuple of AgainstMeasurement
+        For each value the computed and the measured one, with the uncertainties by inputs and
+        measurement; theory has no numerical one.
     """
     if effects is None or effects.reason_unknown:
         return ()
     entries = []
+    # Key of the value in the comparison, its key in theory's values, and its name.
     for key, (name, words) in _INPUT_KEY_AND_WORDS_BY_METRIC.items():
         metric = comparison.metric(key)
         theory_value = effects.values.get(name)
         is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
         if not is_known or theory_value is None or not theory_value.value:
             continue
+
+        # Standard uncertainty over the value, by the inputs; and that of the result, None where not
+        # stated.
         u_by_inputs = (
             effects.work_uncertainty if name == WORK else theory_value.relative_uncertainty
         )
@@ -191,12 +206,18 @@ def loop_area_against_models(
     Parameters
     ----------
     score
-        the measured loop and the loops computed beside it
+        `loops`: the measured loop first, then the loops computed beside it, each with its area
+        [energy / thickness]
     effects
-        what the uncertainties of the scene's inputs do to theory. Nothing is compared where it is
-        None, for none are stated, or where it is not known for W
+        `work_uncertainty`: standard uncertainty of theory's W over W by the scene's inputs. Nothing
+        is compared where it is None, for none are stated, or where it is not known
     measured
         relative standard uncertainties of the measurement, as the mapping file states them
+
+    Returns
+    -------
+    tuple of AgainstMeasurement
+        For each model the computed and the measured area, with the uncertainties of both.
     """
     from reports.scoring.loops import WITH_SCENE_FRICTION
 
