@@ -115,8 +115,8 @@ class _Increments(NamedTuple):
         node states and changes of the loads.
 
         `solved_states` (m, n) are open, stick or slip of the nodes as each increment was solved:
-        before a node that touches or lets go at its very end changes. `friction` is the coefficient
-        f.
+        before a node that touches or lets go at its very end changes. Nodes that were to start to
+        slide, but have not moved, keep the state from before. `friction` is the coefficient f.
         """
         slip, p, q, _ = nodal_values(np.stack([state.values for state in states]))
         slip_change = np.diff(slip, axis=0)
@@ -132,7 +132,7 @@ class _Increments(NamedTuple):
         )
 
     def subset(self, numbers: Indices) -> _Increments:
-        """The increments of these numbers."""
+        """Those increments of the m that have these numbers: all arrays at these rows."""
         return _Increments._make(values[numbers] for values in self)
 
 
@@ -142,9 +142,20 @@ def elastic_energies(
     """Elastic energy of both bodies and of the penalty layer between them, and that of the layer
     alone, at m states of the contact, (m,) each, over P^2/E*.
 
-    It is (p^T N p - 2 q^T K p + q^T T q)/2, with N, T and K the contact compliance of `interface`;
-    N and T have the layer in them. N p - K^T q is the gap by the nodal forces, T q - K p minus
-    the slip by them.
+    It is (p^T N p - 2 q^T K p + q^T T q)/2. N p - K^T q is the gap by the nodal forces, T q - K p
+    minus the slip by them. Both are what is left of gap and slip without the initial gap, the rigid
+    motion of the upper body, bulk stresses and tilt.
+
+    # notation: p, q nodal forces, pressure and shear; N normal, T tangential compliance of bodies
+    # and layer together, K coupling (slip by pressure)
+
+    Parameters
+    ----------
+    problem
+        the contact problem: contact compliance, initial gap, and compliances (n,) of its layer
+    states
+        each with its values: approach and tangential displacement, then slip, pressure, shear and
+        gap of the nodes; and with bulk stresses and tilt
     """
     values = np.stack([state.values for state in states])
     slip, pressure, shear, gap = nodal_values(values)
@@ -165,7 +176,7 @@ def elastic_energies(
 
 def _is_slip_onset(states_before: States, states_after: States) -> Mask:
     """Whether each node starts to slide, or turns round: it slides after an increment and did not
-    slide that way before.
+    slide that way before. All arrays have one shape (...).
     """
     sense = slip_sign(states_after)
     return (sense != 0) & (sense != slip_sign(states_before))
@@ -181,8 +192,9 @@ def step_errors(
     """Bound (...) of the error of the dissipation of increments: f |dp| |ds| / 2 of the nodes that
     start to slide in them.
 
-    `pressure_change` and `slip_change` are dp and ds of the increment, `states_before` and
-    `states_after` open, stick or slip of the nodes, each (..., n). Scaled.
+    `friction` is the coefficient f. `pressure_change` and `slip_change` are dp and ds of the
+    increment, `states_before` and `states_after` open, stick or slip of the nodes, each (..., n).
+    Scaled.
     """
     starts_to_slide = _is_slip_onset(states_before, states_after)
     products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
@@ -198,12 +210,16 @@ def increment_energies(
     """Energies of the m increments between m + 1 contact states that follow each other: friction
     work, work of the loads, elastic energy and step errors, over P^2/E*.
 
+    # notation: p, q nodal forces, pressure and shear; f coefficient of friction; P, Q loads; U
+    # tangential displacement
+
     Parameters
     ----------
     problem
         the contact problem that the states solve
     states
-        the m + 1 states
+        the m + 1 states, each with its loads and values: approach, U and tilt, then slip, p, q and
+        gap of the n nodes
     solved_by_increment
         m arrays (n,): open, stick or slip of the nodes as each increment was solved, before a node
         that touches or lets go at its very end changes
@@ -211,6 +227,8 @@ def increment_energies(
         (k, k, m) areas that a curved load path encloses with its chords, by pairs of k loads,
         scaled; None where the path is straight
     """
+    # Means and changes of each increment. Its work is the mean of loads or forces in the change of
+    # displacements: exact along the chord of the load path.
     interface = problem.interface
     values = np.stack([state.values for state in states])
     _, p, q, _ = nodal_values(values)
@@ -225,7 +243,9 @@ def increment_energies(
     stress_and_tilt_change = np.diff([state.stresses_and_tilt for state in states], axis=0)
 
     def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
-        """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments."""
+        """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments; that of the
+        latter is the work of p and q in the gap and slip that a unit of each causes.
+        """
         work_per_unit = interface.work_per_stress_and_tilt(p_of_nodes, q_of_nodes)
         return np.asarray(
             load_pairs[:, 0] * approach_change
@@ -233,8 +253,10 @@ def increment_energies(
             + (work_per_unit * stress_and_tilt_change).sum(axis=1)
         )
 
+    # Friction work f p |ds| of each node. Increments in which nodes start to slide (onsets) are
+    # integrated in parts, with kinks of p and slip.
     solved_states = np.stack(solved_by_increment)
-    sense = slip_sign(solved_states)
+    sense = slip_sign(solved_states)  # 1 forward, -1 in reverse, 0 without slip
     increments = _Increments.between(states, solved_states, problem.friction)
     states_before = increments.states_before
     states_after = increments.states_after
@@ -255,6 +277,7 @@ def increment_energies(
     shear_work_per_unit = interface.work_per_stress_and_tilt(0 * mean_p, mean_q)
     loop_work += (shear_work_per_unit * stress_and_tilt_change)[:, :2].sum(axis=1)
 
+    # What the curvature of the load path adds.
     curve_work = np.zeros_like(slip_change)
     if areas_of_curve is not None:
         # The states before hold up to a share z of the increment, those after from there on. Up to
@@ -298,10 +321,12 @@ def increment_energies(
 def _without_idle_onsets(
     friction: float, states_before: States, states_after: States, slip: Array
 ) -> States:
-    """States (...) of the nodes after increments, but those before of nodes that are to start to
-    slide and have not moved: at the Coulomb limit the last digit of the shear decides between them.
+    """States (...) of the nodes after increments. Nodes that are to start to slide and have not
+    moved keep their state from before: at the Coulomb limit the last digit of the shear decides
+    between both.
 
-    `slip` (...) is that in the increment, `friction` the coefficient f.
+    `slip` (...) is that in the increment, scaled: up to 1e-11 times f (1 at most) a node has not
+    moved. `friction` is the coefficient f.
     """
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
     is_idle_onset = _is_slip_onset(states_before, states_after) & ~has_moved
@@ -312,7 +337,11 @@ def work_by_kinks(
     problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved_states: States
 ) -> float:
     """Part of the dissipation of one increment, without sign, that is by kinks of pressure and slip
-    where nodes start to slide one after the other, see `_work_with_onsets`; over P^2/E*.
+    where nodes start to slide one after the other; over P^2/E*.
+
+    Where a node starts to slide, the pressure and the slip of all nodes change their rates: a kink.
+    Between kinks both are linear. The part is f times the integral of p ds minus (mean p) ds over
+    the time between the first and the last kink.
 
     Parameters
     ----------
@@ -332,12 +361,21 @@ def _work_by_curve(
     problem: ContactProblem, node_states: States, sense: Array, areas: Array
 ) -> tuple[Array, Array]:
     """What the curvature of the load path adds to the work of m increments: to the dissipation of
-    the nodes (m, n), and to the normal work (m,) as in `_normal_work_rate`.
+    the nodes (m, n), and to the normal work (m,): that of the loads which is neither Q dU nor the
+    work of shear in the slip by bulk stress.
 
-    Source of the formula: the docstring of this module, with every pair of loads for P and Q.
+    The nodes keep their states, so that p and s are linear in the loads. Along the curve, for each
+    pair of loads F_i, F_j the dissipation of a node exceeds that along the chord by
+
+        f (p_i s_j - p_j s_i) (int F_i dF_j of the curve - of the chord)
+
+    # notation: subscripts of pressure p and slip s are derivatives by the loads; f friction
 
     Parameters
     ----------
+    problem
+        the contact problem; its `rates` are derivatives of approach, U and tilt, then of slip, p, q
+        and gap of the nodes, by the k loads, (k, 3 + 4 n)
     node_states
         (m, n) open, stick or slip of the nodes, as they stay along the curve
     sense
@@ -388,13 +426,13 @@ class _WorkWithOnsets(NamedTuple):
 
 def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _WorkWithOnsets:
     """Friction work of k increments of a contact `problem` in which nodes start to slide: onsets of
-    slip.
+    slip. Returned are that of each node, its part by kinks, and the middle of the first and last
+    onset.
 
     At an onset p and s have a kink, and all nodes that slide already go faster from there on. With
     the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at its
-    first onset and at its last one (`_first_and_last_onset`). Up to the first the states before
-    hold, from the last one on those after, and both have known rates. With one onset, or two, that
-    is all.
+    first onset and at its last one. Up to the first the states before hold, from the last one on
+    those after, and both have known rates. With one onset, or two, that is all.
 
     In between, a share z of the increment, n nodes start one after the other in much the same
     distances: n - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
@@ -404,11 +442,24 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
         s'_before).
 
     This times f is the work by kinks.
+
+    # notation: p pressure, s slip, W friction work, f coefficient of friction, z share of the
+    # increment between the first and the last onset
+
+    Parameters
+    ----------
+    problem
+        the contact problem: friction, and rates of its values by the loads at given node states
+    increments
+        pressure of the nodes at start and end, slip, node states before and after, (k, n) each
     """
     friction = problem.friction
+    # A node that has just touched counts as sliding before.
     increments = increments._replace(states_before=_states_with_rates(increments))
     sense = slip_sign(increments.states_after)
-    # As if the states before, or those after, held throughout the increment.
+
+    # Changes of slip and p, as if the states before, or those after, held throughout the increment;
+    # shares (k,) of the increment up to its first and its last onset.
     changes_before = _changes_at_constant_states(problem, increments, increments.states_before)
     changes_after = _changes_at_constant_states(problem, increments, increments.states_after)
     slip_change_before, p_change_before, _, _ = changes_before
@@ -417,6 +468,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
         increments, changes_before, changes_after, friction
     )
 
+    # Integral of p ds in three parts: to the first onset, between both, from the last one on.
     share_to_first = first_onset[:, None]
     share_from_last = 1 - last_onset[:, None]
     p_at_first = increments.p_at_start + share_to_first * p_change_before
@@ -429,6 +481,7 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     ) * slip_between
     doubled_integral += (p_at_last + increments.p_at_end) * slip_from_last
 
+    # Work by kinks: as many as neighbours start to slide.
     n_onsets = _length_of_longest_run(
         _is_slip_onset(increments.states_before, increments.states_after)
     )
@@ -448,8 +501,10 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
 def _changes_at_constant_states(
     problem: ContactProblem, increments: _Increments, states: States
 ) -> Array:
-    """(4, k, n) changes of slip, p, q and gap in k increments by the changes of the loads, if the
-    nodes kept these `states` (k, n).
+    """Changes (4, k, n) of slip, p, q and gap in k increments by the changes of the loads, if the
+    nodes kept these `states` (k, n): rates by the loads times `increments.load_changes`.
+
+    # notation: in subscripts of einsum k increments, j loads, v values
     """
     load_changes = increments.load_changes
     n_loads = load_changes.shape[1]
@@ -464,12 +519,18 @@ def _first_and_last_onset(
     both 0 where none starts.
 
     These are the instants at which the edge of the stick zone meets the first and the last of the
-    nodes, by the two distances of `between_nodes.Edge`. For the first it is the force to the
-    Coulomb limit, f p - q in the sense of slip, over its rate before. For the last it is the slip
-    over its rate after.
+    nodes. For the first it is the force to the Coulomb limit, f p - q in the sense of slip, over
+    its rate before. For the last it is the slip over its rate after.
 
-    `changes_before` and `changes_after` (4, k, n) are changes of slip, p, q and gap if the states
-    before, or those after, held throughout the increment. `friction` is the coefficient f.
+    Parameters
+    ----------
+    increments
+        p and q of the nodes at the start, slip, node states before and after, (k, n) each
+    changes_before, changes_after
+        (4, k, n) changes of slip, p, q and gap if the states before, or those after, held
+        throughout the increment
+    friction
+        coefficient f
     """
     sense = slip_sign(increments.states_after)
     is_onset = _is_slip_onset(increments.states_before, increments.states_after)
@@ -524,7 +585,7 @@ def _normal_work_rate(
 
         dP/di d(approach)/dj - dM/di d(tilt)/dj,   with - sum dp/di G_j where j is a bulk stress
 
-    # notation: M moment, G_j gap of the nodes by a unit of load j, see `interface`
+    # notation: M moment of the nodal forces, p pressure, G_j gap of the nodes by a unit of load j
 
     `rates_by_i` and `rates_by_j` (m, 3 + 4 n) are the derivatives of the contact's values by loads
     i and j: of approach, shift and tilt, then of slip, p, q and gap of the n nodes. Loads 0 to 4
@@ -553,15 +614,25 @@ def law_violations(problem: ContactProblem, states: Sequence[InterfaceState]) ->
     there is only round-off. Equilibrium, the imbalance of loads or of actuators' movements, is over
     the normal load at the instant. Displacements are over P/E*.
 
+    Parameters
+    ----------
+    problem
+        the contact problem: friction; `actuators`, of which each is the compliance of a rig whose
+        movement stands in the place of P or Q, or None; whether the moment is given
+    states
+        m + 1 states of the contact, each with its loads and values
+
     Returns
     -------
     dict
-        `equilibrium`, and the names of `law.violations`.
+        "equilibrium", and the laws: "tension" (negative pressure), "penetration" (negative gap),
+        "gap_pressure" (gap times pressure), "cone" (shear beyond the Coulomb limit), "slip_sign"
+        (work of slip against the shear), "creep" (slip below the limit).
     """
     values = np.stack([state.values for state in states])
     slip, pressure, shear, gap = nodal_values(values)
     slip_increment = np.diff(slip, axis=0)
-    # the first state is where the increments start
+    # at the ends of the increments: the first state is where they start
     loads = np.array([state.loads for state in states])[1:]
     pressure = pressure[1:]
     shear = shear[1:]

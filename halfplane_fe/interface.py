@@ -92,8 +92,11 @@ class Interface:
         return not self.face_normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
-        """This contact compliance in other units: x, weights and gap over `length`; N, T and K over
-        `compliance`; gap and slip by bulk stress over both, by tilt over `length`.
+        """This contact compliance in other units: x, face lengths and gap over `length`; N, T and K
+        over `compliance`; gap and slip by bulk stress over both, by tilt over `length`.
+
+        # notation: N normal and T tangential compliance, K coupling (slip by pressure), None where
+        # it is exactly zero
         """
         coupling = self.coupling
         if coupling is not None:
@@ -121,7 +124,8 @@ class Interface:
 
     def gap_and_slip_by_motion(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
         """Gap and slip of the n nodes, (..., n) each, by a rigid motion of the upper body: normal
-        approach and tangential displacement, (..., 1) each at one or many instants [length].
+        approach and tangential displacement (`shift`), (..., 1) each at one or many instants
+        [length].
         """
         n_x, n_y = self.face_normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
@@ -141,6 +145,7 @@ class Interface:
         body, and of tilt, where it is minus the moment M. Zeros (3,) where none of these may act.
 
         For the bulk stress of a lower half-plane it is -(1/E') sum x q, E' = E/(1 - nu^2).
+        `gap_and_slip_per_stress_and_tilt` (2, n, 3) are G and S by a unit of each.
         """
         if self.gap_and_slip_per_stress_and_tilt is None:
             return np.zeros(3)
@@ -162,8 +167,9 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     compliance of each.
 
     Where flat faces have nodes opposite each other, compliances add node by node; elsewhere the
-    faces are joined by dual mortar operators on their middle line. The upper body is condensed in
-    its own frame, as if it were a lower one; here it is reflected in y = 0.
+    faces are joined by dual mortar operators on their middle line. These turn nodal displacements
+    into weighted means. The upper body is condensed in its own frame, as if it were a lower one;
+    here it is reflected in y = 0.
     """
     if _have_opposite_nodes(lower, upper):
         return _compliance_node_by_node(lower, upper)
@@ -175,18 +181,24 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
     tangential compliances add, since equal and opposite forces act on both.
 
     The coupling K, slip by pressure, is that of the lower body minus that of the upper one, each
-    in its own frame: zero for like bodies.
+    in its own frame: zero for like bodies (`coupling` of the returned interface is then None).
+
+    `lower` and `upper` are the condensed bodies: x and face lengths of their n contact nodes, and
+    their compliance (2, n, 2, n).
     """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
     lower_compliance = lower.compliance
     upper_compliance = upper.compliance
+
+    # Displacements along x and y by a unit of each body's bulk stress, and by a unit of tilt.
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
         lower, upper
     )
     # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
     slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)
     gap_and_slip = slip_and_gap[::-1]
+
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
         x=read_only_copy(lower.x),
@@ -211,7 +223,14 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
     With C the compliance of one body and B its mortar operator, the compliance is the sum of
     B C B^T over both bodies. B turns nodal displacements into weighted means along the normal and
     the tangent. The blocks of the sum are gap by p (N), minus slip by q (T), and slip by p (K).
+
+    `lower` and `upper` are the condensed bodies, with n and m contact nodes, each in its own frame
+    (y out of the body).
+
+    # notation: in subscripts of einsum d normal and tangent, n node of the lower face, i direction
+    # along x and y, m node of the body
     """
+    # Operators (2, n, 2, m) of both bodies, with gap, normals and face lengths on the middle line.
     mortar_sides = _mortar_operators(lower, upper)
     # Sparse: these operators hold little but zeros.
     operator_of_lower = csr_array(_flattened(mortar_sides.lower))
@@ -222,6 +241,8 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
         @ _square_matrix(_in_common_frame(upper.compliance))
         @ operator_of_upper.T
     )
+
+    # Gap and slip by a unit of each body's bulk stress, and by a unit of tilt of the upper one.
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
         lower, upper
     )
@@ -294,13 +315,23 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
     Here N - T is replaced by a smooth fit near the diagonal: N stays, and T changes. So is K, on
     each side of the diagonal. The singular parts of N and T thereby become equal.
 
-    # notation: N normal, T tangential compliance, K coupling, E' = E/(1 - nu^2)
+    # notation: N normal, T tangential compliance, K coupling (slip by pressure), E' = E/(1 - nu^2)
+
+    Parameters
+    ----------
+    interface
+        the compliances (n, n) as meshed, K None where it is zero, and the places x of the nodes
+    scene
+        shapes of the bodies: half-width of their faces, and depth of material below
     """
     if not _has_room_beyond_mesh_error(interface, scene):
         return None
+    # signed distance (n, n) of two nodes over the element size; the band is 8.5 of these wide
     distances_in_elements = _distances_in_elements(interface.x)
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_elements)
+
+    # Coupling in the band: smooth on either side of the diagonal, the mean of both on it.
     coupling = interface.coupling
     if coupling is not None:
         smooth_on_left = _smooth_compliance(coupling, interface.x, distances_in_elements)
@@ -316,7 +347,11 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
 
 def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     """Whether the mesh error of a compliance, over ten nodes, ends before the effect of a base or
-    of the end of a face begins, and the contact has enough nodes to fit the smooth part.
+    of the end of a face begins, and the contact has the 21 nodes that a fit of its smooth part
+    needs.
+
+    `interface.x` (n,) are places of the contact nodes; `scene` has the shapes of the bodies, with
+    the half-width of their faces and the depth of material below.
     """
     spacing = np.diff(interface.x)
     n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
@@ -345,6 +380,7 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
     distances_in_elements
         (n, n) signed distance of two nodes over the size of the elements there
     """
+    # T near the diagonal: N minus the smooth part of N - T.
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     smooth_difference = _smooth_compliance(
         interface.normal_compliance - interface.tangential_compliance,
@@ -357,6 +393,8 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
         interface.normal_compliance - symmetric_difference,
         interface.tangential_compliance,
     )
+
+    # Sum 0 of each row of the change.
     is_in_wide_band = np.abs(distances_in_elements) <= 2 * _ELEMENTS_WITH_MESH_ERROR
     weights = interface.face_lengths
     row_sums = (tangential_compliance - interface.tangential_compliance) @ weights
@@ -379,7 +417,7 @@ def _distances_in_elements(x: Array) -> Array:
     count as larger. Distances are rounded to nine digits behind the point: they are compared with a
     number of nodes, and round-off of x must not decide on which side they lie.
     """
-    spacing = np.diff(x)
+    spacing = np.diff(x)  # x (n,) are ascending
     size_on_right = np.append(spacing, spacing[-1])
     size_on_left = np.insert(spacing, 0, spacing[0])
     distance = np.subtract.outer(x, x)
@@ -407,6 +445,7 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
         (n, n) distance of two nodes over the element size. If it is signed, only pairs on the
         positive side of the diagonal are fitted
     """
+    # Nodes next to 48 Chebyshev points along the face; pairs of them that are far enough apart.
     unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
     chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
@@ -417,6 +456,8 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     )
     row_nodes = sample_nodes[row_samples]
     column_nodes = sample_nodes[column_samples]
+
+    # Least-squares fit of products of Legendre polynomials; degree 8 at most in both together.
     degree = min(_LARGEST_DEGREE, len(x) // _NODES_PER_DEGREE)
     legendre = np.polynomial.legendre.legvander(unit_x, degree)
     exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
@@ -454,8 +495,8 @@ def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Arra
 def body_forces(
     lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
 ) -> dict[str, Array]:
-    """Forces on the contact nodes of each body by the nodal contact forces p and q. They stand in
-    the body's own frame, whose y points out of its face.
+    """Forces on the contact nodes of each body by the nodal contact forces p and q. They are along
+    x and y of the body's own frame, whose y points out of its face.
 
     Parameters
     ----------
@@ -493,7 +534,9 @@ def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
 
 
 def _mortar_operators(lower: CondensedBody, upper: CondensedBody) -> Mortar:
-    """Mortar operators of the two faces in the common frame, see `mortar.mortar`."""
+    """Mortar operators of the two faces in the common frame: they turn nodal displacements into
+    weighted means along the normal and the tangent of the middle line.
+    """
     from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
 
     return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
@@ -540,6 +583,11 @@ def meshed_pair(
         function of a factor on the element sizes, 1 for the lower body and `mesh.upper_ratio` for
         the upper one, that returns the element sizes along the face
 
+    Returns
+    -------
+    lower, upper
+        Each in its own frame (y out of the body), with its supports by boundary.
+
     Raises
     ------
     InputError
@@ -555,8 +603,9 @@ def meshed_pair(
 
 
 def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
-    """Mesh of a body whose free sides are marked as ends pulled by the bulk stress, where the body
-    is a block with such ends and the scene has a bulk stress; else the mesh as it is.
+    """Mesh of a body whose free sides are marked as ends pulled by the bulk stress (in `supports`,
+    boundary -> kind of support), where the body is a block with such ends and the scene has a bulk
+    stress; else the mesh as it is.
     """
     if not (has_free_ends(shape) and has_bulk_stress(prescribed_path(scene))):
         return body
@@ -569,9 +618,16 @@ def condensed_pair(
     """Compliance of the lower and of the upper body at their contact nodes, by static condensation.
     Bodies that this process condensed before come from a cache.
 
-    `bodies` are their meshes. `datum_length` is the distance from a force at which a half-plane's
-    surface has no displacement [length]. Condensations and factorisations are added to the counts
-    in `work_counts`.
+    Parameters
+    ----------
+    scene
+        materials of both bodies; where these are alike and the meshes one, so is the compliance
+    bodies
+        meshes of the lower and the upper body
+    datum_length
+        distance from a force at which a half-plane's surface has no displacement [length]
+    work_counts
+        counts of condensations and factorisations, added to here
     """
     lower = BODY_CACHE.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
     if scene.material.alike and bodies[1] is bodies[0]:
@@ -585,6 +641,14 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     """Initial gap (n,) at the contact nodes [length]: the distance of curved faces as they are
     meshed; where both faces are meshed flat, the height of the profile.
 
+    Parameters
+    ----------
+    scene
+        `bodies.faces_are_true` where curved faces are meshed as such; profile with its height
+    interface
+        places x of the contact nodes, distance of the meshed faces there (`gap`), and x and
+        distance where they are nearest
+
     Raises
     ------
     InputError
@@ -594,6 +658,7 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
         return np.asarray(scene.profile.height(interface.x))
     x, smallest_gap = interface.nearest_x_and_gap  # negative where the faces overlap
     overlap = -smallest_gap
+    # admitted: a hundredth of the largest gap, or 1e-9 of the width of the side that may touch
     overlap_by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
     overlap_by_rounding = _ROUNDING * float(np.ptp(interface.x))
     if overlap > max(overlap_by_meshing, overlap_by_rounding):
@@ -613,7 +678,15 @@ def bulk_stress_notes(
     contact (H: height). A fixed base holds the block back: the sentence states which part of the
     stress arrives at the middle of the face, by the slope of its displacement.
 
-    `condensed_bodies` are the lower and the upper one; `tangential_load` is the largest |Q|.
+    Parameters
+    ----------
+    scene
+        bodies, and load path: without bulk stress there are no notes
+    condensed_bodies
+        lower and upper body at their contact nodes: places x (n,), material, and displacement
+        (2, n) along x and y by a unit of bulk stress
+    tangential_load
+        largest |Q| [force per thickness]
     """
     if not has_bulk_stress(prescribed_path(scene)):
         return
@@ -630,6 +703,7 @@ def bulk_stress_notes(
         elif body.base == "fixed":
             is_in_middle = np.abs(condensed_body.x) <= np.abs(condensed_body.x).max() / 2
             displacement_in_middle = condensed_body.displacement_by_stress[0, is_in_middle]
+            # slope of the displacement along x: strain by a unit of bulk stress
             strain_per_stress = np.polyfit(
                 condensed_body.x[is_in_middle], displacement_in_middle, 1
             )[0]
