@@ -59,7 +59,7 @@ class RunRecord:
 
 @dataclass(frozen=True, eq=False)
 class ThirdSolver:
-    """What CalculiX answers, or why it does not.
+    """The answer of CalculiX, a third solver, to a scene; or why it has none.
 
     Attributes
     ----------
@@ -91,9 +91,14 @@ class ThirdSolver:
         return ("quantity", "half-plane theory", "our finite elements", self.code)
 
     def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
-        """Rows of the table beside CalculiX: values of theory, finite elements and CalculiX, then
-        the error of each metric, then the time.
+        """Rows of the table of three solvers, half-plane theory, our finite elements and CalculiX:
+        a few values of each, then errors against theory, then the time of the run; "–" where there
+        is no value.
+
+        `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
+        that of CalculiX with theory, None where it failed.
         """
+        # values, each with a function that takes it from a solution
         third_comparison = self.comparison
         solutions = [comparison.reference, comparison.result]
         if third_comparison:
@@ -104,6 +109,8 @@ class ThirdSolver:
             values += [math.nan] * (3 - len(values))
             cells = [number(value) if math.isfinite(value) else "–" for value in values]
             table_rows.append((f"{name} [{unit}]", *cells))
+
+        # errors: metrics of both comparisons
         for key in (
             "dissipation",
             "peak_pressure",
@@ -121,6 +128,8 @@ class ThirdSolver:
                     value_in_words(third_comparison.metric(key)) if third_comparison else "–",
                 )
             )
+
+        # times
         time_cells = []
         for solution in (comparison.reference, comparison.result):
             seconds = sum(solution.work.seconds.values())
@@ -131,10 +140,12 @@ class ThirdSolver:
 
     @property
     def sentences(self) -> list[str]:
-        """Sentences beside the numbers of CalculiX: its failure or how the run went, then known
-        limits.
+        """Sentences beside the numbers of CalculiX: why it failed or how the run went, then known
+        limits of its numbers.
+
+        `run_record` has the counts of increments and iterations, None where the run failed.
         """
-        # nodes are numbered from 1, and the reference node of the rigid plane is the last
+        # nodes are numbered from 1, and that of the rigid plane follows those of the bodies
         n_nodes = self.deck.reference_node
         size = f"{n_nodes} nodes, {len(self.deck.time) - 1} instants"
         if self.run_record is None:
@@ -151,7 +162,10 @@ class ThirdSolver:
         return [*self.guesses, *self.comparison.result.record.notes] if self.comparison else []
 
     def page_words(self, comparison: Comparison) -> dict[str, Any]:
-        """The texts that the block of a page on CalculiX is filled with."""
+        """The texts that the block of a page on CalculiX is filled with, by name. `comparison` is
+        that of our finite elements with theory.
+        """
+        # why it failed, or how the run went; then known limits
         first_sentence, *limits = self.sentences
         table = {"heads": self.heads, "rows": self.rows(comparison)}
         return {
@@ -163,17 +177,23 @@ class ThirdSolver:
         }
 
     def as_json(self, comparison: Comparison) -> str:
-        """The content of third.json: the table beside CalculiX in numbers, the deck, the run and
-        known limits; strict JSON.
+        """The content of the file third.json: values and metrics of theory, our finite elements and
+        CalculiX side by side, the deck, the run, known limits and notes; strict JSON.
+
+        `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
+        that of CalculiX with theory, None where it failed. The deck is CalculiX' input; it counts
+        its nodes up to that of the rigid plane, `reference_node`.
         """
         deck = self.deck
         third_comparison = self.comparison
         third_metrics: dict[str, float | None] = {}
         if third_comparison is not None:
             third_metrics = {metric.key: metric.value for metric in third_comparison.metrics}
-        figures = {}
+
+        # a few values, each with a function that takes it from a solution
+        values_by_name = {}
         for name, unit, value_of_solution in _compared_values(comparison.scene):
-            figures[name] = {
+            values_by_name[name] = {
                 "unit": unit,
                 "theory": value_of_solution(comparison.reference),
                 "ours": value_of_solution(comparison.result),
@@ -192,7 +212,7 @@ class ThirdSolver:
                 "stick_slope": deck.stick_slope,
             },
             "run": asdict(self.run_record) if self.run_record else None,
-            "figures": figures,
+            "figures": values_by_name,
             "metrics": {
                 metric.key: {"ours": metric.value, "third": third_metrics.get(metric.key)}
                 for metric in comparison.metrics
@@ -207,7 +227,9 @@ class ThirdSolver:
 
 
 def find_calculix() -> Path:
-    """Where `ccx` is; InputError with what to do where it is not."""
+    """Path of `ccx`, the program of CalculiX; InputError, with how to install it, where it is not
+    found.
+    """
     program = shutil.which("ccx")
     if program is None:
         raise InputError(
@@ -247,10 +269,18 @@ def solve_with_calculix(
     ----------
     settings
         of the deck: element sizes, increments
+    stages
+        shows and measures the stages of the job
     scales
-        size of the contact from an earlier solution; spares a coarse solve
+        length and load scales of the contact from an earlier solution; spares a coarse solve
     command
         command line that is stated in the deck
+
+    Returns
+    -------
+    ThirdSolver
+        the deck and its text; the comparison, what was assumed in reading the result (`guesses`)
+        and the record of the run, where it did not fail
 
     Raises
     ------
@@ -262,6 +292,8 @@ def solve_with_calculix(
     with stages.stage("deck"):
         deck = build_deck(scene, settings, scales)
         answer = ThirdSolver(code, deck, deck_text(deck, command, versions()))
+
+    # TIME_LIMIT: 1800 s
     with tempfile.TemporaryDirectory(prefix="halfplane-third-") as name:
         folder = Path(name)
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")
@@ -274,6 +306,7 @@ def solve_with_calculix(
             return replace(answer, failure=str(failure))
         with stages.stage("reading CalculiX"):
             report_on_answer = score_deck(folder / "third.frd", deck, code)
+
     return replace(
         answer,
         comparison=report_on_answer.comparison,
@@ -294,12 +327,19 @@ def run_calculix(
 
     Parameters
     ----------
+    program
+        path of CalculiX
     end_time
         total time of the deck's last instant, in the scene's unit of time
     time_limit
         wall time [s]
     show_progress
         called again and again with the time reached in per cent of `end_time`, 100, and a text
+
+    Returns
+    -------
+    RunRecord
+        wall time [s], number of accepted increments, iterations of all attempts
 
     Raises
     ------
@@ -310,7 +350,10 @@ def run_calculix(
     start_time = time.monotonic()
     is_late = False
     log_file = folder / f"{name}.log"
+    # a line for each attempt to solve an increment, which may be accepted or not
     status_file = folder / f"{name}.sta"
+
+    # run; _SECONDS_BETWEEN_LOOKS: 0.25 s
     with log_file.open("w", encoding="utf-8") as stream:
         process = subprocess.Popen(
             [str(program), "-i", name],
@@ -333,6 +376,8 @@ def run_calculix(
             if process.poll() is None:
                 process.kill()
             process.wait()
+
+    # did it reach the end? (_RELATIVE_ERROR_OF_PRINTED_TIME: 1e-5)
     attempts = attempts_in(status_file)
     accepted_attempts = [attempt for attempt in attempts if attempt.is_accepted]
     time_reached = max((attempt.time_reached for attempt in accepted_attempts), default=0.0)
@@ -372,25 +417,34 @@ class Attempt:
 
 
 def attempts_in(sta: Path) -> list[Attempt]:
-    """The attempts in a .sta file so far; a line that is half-written is left out."""
+    """The attempts to solve increments in CalculiX' status file (.sta) so far; a line that is
+    half-written is left out.
+    """
     text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
-    row_match = (
+    # step, increment, attempt (with U where it was not accepted), iterations, time reached, ...
+    line_matches = (
         re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line)
         for line in text.splitlines()
     )
-    return [Attempt(not match[1], int(match[2]), float(match[3])) for match in row_match if match]
+    return [
+        Attempt(not match[1], int(match[2]), float(match[3])) for match in line_matches if match
+    ]
 
 
 def score_deck(path: Path, deck: Deck, code: str) -> Report:
-    """The report on the result of a deck, the .frd file at `path`, against half-plane theory at the
-    points and instants of the result. `code` is CalculiX with its version.
+    """The report on CalculiX' result of an input deck, the .frd file at `path`, compared with
+    half-plane theory at the points and instants of the result. `code` is CalculiX with its version.
 
     CalculiX does not write the unloaded instant: it is put before the others, with all fields 0.
+    `deck.time` (n + 1,) has the unloaded instant first.
     """
+    # tractions, slip and loads of the result; the mapping states what the file does not
     mapping = Mapping(
         code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
     )
     surface = read_result(path, mapping)
+
+    # put the unloaded instant before them
     series_from_unloaded: dict[str, Any] = {}
     for name in ("pressure", "shear", "slip", "normal_load", "tangential_load"):
         values = getattr(surface, name)
@@ -402,17 +456,24 @@ def score_deck(path: Path, deck: Deck, code: str) -> Report:
     surface = replace(
         surface, **series_from_unloaded, time=read_only_copy(deck.time), source=source
     )
+
+    # as a solution, with sentences on what was guessed, compared with theory
     theory_of_path = theory_of_whole_path(deck.scene)
     return score_solution(*solution_of_surface(surface, mapping, theory_of_path), theory_of_path)
 
 
 def _limits_in_words(deck: Deck) -> list[str]:
-    """Sentences on known limits of CalculiX' numbers for this deck: from its documentation, from
-    the deck, and measured (docs/third.md).
+    """Sentences on known limits of CalculiX' numbers for this input deck: from its documentation,
+    from the deck, and measured (docs/third.md).
+
+    Of the deck, `mean_pressure` is P/(2 a) at the largest load, a the half-width of contact;
+    `stiffness` the pressure per penetration, `stick_slope` the shear per elastic slip, with which
+    CalculiX replaces rigid contact and stick.
     """
     friction = deck.scene.friction.coefficient
     path = deck.scene.load.path()
-    mean_pressure = deck.mean_pressure / deck.scales.half_width
+    # over a, so that penetration and creep are in a
+    mean_pressure_over_a = deck.mean_pressure / deck.scales.half_width
     load_of_cycle = deck.normal_load[deck.time >= path.cycle_start]
     load_varies = (
         friction and path.period is not None and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
@@ -420,10 +481,10 @@ def _limits_in_words(deck: Deck) -> list[str]:
     kinds = (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
     # radius of the half-discs that stand for half-planes, over a; False without half-planes
     far_radius = "half_plane" in kinds and deck.settings.far_radius
-    creep = friction * mean_pressure / deck.stick_slope
-    limits_in_words = words_of("limits_of_calculix")(
-        mean_pressure / deck.stiffness, creep, load_varies, far_radius
-    )
+    penetration = mean_pressure_over_a / deck.stiffness
+    creep = friction * mean_pressure_over_a / deck.stick_slope
+    # a template of sentences, one a line
+    limits_in_words = words_of("limits_of_calculix")(penetration, creep, load_varies, far_radius)
     return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]
 
 

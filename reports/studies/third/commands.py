@@ -13,12 +13,14 @@ from scenes import ContactSolution
 
 
 def require() -> None:
-    """InputError where CalculiX is not installed."""
+    """InputError where CalculiX, the third solver, is not installed."""
     find_calculix()
 
 
 def answer(job: Job, result: ContactSolution) -> ThirdSolver:
-    """CalculiX' answer to the scene of a job; its deck has the scales of our finite elements."""
+    """CalculiX' answer to the scene of a job; the mesh of its deck is made for the length scales of
+    contact that our finite elements had (`result`).
+    """
     return solve_with_calculix(
         job.scene,
         DeckSettings(**job.options.values_given(("steps_per_cycle",))),
@@ -31,10 +33,15 @@ def answer(job: Job, result: ContactSolution) -> ThirdSolver:
 @solving_command
 def export(job: Job) -> Answer:
     """The command `export`: write the bodies and the load history of a scene as an input deck for
-    CalculiX.
+    the finite-element program CalculiX.
+
+    `job` has the scene, the options of the command line, the folder for the results, and the stages
+    that are shown and measured. Returns exit code 0, a table of the deck's size for the terminal,
+    the path of the file, and the content of the JSON output.
     """
     from reports.folder import results_folder
 
+    # the deck, and its file
     scene = job.scene
     options = job.options
     stages = job.stages
@@ -46,13 +53,17 @@ def export(job: Job) -> Answer:
         deck = build_deck(
             scene, DeckSettings(**options.values_given(("steps_per_cycle", "cycles")))
         )
-    # The deck's first comment: where it lies is nobody's business.
+    # The command line in the deck's first comment is without the folder of the user.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
     with results_folder(job.folder, stale_prefixes=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
+
+    # its size: nodes of the bodies and that of the rigid plane, which has the number
+    # `reference_node`; instants beside the unloaded one; stiffnesses that replace rigid contact and
+    # stick
     deck_size = {
-        "nodes": deck.reference_node,  # the number of the last node
+        "nodes": deck.reference_node,
         "elements": len(deck.lower.elements) + len(deck.upper.elements),
         "edge_element_size": deck.element_size,
         "instants": len(deck.time) - 1,
@@ -60,7 +71,9 @@ def export(job: Job) -> Answer:
         "shear_per_elastic_slip": deck.stick_slope,
     }
     _, unit_of_length, unit_of_stress = units(scene)
-    layer = f"pressure per penetration, shear per elastic slip [{unit_of_stress}/{unit_of_length}]"
+    words_of_stiffness = (
+        f"pressure per penetration, shear per elastic slip [{unit_of_stress}/{unit_of_length}]"
+    )
     rows = [
         ("nodes, elements", f"{deck_size['nodes']}, {deck_size['elements']}"),
         (
@@ -68,7 +81,7 @@ def export(job: Job) -> Answer:
             f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
         ),
         ("instants", f"{deck_size['instants']}"),
-        (layer, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
+        (words_of_stiffness, f"{deck.stiffness:.6g}, {deck.stick_slope:.6g}"),
     ]
     path = str(job.folder / file)
     content = {"passed": True, **deck_size, "file": path, "seconds": stages.seconds}

@@ -83,8 +83,9 @@ class DeckSettings:
     stick_stiffness: float = 10.0
 
     def __post_init__(self) -> None:
-        """Refuse settings of a deck that are out of range: fewer than 4 or more than 10,000
-        increments a cycle, no cycle, a stiffness that is not positive. Raises InputError.
+        """Refuse settings of an input deck that are out of range: fewer than 4 or more than 10,000
+        output instants a cycle (`steps_per_cycle`), no cycle, a stiffness that is not positive.
+        Raises InputError.
         """
         if not 4 <= self.steps_per_cycle <= 10_000:
             raise InputError(
@@ -192,8 +193,8 @@ class Deck:
         return self.reference_node + 2
 
     def strain(self, body_number: int) -> Array | None:
-        """Bulk strain sigma/E' over time, (n + 1,), of the lower (0) or the upper (1) body where it
-        is a half-plane; else None.
+        """Bulk strain sigma/E' over time, (n + 1,), of the lower (0) or the upper (1) body, where
+        it is a half-plane with a bulk stress sigma; else None. E' = E/(1 - nu^2).
         """
         stress = self.bulk_stress[body_number]
         name = ("lower", "upper")[body_number]
@@ -206,11 +207,15 @@ class Deck:
 
     def end_stresses(self, body_number: int) -> tuple[Array, Array] | None:
         """Stress along x over time, (n + 1,) each, on the left and on the right end of the lower
-        (0) or upper (1) body, where it is a block that bulk stress pulls.
+        (0) or upper (1) body, where it is a block that bulk stress pulls; tension is positive.
 
         The base of a lower block on rollers carries no Q: each end then carries Q/2 too, which
         pulls the left end and presses the right one where Q > 0. None for bodies whose ends are not
         pulled, and where the stress is 0 throughout.
+
+        `bulk_stress` holds that of the lower and of the upper body, (n + 1,) or None;
+        `tangential_load` (n + 1,) is Q per thickness; a deck body's `ends` are the element sides at
+        the ends of a pulled block.
         """
         deck_body = (self.lower, self.upper)[body_number]
         shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body_number]
@@ -267,15 +272,16 @@ class Deck:
 def build_deck(
     scene: Scene, settings: DeckSettings | None = None, scales: Scales | None = None
 ) -> Deck:
-    """All that an input deck for CalculiX states of a scene: meshes of both bodies, supports,
-    instants and loads.
+    """All that an input deck for the finite-element program CalculiX states of a scene: meshes of
+    both bodies, supports, instants, loads, and the first step, which brings the faces together.
 
     Parameters
     ----------
     settings
-        element sizes, increments and stiffnesses; defaults if None
+        element sizes, growth of the elements and `far_radius` (of the half-disc that stands for a
+        half-plane), all over the contact half-width; increments, stiffnesses; defaults if None
     scales
-        size of the contact, from an earlier solution; spares the coarse run
+        length and load scales of the contact, from an earlier solution; from a coarse solve if None
 
     Raises
     ------
@@ -285,6 +291,8 @@ def build_deck(
     """
     scene = validated(scene, Scene)
     settings = settings or DeckSettings()
+
+    # refuse bodies that loads push off their supports, and bulk stress that can't act
     check_supports(scene)
     check_bulk_stress(scene)
     path = scene.load.path()
@@ -294,6 +302,8 @@ def build_deck(
             "bodies.upper.base: a deck holds Q by the rigid plane above, which rollers let go: take"
             " base = 'fixed'"
         )
+
+    # both bodies, with linear quadrilaterals, finest where edges of contact and stick travel
     scales = scales or find_scales(scene, Counter())
     mesh_settings = MeshSettings(
         element_size=settings.element_size,
@@ -316,6 +326,8 @@ def build_deck(
         len(lower_body.nodes) + 1,
         len(lower_body.elements) + 1,
     )
+
+    # instants and loads; the touch takes a fraction of the first increment (_TOUCH_FRACTION: 0.25)
     time = _instants(scene, settings)
     normal_load, tangential_load = path.at(time)
     load_of_touch = _TOUCH_FRACTION * float(normal_load[1])
@@ -335,8 +347,11 @@ def build_deck(
 
 
 def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
-    """Bulk stresses of the lower and the upper body, and tilt or moment, at the instants of a deck,
-    (n + 1,) each, by name; only those that the load path has.
+    """Bulk stresses of the lower and the upper body, and tilt or moment of the upper body, at the
+    instants of an input deck, (n + 1,) each, by name; only those that the load path has.
+
+    `path.companion(name)` is the path of what the loads are accompanied by: "bulk", or
+    "tilt_and_moment"; None where there is none.
     """
     histories: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
@@ -352,37 +367,50 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
     """Times of an input deck, (n + 1,): the unloaded instant, then the end of every load increment.
-    Increments end at the turning points of the path. Between two of them all are of equal duration.
+    Turning points of the path are ends of increments. Between two turning points all increments of
+    a segment are of equal duration.
+
+    `settings` has the number of increments of a cycle (`steps_per_cycle`) and of cycles. A load
+    path has an initial loading, then cycles if it has a period; each consists of segments.
     """
     path = scene.load.path()
     steps_per_cycle = settings.steps_per_cycle
     n_cycles = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    # the load segments of the initial loading and of each cycle, with their number of increments
+
+    # the load segments of the initial loading and of each cycle, with their number of increments;
+    # _INITIAL_INCREMENTS: 0.25 of those of a cycle
     initial_increments = max(_INITIAL_INCREMENTS * steps_per_cycle, 4.0)
     parts_of_path = [(path.initial_loading, initial_increments)]
     parts_of_path += [
         (path.segments_of_cycle(cycle_number), float(steps_per_cycle))
         for cycle_number in range(n_cycles)
     ]
+
+    # increments in proportion to duration
     instants = [path.start]
     for segments, increments_of_part in parts_of_path:
         duration = segments[-1].end - segments[0].start
         for segment in segments:
             increments_of_segment = increments_of_part * (segment.end - segment.start) / duration
+            # a stretch lies between turning points; its `ends` are those of its increments
             for stretch in stretches(segment, scene.friction.coefficient, increments_of_segment):
-                instants.extend(stretch.ends)  # between turning points
+                instants.extend(stretch.ends)
     return np.array(instants)
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
-    """Approach [length] of the bodies under about the load P (`load`): that of a line load on
-    half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
+    """Rough approach [length] of the bodies under the load P (`load`, per thickness): that of a
+    line load on half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
 
-    A rough value is enough. It is the displacement of the deck's first step, which makes the faces
-    meet, and no instant of the answer belongs to that step.
+    A rough value is enough. It is the displacement of the input deck's first step, which makes the
+    faces meet, and no instant of the answer belongs to that step.
+
+    `scales` has the half-width a of contact at the largest load, and E* (`modulus`);
+    `settings.far_radius` is the radius over a of the half-disc that stands for a half-plane.
     """
 
     def depth(body: Shape) -> float:
+        """Depth of a body [length]; of a half-plane, radius of the half-disc."""
         if isinstance(body, HalfPlane):
             return settings.far_radius * scales.half_width
         return body.least_depth
@@ -402,26 +430,33 @@ def _areas(places: Array, cells: Indices) -> Array:
 def _body(
     name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int
 ) -> DeckBody:
-    """One body of a deck: its nodes, its elements (nodes anticlockwise), the element sides that may
-    touch, the nodes that are held in each direction, and the ends that bulk stress pulls.
+    """One body of an input deck: its nodes, its elements (nodes anticlockwise), the element sides
+    that may touch, the nodes that are held in each direction, and the ends that bulk stress pulls.
 
     Parameters
     ----------
     name
         "LOWER" or "UPPER"
+    mesh
+        the meshed body: `mesh.mesh` has its elements (t), element sides on boundaries (facets by
+        the name of the boundary, such as "contact"); `mesh.supports` is how a boundary is held
     places
         (2, n) coordinates of the mesh's nodes in the deck [length]
     first_node, first_element
         numbers from which its nodes and elements are counted
     """
+    # node indices of quadrilaterals, (4, m), anticlockwise
     cells = mesh.mesh.t.copy()
-    is_clockwise = _areas(places, cells) < 0
+    is_clockwise = _areas(places, cells) < 0  # of negative area
     cells[:, is_clockwise] = cells[:, is_clockwise][[0, 3, 2, 1]]
+
+    # name of a boundary -> both nodes of each facet on it, (2, k)
     nodes_of = {
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
+
     # A side of an element is on a boundary where its two nodes, in either order, are those of a
-    # facet there. For this each pair of nodes becomes one number, its key.
+    # facet there. For this each pair of nodes becomes one number, its key: (4, m).
     key_factors = [places.shape[1], 1]
     nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
     keys_of_sides = nodes_of_sides @ key_factors
@@ -436,6 +471,7 @@ def _body(
             np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
         )
 
+    # the left and the right end of a block that bulk stress pulls
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
         facets_of_ends = nodes_of["sides"]
@@ -443,6 +479,8 @@ def _body(
         left_end = sides_on(facets_of_ends[:, ~is_right])
         right_end = sides_on(facets_of_ends[:, is_right])
         pulled_ends = (left_end, right_end)
+
+    # nodes that may touch, from left to right; nodes that supports hold, by direction x (1), y (2)
     contact_nodes = np.unique(nodes_of["contact"])
     held_nodes = _held_nodes(mesh, nodes_of)
     nodes_from_left = contact_nodes[np.argsort(places[0, contact_nodes])]
@@ -465,12 +503,16 @@ def _body(
 
 def _held_nodes(mesh: BodyMesh, nodes_of: Mapping[str, Indices]) -> dict[int, list[Indices]]:
     """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body:
-    direction -> one array of nodes for each support. `nodes_of` holds the two nodes of each facet
-    on a boundary, (2, k), by its name.
+    direction -> one array of nodes for each support.
+
+    `nodes_of` holds the two nodes of each facet on a boundary, (2, k), by the boundary's name.
+    `mesh.supports` is how each supported boundary is held: "rollers" let it move along x, "guided"
+    along y. `mesh.mesh.p` (2, n) has the places of the nodes.
     """
     held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
         nodes = np.unique(nodes_of[boundary])
+        # _HELD_DIRECTIONS: kind of support -> directions in which it holds
         for direction in _HELD_DIRECTIONS[support]:
             held_nodes[direction].append(nodes)
         if support == "rollers" and "guided" not in mesh.supports.values():
@@ -482,18 +524,22 @@ def _held_nodes(mesh: BodyMesh, nodes_of: Mapping[str, Indices]) -> dict[int, li
 
 
 def _places_of_upper_body(mesh: BodyMesh, profile: Profile | None) -> Array:
-    """Places (2, n) [length] of the nodes of an upper body in the frame of the deck; the mesh has
-    the body upside down.
+    """Places (2, n) [length] of the nodes of an upper body in the frame of the input deck, y out of
+    the lower body; the mesh has the body upside down.
 
     Between flat faces the gap h(x) of `profile` is cut into the upper body: each node is raised by
     h (1 - y/y_max), so that the far side stays plane. Surface elements that may touch end at |x| =
     c; beyond it h goes on as h(c) + h'(c) c tanh((|x| - c)/c), bounded on a body of any width.
     `profile` is None where the mesh has the curved face itself.
+
+    `mesh.mesh.p` (2, n) has the places in the mesh, `mesh.grading.outer` is c.
     """
     x = mesh.mesh.p[0]
     y = -mesh.mesh.p[1]
     if profile is None:
         return np.stack([x, y])
+
+    # gap and its slope at |x| = c, on the side of each node
     c = mesh.grading.outer
     small_step = 1e-4 * c
     sign_of_x = np.where(x < 0, -1.0, 1.0)
@@ -501,6 +547,8 @@ def _places_of_upper_body(mesh: BodyMesh, profile: Profile | None) -> Array:
     gap_before_c = np.asarray(profile.height(sign_of_x * (c - small_step)))
     gap_at_c = np.asarray(profile.height(sign_of_x * c))
     slope_at_c = (gap_at_c - gap_before_c) / small_step
+
+    # the gap at each node
     gap = np.asarray(profile.height(sign_of_x * np.minimum(distance, c)))
     gap = gap + slope_at_c * c * np.tanh(np.maximum(distance - c, 0.0) / c)
     return np.stack([x, y + gap * (1 - y / y.max())])
@@ -508,9 +556,12 @@ def _places_of_upper_body(mesh: BodyMesh, profile: Profile | None) -> Array:
 
 # --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
-    """The text of the input file for CalculiX, with comments wrapped to the longest line that it
-    reads. The first comment has the `command` line that wrote the file and the `versions` of
-    packages.
+    """The text of the input file for the finite-element program CalculiX, with comments wrapped to
+    the longest line that it reads. Empty lines are left out.
+
+    The template deck.inp is filled in: with the deck (meshes, supports, instants, loads), with
+    functions that write its data lines, and for its first comment with the `command` line that
+    wrote the file and the `versions` of packages.
     """
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     functions = (amplitudes, equations_of, held_of, number, one_line, rows)
@@ -518,6 +569,8 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
     unwrapped_text = template("deck.inp").render(
         deck=deck, command=command, versions=packages, **function_by_name
     )
+
+    # a comment begins with **; _LONGEST_LINE: 132 characters
     lines: list[str] = []
     for line in unwrapped_text.split("\n"):
         if line.startswith("**"):
@@ -547,25 +600,28 @@ def number(value: float) -> str:
 
 
 def rows(values: ArrayLike, per_line: int) -> str:
-    """Data lines of so many integers or numbers each."""
+    """Data lines of an array of any shape, with `per_line` integers or numbers each."""
     flat = np.ravel(values)
     words = [str(v) if flat.dtype.kind == "i" else number(v) for v in flat.tolist()]
     return "\n".join(", ".join(words[k : k + per_line]) for k in range(0, len(words), per_line))
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
-    """Histories of a deck, (n + 1, 2) total time and value: name -> history of a load, an end
-    stress, a strain, the tilt or the moment.
+    """Histories of an input deck, which it calls amplitudes: name -> (n + 1, 2), total time of the
+    deck and value of a load, an end stress, a strain, the tilt or the moment.
 
-    Strains and tilt are displacements of extra nodes in the deck: they are multiplied by a, and the
-    moment, the force on such a node, is divided by a.
+    Strains and tilt are displacements of extra nodes in the deck: they are multiplied by a, the
+    half-width of contact at the largest load, and the moment, the force on such a node, is divided
+    by a.
     """
     half_width = deck.scales.half_width
     histories = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
     for body_number, name in enumerate(("LOWER", "UPPER")):
+        # bulk strain of a half-plane; None for other bodies
         strain = deck.strain(body_number)
         if strain is not None:
             histories[f"{name}_STRAIN"] = strain * half_width
+        # on both ends of a block that bulk stress pulls; None for other bodies
         stresses_of_ends = deck.end_stresses(body_number)
         if stresses_of_ends is not None:
             left_stress, right_stress = stresses_of_ends
@@ -587,7 +643,14 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     A node of the upper body moves with the rigid plane that carries P and Q (node
     `deck.reference_node`), and turns with it (node `deck.tilt_node`, whose displacement is tilt
     times a). A node on the arc of a half-plane moves by the bulk strain (node `deck.strain_node`,
-    strain times a). A constraint with one term means that the node does not move.
+    strain times a; direction 1 for the lower body, 2 for the upper). A constraint with one term
+    means that the node does not move.
+
+    # notation: a contact half-width at the largest load (`deck.scales.half_width`); direction 1
+    #           along x, 2 along y
+
+    `body.held` has the numbers of the held nodes by direction, `body.nodes` (n, 2) the places of
+    all nodes, numbered from `body.first_node` on.
     """
     half_width = deck.scales.half_width
     is_upper = body is deck.upper
@@ -595,6 +658,7 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     poisson_ratio = material.poisson_ratio
     has_strain = deck.strain(int(is_upper)) is not None
     can_tilt = is_upper and (deck.tilt is not None or deck.moment is not None)
+
     for direction, nodes in sorted(body.held.items()):
         for node in nodes.tolist():
             x, y = body.nodes[node - body.first_node].tolist()
@@ -616,9 +680,11 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
 
 
 def equations_of(deck: Deck, body: DeckBody) -> Iterator[str]:
-    """Data lines of the equations of a far side, those of each direction together."""
-    tied = (terms for terms in _constraints(deck, body) if len(terms) > 1)
-    for _, equations in groupby(tied, lambda terms: terms[0][1]):
+    """Data lines of the equations that tie held nodes of a body to others, such as the one that
+    carries P and Q: one text for each direction.
+    """
+    equation_terms = (terms for terms in _constraints(deck, body) if len(terms) > 1)
+    for _, equations in groupby(equation_terms, lambda terms: terms[0][1]):
         yield "\n".join(map(_data_lines, equations))
 
 
@@ -631,16 +697,19 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Lines "node, direction" of a deck for displacements that are 0: those of held nodes of the
-    lower body, and those directions of the extra nodes for bulk strain and tilt that stand for
-    nothing.
+    """Lines "node, direction" of an input deck for displacements that are 0: those of held nodes of
+    the lower body, and those directions of the extra nodes for bulk strain and tilt that stand for
+    nothing. Direction 1 is along x, 2 along y.
     """
     lines = []
+    # constraints of held nodes, as terms (node, direction, factor) that add up to 0
     for terms in _constraints(deck, deck.lower):
         if len(terms) == 1:
             node, direction, _ = terms[0]
             lines.append(f"{node}, {direction}")
-    # the node for strain has direction 1 for the lower body, 2 for the upper body
+
+    # The node for strain has direction 1 for the lower body (0), 2 for the upper body (1). It is in
+    # the deck where one of them has a strain.
     bodies_without_strain = [number for number in (0, 1) if deck.strain(number) is None]
     if len(bodies_without_strain) == 1:
         lines.append(f"{deck.strain_node}, {bodies_without_strain[0] + 1}")
