@@ -123,6 +123,7 @@ class RiggedScene:
         U of the tangential actuator. InputError where the bodies never touch, or where the
         displacement of an actuator does not determine its load.
         """
+        # states_approach: whether the normal approach is prescribed, in the place of P.
         scene = self.scene
         if scene.load.states_approach:
             loads = loads_of_approach(
@@ -164,6 +165,7 @@ def rigged_scene(scene: Scene, effects: BodyEffects | None) -> RiggedScene:
     InputError
         For finite bodies without their effects.
     """
+    # The rig has a stiffness of each spring, None if it is stiff, and a datum length.
     rig = scene.rig
     if effects is None:
         if not scene.bodies.half_planes:
@@ -292,6 +294,7 @@ def findings_of_rig(question: Question) -> Findings:
     # found.
     rig = rigged_scene(question.scene, question.effects)
     fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
+    # Rows of the steady cycle, or of the whole path, and P and Q at all rows up to its end.
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
     history_done = clock.perf_counter()
@@ -419,6 +422,7 @@ def _energy_of(
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
+    # left_out: why that work is not known, if it is not.
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.
@@ -528,6 +532,7 @@ def _tilt_and_strain_of(
     rig
         scene with its rig, contact and the effects of its bodies
     """
+    # TILT_AND_STRAIN_NAMES: attributes of the effects with tilt and strain per P and per Q.
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
         return TiltAndStrainPart()
     if steady_from is None:
@@ -645,6 +650,7 @@ def _fine_and_coarse_paths(
         is_last_try = cycles == most_cycles
         if coarse_path.first_steady_cycle is None and not is_last_try:
             continue
+        # More rows where gross sliding ends within a step, in all cycles.
         times_near_ends = _times_near_slide_ends(coarse_path)
         further_times = _times_in_all_cycles(scene, times_near_ends, cycles)
         if len(times_near_ends):
@@ -762,6 +768,7 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
     if rows.period is not None:
         loading = tuple(points[1 : last_cycle.start + 1])
         cycle = tuple(points[last_cycle.start + 1 : -1])
+    # A scene without the displacements of the rig.
     load = PolygonLoad(initial_loading=loading, cycle=cycle, times=tuple(rows.time.tolist()))
     return scene.vary(load=load, rig=Rig(), cycles=1)
 
@@ -887,6 +894,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     """
     reason_without = _reason_without_next_order(driven_path, last_cycle)
     place_text = f"left out: {reason_without}" if reason_without else "in the dissipation"
+    # Two rows: no load, and the largest P of the path.
     normal_load = np.array([0.0, np.max(driven_path.followed_path.normal_load)])
     without_tangential_load = 0 * normal_load
     any_friction = 1.0  # without Q nothing slips

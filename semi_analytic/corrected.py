@@ -221,12 +221,14 @@ class TiltAndStrainPart(NamedTuple):
         source is the second order in tilt and strain, else a numerical solution on grids.
         """
         if not self.has_work:
-            return ZERO_ESTIMATE
-        added_work = self.work_on_grids  # the same in each cycle
+            return ZERO_ESTIMATE  # 0, without uncertainty
+        # On grids the work is the same in each cycle; the second order has one for each.
+        added_work = self.work_on_grids
         if self.second_order is not None:
             works = self.second_order.works
             added_work = works[min(cycle, len(works) - 1)]
         assert added_work is not None  # for the type checker
+        # relative_uncertainty: by what curvatures and next order of the bodies leave uncertain.
         uncertainty = self.relative_uncertainty * abs(added_work.value)
         return Estimate(added_work.value, added_work.uncertainty + uncertainty)
 
@@ -302,6 +304,7 @@ def notes_of_effects(
     # alpha: tilt, e: bulk strain; of each P and Q cause a part.
     numbers_text = ", ".join(f"{odd_size:.3g}" for odd_size in odd_sizes)
     sizes_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({numbers_text})"
+    # Is the work that they add known? Else state why not, and what the order of their effect is.
     if tilt_and_strain.has_work:
         added_work = tilt_and_strain.work(-1)
         method = "in the second order" if tilt_and_strain.work_on_grids is None else "on grids"
@@ -446,6 +449,7 @@ class _HalfPlanePath:
         # Ends of the initial loading and of two cycles; start and end of a path without cycle.
         cycle_ends = self.cycle_ends
         duration = cycle_ends[-1] - self.start
+        # _SAME_INSTANT_SHARE: 1e-12.
         times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
         time_to_nearest_end = np.min(
             np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
@@ -493,6 +497,7 @@ class _HalfPlanePath:
                 [instants, instants_in_first_cycle, instants_in_first_cycle + self.period]
             )
         if time is not None:
+            # Whole periods back into the followed part of the path.
             time_in_path, _ = time_in_followed_path(time, self.start, path_end, self.period)
             instants = np.append(instants, np.clip(time_in_path, self.start, path_end))
         return self.rows(instants)
@@ -503,13 +508,13 @@ class _HalfPlanePath:
         """Ends of the straight steps of a load path, with further instants at which slip reverses
         for six flat punches inside the contact. A path that is a series of loads keeps its steps.
 
-        Slip reverses where the Coulomb bound_of_punch of a punch has a turning point over time:
+        Slip reverses where the Coulomb bound of a punch has a turning point over time:
 
-            bound_of_punch = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
+            bound = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
         of a parabola's punches up to this one. Half-planes, kn = kt = 0, turn at other instants.
-        The fourth order is left out of the bound_of_punch here.
+        The fourth order is left out of the bound here.
 
         Parameters
         ----------
@@ -526,11 +531,13 @@ class _HalfPlanePath:
             return rows
         normal_load = rows.normal_load
         tangential_load = rows.tangential_load
+        # kn and kt at the rows.
         gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
         face_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
         # Turning points of the bound in both directions, by punch; G of a punch is a fraction of
         # the largest.
         turning_times_of_punches = []
+        # _PARABOLA_FRACTIONS: G of six punches over that of the largest, from 0 to 1.
         for direction in (1, -1):
             load_term = tangential_load - direction * friction * normal_load
             curvature_factor = direction * friction * gap_curvature - face_curvature
@@ -636,8 +643,9 @@ class PathSeries:
         """Half-width c of the stick zone, (n,) [length]; a in full stick and while bodies are
         apart, NaN in full slip and where a is 0.
         """
-        # slip_direction: +1 or -1, 0 in full stick; innermost_slip_s: coordinate s of the inner end
-        # of all slip zones in the table of flat punches, 0 in full slip.
+        # followed_path: friction memory and slip zones. slip_direction: +1 or -1, 0 in full stick;
+        # innermost_slip_s: coordinate s of the inner end of all slip zones in the table of flat
+        # punches, 0 in full slip.
         followed_path = self.followed_path
         has_slip = followed_path.slip_direction != 0
         half_width_of_slip = followed_path.table.half_width(followed_path.innermost_slip_s)
@@ -668,8 +676,11 @@ class PathSeries:
             return displacement
         # Of the curvatures: `tangential` is T, `normal_under_shear` N_Q, `tangential_fourth` T_4.
         curvatures = curvatures_of(self.effects)
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
         # T q_2 + N_Q p_2 + T_4 q_4/12
+        # shear_second_moment: q_2, pressure_second_moment: p_2, shear_fourth_moment: q_4, (n,)
+        # each.
         twice_by_moments = curvatures.tangential * followed_path.shear_second_moment
         twice_by_moments = (
             twice_by_moments + curvatures.normal_under_shear * followed_path.pressure_second_moment
@@ -707,8 +718,11 @@ class PathSeries:
             return approach
         # Of the curvatures: `normal` is N, `tangential_under_pressure` T_P, `normal_fourth` N_4.
         curvatures = curvatures_of(self.effects)
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
         # N p_2 + T_P q_2 + N_4 p_4/12
+        # pressure_second_moment: p_2, shear_second_moment: q_2, pressure_fourth_moment: p_4, (n,)
+        # each.
         twice_by_moments = curvatures.normal * followed_path.pressure_second_moment
         twice_by_moments = (
             twice_by_moments
@@ -743,6 +757,7 @@ class PathSeries:
         no_displacement = np.zeros(len(normal_load))
         if self.effects is None or not isinstance(self.contact, HertzContact):
             return no_displacement, no_displacement
+        # Of the effects: tilt_under_pressure is alpha_P, tilt_under_shear alpha_Q.
         tilt_per_normal = self.effects.tilt_under_pressure.value
         tilt_per_tangential = self.effects.tilt_under_shear.value
         tilt = (
@@ -762,6 +777,7 @@ class PathSeries:
         With finite bodies L is the datum length of their effects, else that of the contact. Both
         integrals are 0 while the bodies are apart.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
         datum_length = (
             self.contact.datum_length if self.effects is None else self.effects.datum_length
@@ -775,6 +791,7 @@ class PathSeries:
         integrals_at_edge = followed_path.table.logarithm_integrals(
             followed_path.edge_s, datum_length
         )
+        # Sums over the punches: pressure_integral weights with dP, shear_integral with dM.
         return followed_path.pressure_integral(integrals_at_edge), followed_path.shear_integral(
             integrals_at_tops, integrals_at_edge
         )
@@ -789,6 +806,7 @@ class PathSeries:
         more at suspect instants and at two instants on either side of them. An excess below 3e-7 of
         f times the largest pressure of the path counts as 0.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
         shear_signs = np.zeros(len(followed_path.edge_s), dtype=np.int64)
         # Curvatures x^2/2 and x^4/24 that the loads add to gap and faces, (n,) each.
@@ -807,6 +825,7 @@ class PathSeries:
         # A few places may miss the largest excess: a hundredth of it is suspect.
         all_rows = np.arange(len(shear_signs))
         # _PLACES_CHECKED_FIRST: 30 places, _PLACES_CHECKED: 100.
+        # Largest |q| - f p of each instant, over so many places, and the sign of q there.
         excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
         is_suspect = (excess > tolerance / 100).astype(float)
         # The instant itself, and two on either side.
@@ -873,9 +892,11 @@ class PathSeries:
         from the half-widths of contact and stick, and from those at which slip zones of the memory
         curve end.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
 
         def shear_and_limit(x: Array) -> tuple[Array, Array]:
+            """q of the memory curve and f p at distances x (k,) from the middle, (k,) each."""
             fields_at_x = PointFields(self, x)
             shear = fields_at_x.shear_at(row)
             pressure = fields_at_x.pressure(np.array([row]))[0]
@@ -891,7 +912,7 @@ class PathSeries:
         stick_half_width = (
             half_widths_at_zone_ends[0] if followed_path.direction[row] else half_width
         )
-        # Sign of q where it exceeds f p: slip has that direction_of_extra_slip.
+        # Sign of q where it exceeds f p: slip has that direction.
         direction_of_extra_slip = int(self._shear_signs_beyond_limit[row])
         return inner_slip(
             shear_and_limit,
@@ -945,13 +966,16 @@ class PointFields:
 
     def pressure(self, rows: Indices) -> Array:
         """Contact pressure p at instants number `rows` (n,), at the k points, (n, k) [stress]: that
-        of the profile plus that by the gap_curvature which the bodies add to the gap.
+        of the profile plus that by the curvature which the bodies add to the gap.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         # Load that the flat punches of the profile carry up to the edge of contact, coordinate
         # edge_s.
         profile_load = followed_path.table.profile_load(followed_path.edge_s[rows])[:, None]
+        # series.contact: normal contact of half-planes; self._x: |x| of the k points.
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
+        # kn and n4 at these instants: factors of x^2/2 and x^4/24 in the gap.
         gap_curvature = followed_path.normal_curvature[rows]
         fourth_coefficient = followed_path.normal_fourth[rows]
         return profile_pressure + self._traction_of_curvature(
@@ -974,7 +998,9 @@ class PointFields:
         It is the shear of the memory curve (locked-in tangential force over the half-width of the
         flat punches), plus that by the curvature which the loads give to the faces.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
+        # By kt and t4, the factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[rows],
             followed_path.tangential_curvature[rows],
@@ -992,23 +1018,27 @@ class PointFields:
         piece adds its slopes times the pressure of its punches. The curvature that the loads give
         to the faces adds the rest.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         pieces = followed_path.pieces
         # From the empty curve, number 0, which has no punches, to the uppermost piece.
         piece_numbers = pieces.piece_numbers_of_curve(int(followed_path.uppermost_piece[row]))
         # Pressures of the punches up to the top of each piece, (pieces, k): of the profile, of
         # x^2/2 and of x^4/24. top_s: coordinate s of the top in the table of punches.
+        # series.contact: normal contact of half-planes; self._x: |x| of the k points.
         profile_pressures = self.series.contact.pressure_rise(
             self._x, pieces.profile_load[piece_numbers, None]
         )
         parabola_pressures, fourth_pressures = self._pressures_of_curvature(
             followed_path.table.half_width(pieces.top_s[piece_numbers])
         )
+        # Slopes of F on each piece: per d eta, dG and dG_4.
         shear = pieces.profile_slope[piece_numbers[1:]] @ np.diff(profile_pressures, axis=0)
         shear = shear + pieces.parabola_slope[piece_numbers[1:]] @ np.diff(
             parabola_pressures, axis=0
         )
         shear = shear + pieces.fourth_slope[piece_numbers[1:]] @ np.diff(fourth_pressures, axis=0)
+        # By kt and t4, the factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
         shear_of_faces = self._traction_of_curvature(
             self.series.half_width[[row]],
             followed_path.tangential_curvature[[row]],
@@ -1041,14 +1071,17 @@ class PointFields:
         the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
         the locked-in tangential force over the half-width of the flat punches.
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         slip = self._slip_of_memory_curves(rows)
+        # kt and t4: factors of x^2/2 and x^4/24 in the tangential displacement of the faces.
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
         face_curvature = followed_path.tangential_curvature[rows, None]
         fourth_coefficient = followed_path.tangential_fourth[rows, None]
         if np.any(face_curvature) or np.any(fourth_coefficient):
             # Displacements per curvature that punches up to the edge of contact make at the points.
             parabola_integral, fourth_integral = self._slip_integrals(self.series.half_width[rows])
+            # self._x: |x| of the k points.
             slip = slip + face_curvature * (parabola_integral - self._x**2 / 2)
             slip = slip + fourth_coefficient * (fourth_integral - self._x**4 / 24)
         # rigid_displacement: sliding as a whole and movement while apart, (n,) [length].
@@ -1068,6 +1101,7 @@ class PointFields:
         for index, inner_slip_of_row in self.series.inner_slips(rows):
             row = int(rows[index])
             if row not in self._inner_slips:
+                # self._x: |x| of the k points.
                 self._inner_slips[row] = inner_slip_of_row.at_points(self._x)
             yield index, self._inner_slips[row]
 
@@ -1089,11 +1123,13 @@ class PointFields:
         friction_limit = self._followed_path.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
         mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
+        # Slip in each step, and half-width that sticks at both of its ends, 0 for none.
         slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
         stick_half_width = np.nan_to_num(self.series.stick_half_width[row_numbers])
         least_stick_half_width = np.minimum(stick_half_width[1:], stick_half_width[:-1])[:, None]
         # slip_direction: of the step that ends at the instant, 0 in full stick.
         step_has_slip = self._followed_path.slip_direction[row_numbers[1:], None] != 0
+        # self._x: |x| of the k points.
         point_slips = step_has_slip & (self._x >= least_stick_half_width)
         return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
 
@@ -1108,6 +1144,7 @@ class PointFields:
         # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
         #           x^2/2 and of x^4/24, profile_slope etc. dF per unit of each
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
@@ -1116,6 +1153,7 @@ class PointFields:
         )
         # Pressures of the punches up to the top of each piece, (pieces, k). top_s: coordinate s of
         # the top in the table of punches.
+        # series.contact: normal contact of half-planes; self._x: |x| of the k points.
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.profile_load[:, None])
         slopes_and_pressures = [(pieces.profile_slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
@@ -1140,6 +1178,7 @@ class PointFields:
         # notation: eta, G, G_4 loads that the punches up to a half-width carry: of the profile, of
         #           x^2/2 and of x^4/24
         """
+        # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self._followed_path
         # Only the pieces that these instants need, with the number of the outermost piece of each
         # curve.
@@ -1149,6 +1188,7 @@ class PointFields:
         # Integrals over the punches up to the top of each piece, (pieces, k): of arccosh(|x|/c) d
         # eta, then of the slip under x^2/2 and x^4/24. unit_compliance: A/pi. top_s: coordinate s
         # of the top.
+        # series.contact: normal contact of half-planes; self._x: |x| of the k points.
         profile_integrals = self.series.contact.slip_integral(self._x, pieces.profile_load[:, None])
         slopes_and_integrals = [
             (self.series.unit_compliance * pieces.profile_slope, profile_integrals)
@@ -1173,6 +1213,7 @@ class PointFields:
         C is `curvature` (n,) and D `fourth_coefficient` (n,), one of each per contact.
         """
         if not (np.any(curvature) or np.any(fourth_coefficient)):
+            # self._x: |x| of the k points.
             return np.zeros((len(half_width), len(self._x)))
         parabola_pressure, fourth_pressure = self._pressures_of_curvature(half_width)
         return np.asarray(
@@ -1207,6 +1248,7 @@ class PointFields:
         over the half-width of the punches.
         """
         # |x| of the k points.
+        # self._x: |x| of the k points.
         x = self._x
         upper_limit = np.minimum(half_width[:, None], x)
         squared_limit = upper_limit**2
@@ -1287,8 +1329,9 @@ def findings_with_effects(question: Question) -> Findings:
         for curvatures under which the contact would split or leave the profile; for a path of more
         than 200,000 instants.
     """
+    # InputError for scenes that are not symmetric.
     _require_symmetric(question)
-    with histories_kept():
+    with histories_kept():  # exact half-plane theory follows the path once
         return _findings_of_symmetric_scene(question)
 
 
@@ -1343,6 +1386,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     stick_half_width = permanent_stick_half_width(
         path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
+    # Names are those of the values in a ContactSolution.
     values: dict[str, Any] = {
         **values_over_time,
         **fields_at_points,
@@ -1396,6 +1440,7 @@ def _followed_paths(question: Question) -> _Paths:
     rows = half_plane_path.rows_with_turning_points(
         rows, friction, curvatures, largest_parabola_load
     )
+    # `follow` gives friction memory and slip zones at the rows.
     loads = (rows.normal_load, rows.tangential_load)
     # Curvatures(): all zero.
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
@@ -1455,6 +1500,7 @@ def punch_table_of(
         Where that contact is wider than the profile, or where the bodies bend the faces away from
         each other so that the contact would split.
     """
+    # Half-width of half-planes at the largest P; kn without p_2, and n4, at each instant.
     largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
     gap_curvature = curvatures.gap_curvature_under(rows.normal_load, rows.tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
@@ -1468,6 +1514,7 @@ def punch_table_of(
         # normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn.
         largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
+        # Load that the punches up to the widest carry, with the least kn that is possible.
         load_at_table_end = float(table.profile_load(table.largest_s)) + least_curvature * float(
             table.parabola_load(table.largest_s)
         )
@@ -1519,6 +1566,7 @@ def _require_one_contact(
     least_curvature_of_path = min(float(np.min(gap_curvature)), 0.0)
     if np.any(np.diff(profile_load + least_curvature_of_path * parabola_load) < 0):
         raise contact_splits_error()
+    # Where kn or n4 is least.
     for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth_coefficient))}:
         carried_load = profile_load + least_curvature[row] * parabola_load
         carried_load = carried_load + gap_fourth_coefficient[row] * fourth_load
@@ -1571,6 +1619,7 @@ def _covered_cycles(
     _, n_whole_cycles = cycles_to_follow(
         half_plane_path.cycle_ends[0], half_plane_path.period, cycles, question.time
     )
+    # Without whole cycles at given instants: those of the scene, up to the first steady one.
     n_cycles = n_whole_cycles or min(cycles, n_cycles_to_steady)
     followed_cycles = tuple(min(cycle, 1) for cycle in range(n_cycles))
     if question.wants_last_cycle_alone:
@@ -1604,6 +1653,7 @@ def instants_and_row_numbers(
         question.time, float(rows.time[0]), float(rows.time[-1]), rows.period
     )
     row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
+    # The nearer of the rows before and after each instant.
     time_since_row = time_in_path - rows.time[row_after - 1]
     row_before_is_nearer = time_since_row < rows.time[row_after] - time_in_path
     return question.time, row_after - row_before_is_nearer
@@ -1849,6 +1899,7 @@ def _density_and_error(
     largest_density = float(np.max(exact_density, initial=0.0))
     if not largest_density > 0:
         return density, None
+    # By the steps, relative to the largest W(x); then what the bodies leave uncertain of W.
     step_error = float(np.max(np.abs(density_by_steps - exact_density))) / largest_density
     if not path_of_half_planes.work(last_cycle) > 0:  # no friction work, nothing to be relative to
         return density, step_error
@@ -2181,6 +2232,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         time=paths.rows.time[row_numbers],
         cycles="all",
     )
+    # Exact theory and steps at the same instants and places.
     exact_theory = findings_by_memory(question_of_half_planes, None)
     point_fields = PointFields(path_of_half_planes, places)
     pressure = point_fields.pressure(row_numbers)

@@ -403,6 +403,7 @@ def _roots_between(
     has_no_root = value_at_upper < -_ROUND_OFF_VALUE_SHARE * value_scale
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
+    # 40 secants at most; residual 1e-13 of the larger value at the bounds.
     for _ in range(_MOST_SECANTS):
         # Secant through both bounds, kept between them.
         value_difference = np.where(
@@ -497,7 +498,7 @@ def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)
     phase_difference = bound.phase - load_outside.phase
-    in_phase_part = np.cos(phase_difference) * cosine**2
-    out_of_phase_part = np.sin(phase_difference) * (theta - sine * cosine)
-    varying_part = load_outside.amplitude * (in_phase_part - out_of_phase_part) / 2
-    return np.asarray(bound.amplitude * (load_outside.mean * cosine + varying_part))
+    in_phase_term = np.cos(phase_difference) * cosine**2
+    out_of_phase_term = np.sin(phase_difference) * (theta - sine * cosine)
+    varying_load_term = load_outside.amplitude * (in_phase_term - out_of_phase_term) / 2
+    return np.asarray(bound.amplitude * (load_outside.mean * cosine + varying_load_term))

@@ -232,6 +232,7 @@ class PunchTable:
         begin_rate, end_rate
             derivatives there with respect to the punch coordinate s
         """
+        # _cells_per_interval: number of cells in each unit of s.
         cell_length = 1 / self._cells_per_interval
         rise = end_value - begin_value
         begin_slope = begin_rate * cell_length
@@ -258,6 +259,7 @@ class PunchTable:
         """
         # _load_cubics (cells, 4): the cubics of eta, one for each cell.
         n_cells = len(self._load_cubics)
+        # Gauss' rule with three nodes on each cell. _cells_per_interval: cells in each unit of s.
         gauss_nodes, gauss_weights = _GAUSS_RULE_OF_CELL
         fraction_of_cell = (gauss_nodes + 1) / 2
         cell_length = 1 / self._cells_per_interval  # in s
@@ -293,6 +295,7 @@ class PunchTable:
         `cubics` (cells, 4) are the coefficients on each cell of the table, constant first, in the
         fraction of the cell from 0 to 1. Cells are equal steps of s.
         """
+        # _cells_per_interval: cells in each unit of s.
         s_in_cells = np.asarray(s, dtype=float) * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(cubics) - 1)
         fraction_of_cell = s_in_cells - cell
@@ -335,7 +338,9 @@ class PunchTable:
         The kinks of the profile divide the half-widths c into intervals. On each, c grows with the
         square of the fraction of the interval in s.
         """
+        # parabola_stiffness: pi E*/4.
         half_width = math.sqrt(max(parabola_load, 0.0) / self.parabola_stiffness)
+        # Half-widths at which the intervals begin, and their lengths.
         interval = max(bisect_left(self._interval_begins, half_width) - 1, 0)
         return interval + math.sqrt(
             max(half_width - self._interval_begins[interval], 0.0)
@@ -357,7 +362,8 @@ class PunchTable:
         cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
         fraction_of_cell = s_in_cells - cell
         c0, c1, c2, c3 = self._load_coefficients[cell]
-        # Between two kinks of the profile c grows with the square of the fraction of s.
+        # Between two kinks of the profile c grows with the square of the fraction of s. Each such
+        # interval has its begin and its length. parabola_stiffness: pi E*/4.
         interval = min(int(s), len(self._interval_lengths) - 1)
         length = self._interval_lengths[interval]
         half_width = self._interval_begins[interval] + length * (s - interval) ** 2
@@ -400,7 +406,8 @@ class PunchTable:
             c0, c1, c2, c3 = coefficients_of_cells[cell]
             return c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
 
-        # Between two kinks of the profile c grows with the square of the fraction of s.
+        # Between two kinks of the profile c grows with the square of the fraction of s. Each such
+        # interval has its begin and its length. parabola_stiffness: pi E*/4.
         interval = min(int(s), len(self._interval_lengths) - 1)
         half_width = (
             self._interval_begins[interval] + self._interval_lengths[interval] * (s - interval) ** 2
@@ -426,6 +433,7 @@ class PunchTable:
         eta(c) and G(c) are the loads that flat punches of half-width up to c carry, of the profile
         and of x^2/2. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
         """
+        # Bracket of s, from the middle to the widest punch of the table.
         low_s = 0.0
         high_s = self.largest_s
         for _ in range(_BISECTION_COUNT):  # 60
@@ -460,6 +468,7 @@ class PunchTable:
         A punch of half-width c has the moment c^2/2 per unit load. The table gives the loads eta, G
         and G_4 that punches up to c carry, and int eta G dc/c.
         """
+        # By parts; parabola_stiffness is pi E*/4.
         squared_half_width = np.square(self.half_width(s))
         moment_of_profile = (
             squared_half_width * self.profile_load(s) / 2
@@ -479,7 +488,8 @@ class PunchTable:
         G and G_4 that punches up to c carry, and int eta G^2 dc/c.
         """
         squared_half_width = np.square(self.half_width(s))
-        # Times 3/8 the moment of the punches of the profile.
+        # Times 3/8 the moment of the punches of the profile, by parts with int eta G^2 dc/c;
+        # parabola_stiffness is pi E*/4.
         scaled_moment_of_profile = squared_half_width**2 * self.profile_load(s)
         scaled_moment_of_profile -= (
             4
@@ -847,6 +857,9 @@ class FollowedPath:
             int w d eta, int w dG and int w dG_4 up to the top of each piece of a memory curve
         at_edge
             the same up to the edge of contact at each instant
+
+        # notation: profile_slope, parabola_slope, fourth_slope dF per d eta, dG and dG_4 on a piece
+        #           of the memory curve
         """
         # Sums over the pieces of the memory curves, each at the top of the outermost piece of an
         # instant.
@@ -914,6 +927,7 @@ class FollowedPath:
         bound_before = self._coulomb_bound(punches, row - 1, direction, load_before)
         bound_after = self._coulomb_bound(punches, row, direction, load_after)
         locked_in_force = self._locked_in_forces(punches, intervals.piece_number)
+        # F before the step.
         # Both positive along the slip. In gross sliding the curvature of the faces may move a punch
         # against the slide.
         bound_rise = direction * (bound_after - bound_before)
@@ -996,6 +1010,7 @@ class FollowedPath:
         # F at the top of the piece below, plus the rise on the piece itself.
         number_below = pieces.number_below[piece_number]
         locked_in_force = pieces.locked_in_force[number_below][:, None]
+        # Slopes of F on the piece, per d eta, dG and dG_4.
         load_rise = punches.profile_load - pieces.profile_load[number_below][:, None]
         locked_in_force = locked_in_force + pieces.profile_slope[piece_number][:, None] * load_rise
         parabola_rise = punches.parabola_load - pieces.parabola_load[number_below][:, None]
@@ -1083,6 +1098,7 @@ class FollowedPath:
         """
         # s is the coordinate of the half-width in the table of punches.
         s_of_punches = np.linspace(0.0, self.table.largest_s, _PUNCHES_COMPARED)
+        # F of these punches at each end of a cycle.
         force_tolerance = _STEADY_FORCE_SHARE * self.friction * float(np.max(self.normal_load))
         forces_at_ends = [self.locked_in_force(row, s_of_punches) for row in ends]
         for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
@@ -1276,6 +1292,7 @@ def follow(
     ... ).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
+    # (10, n): loads, curvatures and edge of contact at each instant.
     rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
     # T_22: the second moment of the shear adds to the curvature of the faces under Q. The path of
     # half-planes gives that moment.
@@ -1368,6 +1385,7 @@ def _columns_of_path(
         what the bodies add per unit load to gap and faces; normal_fourth: N_4, tangential_fourth:
         T_4, normal_mixed: N_22, by which p_2 adds 2 N_22 p_2 to kn
     """
+    # kn without p_2, kt without q_2, n4 and t4.
     curvature_without_p2 = curvatures.gap_curvature_under(normal_load, tangential_load)
     tangential_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * normal_load
@@ -1391,6 +1409,7 @@ def _columns_of_path(
             )
             if load_change <= _LOAD_SHARE_MOVED_BY_MOMENT * np.max(normal_load):
                 break
+    # In the order of the fields of a `Row`.
     columns = [
         normal_load,
         tangential_load,
@@ -1418,6 +1437,7 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
         (10, n) the quantities of a `Row` at each instant: P first, then Q, curvatures and edge of
         contact
     """
+    # Step by step from the unloaded state; a step gives the new state of the memory.
     memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED_STATE
     steps = []
@@ -1450,6 +1470,7 @@ def path_of_steps(
     flat_fields = np.fromiter(chain.from_iterable(pieces), float, len(pieces) * len(Piece._fields))
     number_below, *float_columns = flat_fields.reshape(len(pieces), -1).T
     piece_table = PieceTable(number_below.astype(np.int64), *float_columns)
+    # Row._fields: names of the columns.
     columns_by_name = dict(zip(Row._fields, columns, strict=True))
     return FollowedPath(
         table=memory.table,
@@ -1564,6 +1585,7 @@ class FrictionMemory:
         if self.is_unloaded(row.normal_load):
             return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
         pieces = self.pieces
+        # 1e-11 of f times the largest P of the path.
         round_off = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
         # number_of_top: number of the outermost piece, None as long as it is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
@@ -1573,6 +1595,7 @@ class FrictionMemory:
         direction = _slip_direction_at_edge(
             outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
         )
+        # Slip at the edge: the curve is cut where F meets its Coulomb bound.
         bound = None
         if direction:
             bound = _coulomb_bound_of(direction, self.friction, row)
@@ -1630,6 +1653,7 @@ class FrictionMemory:
         piece = pieces[piece_number]
         loads = row.edge_loads
         if row.edge_s > piece.top_s:
+            # The contact has grown: F rises from that of the old edge to that of the new one.
             force_without_fourth = (
                 row.tangential_load - row.tangential_curvature * row.edge_parabola_load
             )
@@ -1662,6 +1686,7 @@ class FrictionMemory:
         piece from the middle (piece 0 is the empty curve) to the edge.
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
+        # slopes: dB per d eta, dG and dG_4, which the new piece of F has.
         piece_number = self.pieces.add_piece(0, row.edge_s, row.edge_loads, bound.slopes)
         return MemoryStep(
             MemoryState(piece_number, direction), stick_edge_s=0.0, direction=direction
@@ -1768,6 +1793,7 @@ def _cut_at_end_of_slip(
     excess_at_top = bound.excess_at_top(piece)
     if excess_at_top <= 0:
         return pieces.append_and_number(piece) if piece_number is None else piece_number
+    # F meets the bound within the piece: its inner part, up to there, sticks.
     crossing_s, loads_at_crossing = _crossing_of_bound(
         table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
     )
@@ -1859,6 +1885,7 @@ def _crossing_of_bound(
     table
         loads of the flat punches by their coordinate s
     """
+    # Bracket of s: outer ends of both pieces.
     piece_below, piece = ends
     low_s = piece_below.top_s
     high_s = piece.top_s
@@ -1888,6 +1915,7 @@ def _crossing_of_bound(
             high_s = s
         else:
             low_s = s
+        # Derivative of the excess with respect to s; the rates of the loads are their derivatives.
         excess_rate = (
             profile_slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
         )

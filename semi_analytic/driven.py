@@ -151,6 +151,8 @@ class Compliance(NamedTuple):
         T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the tangential
         spring, L the datum length. R alpha_Q^2 is `tilt_products[1]`. N_Q and T_P are taken as 0.
         """
+        # unit_compliance: A/pi; curvatures.tangential: T; tangential_body_compliance: c_t;
+        # tangential_spring_compliance: 1/k_s.
         stick_half_width = np.asarray(half_width, dtype=float)
         squared_width = stick_half_width**2
         face_curvature = self.curvatures.tangential
@@ -271,10 +273,12 @@ def actuator_rows(
         is_in_path = (extra_times > turning_times[0]) & (extra_times < turning_times[-1])
         time = np.append(time, extra_times[is_in_path])
     time = np.unique(time)
+    # Instants nearer than 1e-12 of the duration become one.
     duration = turning_times[-1] - turning_times[0]
     time = time[np.diff(time, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
 
     load_or_approach, displacement = path.at(time)
+    # period: duration of a cycle, None for a path that does not repeat.
     cycle_end_times = [turning_times[-1]]
     if path.period is not None:
         cycle_end_times = [path.cycle_start + cycle * path.period for cycle in range(cycles + 1)]
@@ -290,6 +294,7 @@ def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     followed over the initial loading and the given number of `cycles`.
     """
     segments = list(path.segments(cycles))
+    # Segments of the initial loading and of each cycle, in order of time.
     times = [segments[0].start]
     for segment in segments:
         normal_turning_times = segment.turning_points(NORMAL_LOAD)
@@ -367,6 +372,7 @@ def loads_of_approach(
         numbers of bodies without a mirror line.
     """
     curvatures = compliance.curvatures
+    # normal_under_shear: N_Q, tangential_under_pressure: T_P.
     if curvatures.normal_under_shear or curvatures.tangential_under_pressure:
         raise InputError(
             "load.approach: it is followed for bodies that are mirrored at x = 0, and N_Q or T_P of"
@@ -382,7 +388,7 @@ def loads_of_approach(
     # Flat punches of the contact, by a coordinate s of their half-width, up to the largest
     # approach.
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
-    # Bracket of s of the edge of contact.
+    # Bracket of s of the edge of contact; largest_s: s of the widest punch of the table.
     low_s = np.zeros(len(approach))
     high_s = np.full(len(approach), table.largest_s)
     for _ in range(_BISECTION_COUNT):
@@ -601,9 +607,11 @@ def follow_actuator(
     True
     """
     largest_load = float(np.max(rows.load_or_approach))
+    # Memory of friction of the contact, and the solver of Q in each step.
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
     state = UNLOADED_STATE
+    # The first instant is unloaded: P = Q = 0.
     instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
     # Part of U_act by gross sliding and separation so far: it causes no Q.
     free_displacement = instant_before.actuator_displacement
@@ -743,6 +751,7 @@ class _StepSolver:
         as before when this returns.
         """
         memory = self._memory
+        # is_unloaded: P is 0 but for round-off, the bodies are apart.
         if memory.is_unloaded(end.normal_load) or memory.is_unloaded(begin.normal_load):
             return (end,)
         # Pieces of memory curve before the trials, which are discarded after each.
@@ -773,6 +782,7 @@ class _StepSolver:
                 or excess_displacement(direction, 0.0) >= 0
             ):
                 continue
+            # Fraction of the step at which sliding begins, unless it is at one of its ends.
             fraction = _root_between(partial(excess_displacement, direction), 0.0, 1.0)
             if _STEP_SHARE_AT_END < fraction < 1 - _STEP_SHARE_AT_END:
                 return begin.at_fraction(end, fraction), end
@@ -803,6 +813,7 @@ class _StepSolver:
         """
         memory = self._memory
         if memory.is_unloaded(end.normal_load):
+            # The bodies are apart: the actuator moves freely.
             row = self.row_under_loads(0.0, 0.0)
             return _SolvedStep(
                 row,
@@ -895,6 +906,7 @@ class _StepSolver:
             sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
         )
         displacement = compliance.unit_compliance * logarithm_integral
+        # c_t and 1/k_s.
         added_compliance = (
             compliance.tangential_body_compliance + compliance.tangential_spring_compliance
         )
