@@ -84,8 +84,8 @@ def combination_change(
 ) -> Array:
     """Change of a combination c_P P + c_Q Q of the loads from an `earlier` instant of the path, on
     any segment, to `time` (any shape) on a load segment [force per thickness]. The `combination`
-    holds the factors c_P as `normal` and c_Q as `tangential`; an instant holds its segment, P and Q
-    as `normal_load` and `tangential_load`.
+    holds the factors c_P as `normal` and c_Q as `tangential`; a segment gives such changes by
+    `change_of`; an instant holds its segment, P and Q as `normal_load` and `tangential_load`.
     """
     if earlier.segment is segment:
         return segment.change_of(combination, time, earlier.time)
@@ -170,7 +170,7 @@ class Piece(NamedTuple):
         """dM/d eta at loads eta (n,): (n,). On an arc it is dQ/dP of the load path, taken as 0
         where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
         piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but
-        for an arc.
+        for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
         """
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
@@ -227,7 +227,8 @@ def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
 def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
     """Tangential force M(eta) of the flat punches up to the load eta, at loads eta in [0, P], any
     shape [force per thickness]. `pieces` yields the pieces of the curve, each from its
-    `bottom_load` to its `top_load` in eta, without the bottom itself.
+    `bottom_load` to its `top_load` in eta, without the bottom itself; `force_on_piece` gives M on
+    one of them.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(
@@ -251,7 +252,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
     M(eta) is the tangential force of the flat punches up to the load eta. A curve is given by its
     uppermost piece, which goes from the load `bottom_load` to `top_load`; `curve_below` is the
-    rest. An arc also stores the times of its ends on the load path.
+    rest. An arc, a curved part of the load path, also stores the times of its ends on the path;
+    `time_of_load_on_arc` gives the time at which P was a load of it.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -271,8 +273,9 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
     """The memory curve M(eta) after loading in full stick: the path of P and Q from time `begin` of
-    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P. `curve` is
-    the memory before, None if out of contact.
+    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P. A piece holds
+    the curve below, its top load and the instant from which it is measured. `curve` is the memory
+    before, None if out of contact.
 
     M(eta) is the tangential force of the flat punches up to the load eta.
 
@@ -297,9 +300,10 @@ def slip_to(
     P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
 
     M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
-    change. `direction` is +1 or -1; `end` holds P and Q as `normal_load` and `tangential_load`.
-    `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is added. Masing rule:
-    after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in first loading.
+    change. f is `friction`, `direction` +1 or -1; `end` holds P and Q as `normal_load` and
+    `tangential_load`. `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is
+    added. Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in
+    first loading.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -317,18 +321,20 @@ def slip_to(
     """
     # keep the curve up to P_c
     if curve is not None:
+        # its part up to P_c, None if nothing sticks
         curve = unload_to(curve, min(end.normal_load - slip_zone_load, curve.top_load))
     # no slip zone: nothing to add
     if end.normal_load <= (curve.top_load if curve is not None else 0.0):
         return curve
+    # curve below, top load, the instant through which the line goes, and slope
     return Piece(curve, end.normal_load, end, direction * friction)
 
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
-    dM/d eta = s f, so that q = s f p there. Slip in that direction passes it at once. Only a
-    straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a curved part of the load
-    path.
+    dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`. Slip in that direction
+    passes it at once. Only a straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a
+    curved part of the load path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -347,12 +353,12 @@ def slip_combination_on_piece(
     piece: Piece, direction: int, friction: float, eta: ArrayLike
 ) -> Array:
     """Change of s M(eta) - f eta on a piece from its anchor to loads eta, any shape [force per
-    thickness]; s is the `direction` of slip, M(eta) the memory curve.
+    thickness]; s is the `direction` of slip, f `friction`, M(eta) the memory curve.
 
     `anchor` is the instant of the load path at which the piece was made. There dM/d eta is `slope`,
     `bend` half of d2M/d eta2. An `arc` is a curved part of the load path, passed in full stick;
-    there M and eta are Q and P of the path. The stick edge is at eta when the path's s Q - f P has
-    changed as much since the anchor.
+    there M and eta are Q and P of the path, and `change_of` gives the change of s Q - f P. The
+    stick edge is at eta when the path's s Q - f P has changed as much since the anchor.
     """
     if piece.arc is not None:
         return piece.anchor.segment.change_of(
@@ -371,9 +377,11 @@ def load_of_slip_zone(
     is inside one piece of the memory curve M(eta) [force per thickness].
 
     M(eta) is the tangential force of the flat punches up to the load eta, P_c the load at the stick
-    edge. There s M(P_c) - f P_c = s Q - f P, s the direction of slip. With the changes dP, dQ since
-    the piece's anchor, P - P_c is computed without subtracting P_c from P. The anchor is the
-    instant at which the piece was made; slope is dM/d eta there, bend half of d2M/d eta2:
+    edge. There s M(P_c) - f P_c = s Q - f P, s the `direction` of slip, f `friction`.
+    `combination_change` gives the change of a weighted sum of P and Q since an instant,
+    `slip_combination` that of s Q - f P. With the changes dP, dQ since the piece's anchor, P - P_c
+    is computed without subtracting P_c from P. The anchor is the instant at which the piece was
+    made; slope is dM/d eta there, bend half of d2M/d eta2:
 
         line      P - P_c = s (dQ - slope dP)/(f - s slope)
         parabola  P - P_c = dP + y,    (f - s slope) y + s bend y^2 = s dQ - f dP
@@ -413,8 +421,10 @@ def _load_of_slip_zone_on_arc(
     thickness].
 
     P_c is the load P of the arc at the time at which s Q - f P was what it is now, s the
-    `direction` of slip. If P and Q are a single wave on one segment, that time is the mirror image
-    of `time` about the extreme of s Q - f P; else it is found by iteration along the arc.
+    `direction` of slip, f `friction`. If P and Q are a single wave on one segment, that time is the
+    mirror image of `time` about the extreme of s Q - f P; else it is found by iteration along the
+    arc. A segment's `change_of` is the change of a weighted sum of P and Q between two times,
+    `time_of` its inverse.
     """
     # times on the load segment of the piece's `anchor`, the instant at the end of the arc
     arc_begin, arc_end = _times_of_arc(piece)
@@ -434,6 +444,7 @@ def _load_of_slip_zone_on_arc(
     )
     # P now minus P at the anchor
     load_from_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
+    # minus the change of P from the anchor to P_c
     return load_from_anchor - arc_segment.change_of(NORMAL_LOAD, time_at_stick_edge, arc_end)
 
 
@@ -452,6 +463,7 @@ def is_same_memory(
     """
     if curve is None or other_curve is None:
         return curve is other_curve
+    # the largest eta of a curve is P at its instant
     largest_load = max(curve.top_load, other_curve.top_load)
     if abs(curve.top_load - other_curve.top_load) > tolerance * largest_load:
         return False

@@ -79,6 +79,7 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
         For a kind of profile that this engine does not know, for a table with unequal sides, and
         for a profile under which the contact would split into several.
     """
+    # a table of heights on both sides of x = 0
     if isinstance(profile, Tabulated) and not profile.symmetric:
         raise InputError(
             "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
@@ -186,7 +187,8 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
     """The profile h = rise (|x|/length)^n as a convex curve that can be tilted; a parabola where n
     is 2. InputError for n below 1.01, where the tip is all but a sharp wedge.
 
-    The curve has h', h'' and a quadrature rule that suits its exponent.
+    `height` of the profile is h(x). The curve has h, h', h'' and a quadrature rule that suits its
+    exponent.
     """
     exponent = profile.exponent
     length = profile.length
@@ -257,6 +259,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     # of all powers of x/length, the even ones being c_k
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
     coefficients_of_powers[2::2] = coefficients_of_squares
+    # h as a polynomial of x, which is scaled to [-1, 1]; `deriv` gives its derivatives
     height = Polynomial(coefficients_of_powers, domain=[-length, length])
     # The rule averages over theta, x = m + c cos(theta). Its n equal steps, each with the weight
     # 1/n, are exact for polynomials of degree below 2 n.
@@ -298,6 +301,7 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         raise _bends_down_error(float(falling_places[0]))
     # distances at which h'' jumps
     corner_places = np.array(_corners(profile))
+    # an exponent below 1.01 counts as that
     return CurvedProfile(
         knots=np.unique(np.concatenate([-corner_places, [0.0], corner_places])),
         typical_half_length=profile.extent / 4,
@@ -395,6 +399,7 @@ def edge_advance_function(
             newton_d = d * np.exp(np.clip(log_step, -1.0, 1.0))
             is_in_bracket = (newton_d >= least_d) & (newton_d <= largest_d)
             d = np.where(is_in_bracket, newton_d, np.sqrt(least_d * largest_d))
+            # _CONVERGED_LOG_STEP: 3e-9
             if np.all(
                 (np.abs(log_step) < _CONVERGED_LOG_STEP) | (largest_d <= least_d * (1 + 1e-15))
             ):
@@ -458,6 +463,7 @@ def _log_table(
     """
     least_d = _LEAST_RATIO_TO_UNIT * unit
     largest_d = min(_LARGEST_RATIO_TO_UNIT * unit, extent)
+    # twenty values of d to each factor e
     log_d = np.arange(math.log(least_d), math.log(largest_d), _LOG_STEP_OF_TABLE)
     d = np.append(np.exp(log_d), [corner, extent])
     d = np.unique(d[(d > 0) & np.isfinite(d)])
@@ -612,7 +618,8 @@ def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
 
 def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
     """Contact law P(a) of a flat face of half-length b with parabolic edges of radius R
-    (Ciavarella, Hills and Monno 1998). `modulus` is E*.
+    (Ciavarella, Hills and Monno 1998). `modulus` is E*, a the contact half-width, R = `radius`,
+    b = `flat_half_length`.
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
@@ -636,6 +643,7 @@ def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: flo
     def stiffness(d: Array) -> Array:
         return modulus / radius * (b + d) * np.arctan(tau(d))
 
+    # `edge_advance_function` inverts P(d)
     return ContactLaw(
         load, edge_advance_function(load, stiffness, b), stiffness, least_half_width=b
     )
@@ -648,7 +656,8 @@ def law_of_two_curvatures(
     modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
 ) -> ContactLaw:
     """Contact law P(a) of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2
-    beyond; R2 infinite makes a wedge with a rounded tip. `modulus` is E*, a the contact half-width.
+    beyond, R1 = `inner_radius`, R2 = `outer_radius`; R2 infinite makes a wedge with a rounded tip.
+    `modulus` is E*, a the contact half-width.
 
     Hertz up to a = b, then with t = sqrt(a^2 - b^2) and `flat_and_rounded_load_function`
     F(tau) = (1 + tau^2) arctan(tau) - tau
@@ -743,7 +752,8 @@ class _TableSeries:
 def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
     constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*, a
-    the contact half-width, kappa_j the curvature behind b_j.
+    the contact half-width, kappa_j the curvature behind b_j. The law is a function of the advance
+    of a beyond the half-width without load; `has_series` tells that there are more than two knots.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -864,6 +874,7 @@ class _TableLaw(NamedTuple):
         closed_form_before
             closed form of it in d, for half-widths before that knot
         """
+        # P and dP/da by Chebyshev series on intervals of half-width behind the knots
         table_series = self.table_series
         if not self.has_series:
             return closed_form_before(d)
@@ -964,8 +975,8 @@ class _KnotSums(NamedTuple):
     def sums_over_knots(
         self, half_width: Array, origin: Array, distance: Array, knot_numbers: slice
     ) -> Array:
-        """Sums of P and of dP/da/a over the knots with these numbers at contact half-widths a; the
-        last axis holds the two.
+        """Sums of P and of dP/da/a over the knots with the given `knot_numbers` at contact
+        half-widths a; the last axis holds the two.
 
             P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
             dP/da = a sum of jump arccos(b/a)
@@ -995,9 +1006,10 @@ class _KnotSums(NamedTuple):
         half-width than the range of its half-widths is long.
 
         Sums over these knots are smooth on the range, and one Chebyshev series holds them. The
-        group still has the series of the `wider_group` it was a half of, over fewer knots, from the
-        first one on. `half_width_range` is the least and the largest half-width of the group
-        itself.
+        group still has the series of the `wider_group` it was a half of, over fewer knots,
+        `n_far_knots` from the first one on; `far_series` (nodes, 2) holds the sums of P and of
+        dP/da/a over them on the range of half-widths. `half_width_range` is the least and the
+        largest half-width of the group itself.
         """
         least_half_width, largest_half_width = half_width_range
         half_widths = (
@@ -1029,7 +1041,8 @@ class _KnotSums(NamedTuple):
 
 def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     """Chebyshev series of P(a) and dP/da behind every knot b of a table of heights, from the second
-    knot on; none where there are no more than two.
+    knot on; none where there are no more than two. An interval is a range of u = sqrt(a - b) from
+    `begin_root` to `end_root`.
 
     Parameters
     ----------
@@ -1072,7 +1085,8 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     Over knots that are farther below a range of half-widths than it is long the sums are smooth:
     one Chebyshev series serves for the range. It is halved, and each half adds knots farther below
     than it is long itself. So the time grows as the number of rows, not as its square. Near knots
-    of the last, short ranges are summed one by one.
+    of the last, short ranges are summed one by one. A group is a number of neighbouring intervals,
+    from number `first` to before `stop`, with the series of its far knots.
 
     Parameters
     ----------
@@ -1106,6 +1120,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
             half_widths[group_to_refine.stop - 1, -1],
         )
         group = knot_sums.with_far_knots(group_to_refine, half_width_range)
+        # _MOST_INTERVALS_OF_GROUP: 32
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
             middle = (group.first + group.stop) // 2
             groups.append(group._replace(stop=middle))
@@ -1116,6 +1131,7 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         least_half_width, largest_half_width = half_width_range
         range_length = largest_half_width - least_half_width
         place_in_range = (half_widths[intervals] - least_half_width) * 2 / range_length - 1
+        # of the `n_far_knots` lowest knots
         far_sums = chebyshev.chebval(place_in_range, group.far_series)
         sums_at_half_widths[intervals] = np.moveaxis(far_sums, 0, -1)
         n_knots_reached = int(np.searchsorted(knot_sums.knots[:-1], largest_half_width))
@@ -1130,8 +1146,9 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
 
 def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
     """The error for a table of heights under which the contact would split near a `half_width`; its
-    message has the row, the cause and what to do. `row_before` numbers the rows from 0;
-    `step_of_heights` is the step in which h is written, None where h has digits enough.
+    message has the row, the cause and what to do. `points` of the profile are the rows of x and h.
+    `row_before` numbers the rows from 0; `step_of_heights` is the step in which h is written, None
+    where h has digits enough.
 
     Heights that are rounded to few digits rise by equal steps: with those no engine can do
     anything, and the error is a ProfileDataError.
@@ -1189,8 +1206,9 @@ class _SeriesBehindCorner:
         return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
     def load_or_stiffness_at(self, u: Array, derivative_order: int) -> Array:
-        """P (order 0) or dP/da (1) at u; below the least u that has a series as a power of u. u is
-        the distance of the half-width from the corner or, if `is_in_root`, its root.
+        """P (`derivative_order` 0) or dP/da (1) at u, a the contact half-width; below the least u
+        that has a series as a power of u. u is the distance of the half-width from the corner or,
+        if `is_in_root`, its root.
         """
         # the piecewise Chebyshev series, from `edges[0]` on
         piecewise_series = (self.load, self.stiffness)[derivative_order]
@@ -1236,6 +1254,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         for begin, end in half_width_ranges
     ]
     last_load = series_of_ranges[-1].load
+    # at the end of the last series of P
     largest_load = float(last_load(last_load.edges[-1]))
 
     # P and dP/da as functions of the advance d = a - a_0 of the edge
@@ -1287,8 +1306,8 @@ def _load_or_stiffness(
     d: Array,
     derivative_order: int,
 ) -> Array:
-    """P (order 0) or dP/da (order 1) of a contact whose edge is d beyond the half-width without
-    load, `least_half_width`; an array like d.
+    """P (`derivative_order` 0) or dP/da (1) of a contact whose edge is d beyond the half-width
+    without load, `least_half_width`; an array like d.
 
     Each range of half-widths between two corners of the profile has series of both in u, the
     distance from its begin or, if `is_in_root`, the root of it; ranges ascend.
@@ -1360,6 +1379,7 @@ def _series_behind_corner(
     )
     try:
         # `piecewise_series_by_halving` resolves to 4e-15 of the scale that it is given.
+        # UnresolvedError where halving does not resolve the function, near x = `high`
         load, stiffness = (
             piecewise_series_by_halving(
                 partial(load_or_stiffness, derivative_order=order),
@@ -1385,8 +1405,8 @@ def _abel_integral(
     corners: tuple[float, ...],
     derivative_order: int,
 ) -> Array:
-    """Load P [force per thickness] (order 0) or stiffness dP/da [stress] (order 1) of a contact of
-    half-width a, an array like `distance`, by quadrature of the profile's slope h'.
+    """Load P [force per thickness] (`derivative_order` 0) or stiffness dP/da [stress] (1) of a
+    contact of half-width a, an array like `distance`, by quadrature of the profile's slope h'.
 
         P     = E* a int cos(angle) h'(x) d angle,    x = a cos(angle), 0 < angle < pi/2
         dP/da = E* int cos(angle) (x h')' d angle

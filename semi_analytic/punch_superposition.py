@@ -308,7 +308,7 @@ class PunchSuperposition:
         thickness]; times A/pi it is the normal approach of the two half-planes.
 
         L is the distance of the datum of rigid movements, A = 2/E*, a(eta) the contact half-width
-        under the load eta.
+        under the load eta. `_log_datum_ratio` is ln(2 L/a) from a - a_0.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -413,15 +413,16 @@ class PunchSuperposition:
         """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
         without loss of digits where they are close.
 
-        Close ones are compared by `load_between`, the rise of the load P from the inner to the
-        outer, over the mean of dP/d(a^2). With several corners of the profile in between, the plain
-        difference of squares has more digits, unless the corners are next to each other. It is
-        taken also where the inner advance is negative, that of a point within a flat.
+        Close ones, 1 % of the outer square apart or 1e-6 across several corners, are compared by
+        `load_between`, the rise of the load P from the inner to the outer, over the mean of
+        dP/d(a^2). With several corners of the profile in between, the plain difference of squares
+        has more digits, unless the corners are next to each other. It is taken also where the inner
+        advance is negative, that of a point within a flat.
 
         Parameters
         ----------
         inner_advance, outer_advance
-            a - a_0 of both, a_0 the half-width without load [length]
+            a - a_0 of both, a_0 the half-width without load, `least_half_width` [length]
         load_between
             P at the outer half-width minus P at the inner one [force per thickness]
         """
@@ -453,10 +454,11 @@ class PunchSuperposition:
     def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
         """Mean of dP/d(a^2) between two contact half-widths that are close, (n,) [stress/length].
 
-        Both are given by their advance a - a_0 beyond the half-width a_0 without load. dP/da is not
-        smooth at a corner of the profile, the first of which is at the advance 0. Further corners
-        behind it are integrated across: they lie closer together than the two half-widths. The
-        rises of P and a^2 are then the sums of those before and behind the corner.
+        Both are given by their advance a - a_0 beyond the half-width a_0 without load.
+        `law.corner_advances`, 0 first, are those at which the edge is at a corner of the profile:
+        dP/da is not smooth there. The range is cut at the first corner between the two; further
+        ones are integrated across. The rises of P and a^2 are the sums of those before and behind
+        the corner.
         """
 
         # at least four last digits of range, so that there is a mean
@@ -486,12 +488,14 @@ class PunchSuperposition:
         self, begin_advance: Array, end_advance: Array, corner_advance: Array
     ) -> tuple[Array, Array]:
         """Half the rise of the load P [force per thickness] and of a^2 [length^2] between two
-        advances of the edge of contact, (n,) each; their quotient is the mean of dP/d(a^2).
+        advances a - a_0 of the edge of contact, `begin_advance` and `end_advance`, (n,) each; their
+        quotient is the mean of dP/d(a^2).
 
         Gauss' rule in r, d = `corner_advance` + r^2, from the last corner of the profile before the
         first advance: P is smooth in r. Half, because dd = 2 r dr, and the factor 2 is left out.
         `law.stiffness` is dP/da, `least_half_width` a without load.
         """
+        # six nodes on [0, 1]
         unit_nodes, weights_of_unit_range = gauss_rule(6)
         begin_root = np.sqrt(np.maximum(begin_advance - corner_advance, 0.0))
         root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
@@ -546,7 +550,7 @@ class PunchSuperposition:
         Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
         P - P_c, P_c the load at the stick edge; a(eta) is the contact half-width under the load
         eta, c = a(P_c). Gauss' rule suits a range of loads without a corner of the profile that is
-        below 0.3 of the distance from P_c to the load at the corner below.
+        shorter than 0.3 of the distance from P_c to the load at the corner below.
         """
         # P_c
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)
@@ -560,6 +564,7 @@ class PunchSuperposition:
         # _SHORT_LOAD_RANGE_SHARE: 0.3
         is_short = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
         suits_gauss_rule = is_short & (load <= next_corner_load)
+        # P may hardly grow with a somewhere
         if self.half_width_may_be_steep:
             # twelve nodes would miss a half-width at which P hardly grows
             # _FAR_LOAD_SHARE: 2 %
@@ -572,7 +577,8 @@ class PunchSuperposition:
 
         `load` is P, `load_above_stick` is P - P_c. P_c is their difference, known to the last digit
         of P. It is a quarter of that digit at least: of P_c = 0 the logarithm would be 700.
-        `law.edge_advance` is a - a_0 as a function of the load.
+        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` a_0. _EPS is the
+        round-off of floating-point numbers.
         """
         stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
         contact_advance, stick_advance = self.law.edge_advance(np.stack([load, stick_edge_load]))
@@ -641,7 +647,8 @@ class PunchSuperposition:
         at the load of the next corner. a(eta), the contact half-width under the load eta, is a
         smooth function of sqrt(eta - P_b), and Gauss' rule in that root holds. P_c is the load at
         the stick edge. Close to no load a goes as any power of eta: there a rule for singular ends
-        is used.
+        is used. `law.edge_advance` is a - a_0 as a function of the load, `law.stiffness` dP/da as
+        one of the advance, `least_half_width` a_0.
 
         Parameters
         ----------
@@ -701,8 +708,10 @@ class PunchSuperposition:
         `name` is "pressure", "slip_integral", these with "_moment", "approach_integral",
         "approach_moment" or "dissipation_kernel". The error is the sum of three: what the Chebyshev
         series leave out, what the last digit of a half-width changes, and the error of P(a) itself.
-        The last of the `arguments` is the load, except for "dissipation_kernel", which has P and
-        P - P_c.
+        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` a_0, _EPS the
+        round-off of numbers. Methods that end in `_and_error` return an integral and the error of
+        its series. The last of the `arguments` is the load, except for "dissipation_kernel", which
+        has P and P - P_c.
         """
         argument_arrays = np.broadcast_arrays(*(as_floats(argument) for argument in arguments))
         if name == "dissipation_kernel":
@@ -755,6 +764,7 @@ class PunchSuperposition:
             0, contact_advance
         )
         size_of_terms = load * log_width_ratio + np.abs(integral_to_contact)
+        # _EPS: round-off of floating-point numbers
         error_of_difference = series_error + (8 * _EPS + self.relative_roundoff) * size_of_terms
         # where the kernel is taken as that difference
         is_difference = self._is_exact_as_difference(load, load_above_stick)
@@ -777,9 +787,9 @@ class PunchSuperposition:
         nearest corner of the profile (the advances of all are `law.corner_advances`, 0 among them).
         So the edge of contact is |x - b| sinh^2 v beyond x.
 
-        A change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times that. At
-        x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the change is
-        2e-13 of p.
+        `law.stiffness` is g as a function of the advance, `law.load` P. A change of v by eps v
+        moves the edge by 2 eps v (a - |x|), and p by dp/da times that. At x = 0 v reaches 28, and p
+        of a profile |x|^n goes as a^(n - 1): for |x|^20 the change is 2e-13 of p.
 
         Parameters
         ----------
@@ -787,7 +797,7 @@ class PunchSuperposition:
             k, 0 or 1, the power of the load eta in the integrand; with 1 the result is in
             stress times force per thickness
         advance
-            a - a_0 of the edge, a_0 the half-width without load [length]
+            a - a_0 of the edge, a_0 the half-width without load, `least_half_width` [length]
         """
         half_width = self.least_half_width + advance
         distance_to_edge = np.maximum(half_width - distance, 0.0)
@@ -834,7 +844,7 @@ class PunchSuperposition:
         punches) or "logarithm". With `load_power` 1 the load eta stands in front of the integrand.
         A primitive, the integral as a function of its upper end, keeps its digits over a limited
         ratio of advances. Where these are wider apart they are grouped into bands, each within that
-        ratio.
+        ratio, and integrated band by band.
         """
         is_positive = advance > 0
         if not np.any(is_positive) or not np.size(x):
@@ -910,8 +920,8 @@ class PunchSuperposition:
         self, kind: IntegralKind, load_power: int, x: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
         """A primitive of an integral over flat punches from the cache, made where none of the last
-        eight of this `kind` and `load_power` serves; with the numbers that the points `x` have in
-        it, (k,).
+        eight (_CACHED_PRIMITIVES) of this `kind` and `load_power` serves; with the numbers that the
+        points `x` have in it, (k,).
 
         A primitive is the integral at all its points as a function of its upper end. It keeps its
         points `x`, ascending, and its own `largest_advance`. The cache `_primitives` has a list for
@@ -929,6 +939,7 @@ class PunchSuperposition:
         """
         cached_primitives = self._primitives.setdefault((kind, load_power), [])
         # A primitive up to a larger advance than this would lose digits of the smaller ones.
+        # the ratio of advances that one primitive serves with all digits
         advance_limit = largest_advance * self._advance_ratio_of_primitive
         for primitive in cached_primitives:
             point_numbers = np.minimum(np.searchsorted(primitive.x, x), len(primitive.x) - 1)
@@ -947,9 +958,10 @@ class PunchSuperposition:
         sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
 
         alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
-        `load_power` 1 the load eta stands in front of g. `least_half_width` is a without load, that
-        of a flat. At the tip of a sharp wedge the integral has no lower end: there it is (g/pi)
-        ln(a/L), of which only differences have a meaning.
+        `load_power` 1 the load eta stands in front of g. `law.edge_advance` is a minus
+        `least_half_width`, the half-width without load; `law.stiffness` is g as a function of it.
+        At the tip of a sharp wedge the integral has no lower end: there it is (g/pi) ln(a/L), L the
+        `datum_length`, of which only differences have a meaning.
         """
         # half-width a under the load, minus that without load
         advance = self.law.edge_advance(load)
@@ -974,7 +986,8 @@ class PunchSuperposition:
 
         By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
         upper end, the smaller of a and |x|. W = P; with `load_power` 1, where the load stands in
-        front, W = P^2/2. Advances are half-widths minus `least_half_width`, that without load.
+        front, W = P^2/2. Advances are half-widths minus `least_half_width`, that without load;
+        `law.edge_advance` is that of a load, `_advance_to` that at which the edge reaches x.
         """
         advance = self.law.edge_advance(load)
         advance_to_x = self._advance_to(distance)
@@ -1113,13 +1126,15 @@ class Primitive:
         The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
         series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
         number of each panel, its ends `begin_v` and `end_v`, and advance and factor of v where v is
-        0. `coefficients` (m, n) and `error` (n,) are of its series.
+        0. `coefficients` (m, n) and `error` (n,) are of its series. `distance_beyond_flat` (k,) is
+        x - a_0 of the points.
         """
         panels = self.panels
         # number of the panel begins, in order of their advance, that are not above the advance
         rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
         # integers that sort by point, then by advance
         key = self._key(point_number, rank_of_advance)
+        # `_panel_keys`: those of the panels at their begin, ascending
         panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
         # Below the first panel of a point its integral is still 0.
         first_panel_of_point = np.searchsorted(panels.point_number, point_number)
@@ -1135,6 +1150,7 @@ class Primitive:
         begin_v = panels.begin_v[panel_number]
         end_v = panels.end_v[panel_number]
         place_in_panel = np.clip((2 * v - begin_v - end_v) / (end_v - begin_v), -1.0, 1.0)
+        # values of the series of each panel by Clenshaw's rule
         return clenshaw_values(self.coefficients, panel_number, place_in_panel), self.error[
             panel_number
         ]
@@ -1234,9 +1250,10 @@ def primitive_of(
     """An integral over flat punches at points `x` as a function of its upper end, the advance
     d = a - a_0 of the edge of contact, from 0 to `largest_advance` [length].
 
-    The range is cut into panels, ranges of a variable v in which the integrand is smooth. On each
-    the integral is a Chebyshev series, with the sum over the panels before as its constant. Its
-    error is the sum of the last coefficients of the integrands so far.
+    a_0 is the half-width without load. The range is cut into panels, ranges of a variable v in
+    which the integrand is smooth. On each the integral is a Chebyshev series, with the sum over the
+    panels before as its constant. Its error is the sum of the last coefficients of the integrands
+    so far.
 
     Parameters
     ----------
@@ -1250,6 +1267,8 @@ def primitive_of(
         `least_half_width` is a_0
     """
     # Octaves, so that a small advance has digits of its own.
+    # 23 ends of octaves below the largest advance; `advance_ratio_of_series` is 2, or less for high
+    # powers
     octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
     corners = law.corner_advances[law.corner_advances < largest_advance]
     ends_of_ranges = np.append(np.union1d(corners, octaves), largest_advance)
@@ -1271,6 +1290,7 @@ def primitive_of(
 
     # integrate the series over v, and add the integral over the panels before
     coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
+    # orders that are round-off are left out
     coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
     integrals_of_panels = np.sum(coefficients, axis=0)
     # at x = 0 the first range is integrated as a power of the half-width
@@ -1284,6 +1304,8 @@ def primitive_of(
     error_before_panel = _sums_of_panels_before(
         panels.point_number, truncation_errors, np.zeros(len(x))
     )
+
+    # begin and end of a panel in v are turned into advances
     return Primitive(
         kind,
         x,
@@ -1328,9 +1350,11 @@ def _resolved_series(
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
     the last coefficients of each series are negligible.
 
-    Halving ends after twelve times. Last coefficients that it does not make smaller are round-off
-    of P(d) and dP/dd: they count as error. `kind` and `load_power` name the integral, `law` is P(d)
-    of the profile, d the advance of the edge of contact. Panels come back in any order.
+    Halving ends after twelve times. Last coefficients that halving does not make smaller are
+    round-off of P(d) and dP/dd: they count as error. `kind` and `load_power` name the integral,
+    `law` is P(d) of the profile, d the advance of the edge of contact. A panel goes from `begin_v`
+    to `end_v`, belongs to the point `point_number`, and has v = 0 at `advance_at_v0`. Panels come
+    back in any order.
     """
     finished_series: list[_PanelSeries] = []
     last_coefficients_before = np.full(len(panels.point_number), np.inf)
@@ -1344,6 +1368,7 @@ def _resolved_series(
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
             end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
+            # W: P, or P^2/2 with `load_power` 1
             term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
             size_of_integral = np.maximum(size_of_integral, term_at_end)
         truncation_errors = last_coefficients * half_length
@@ -1458,7 +1483,8 @@ def _panels_of_points(
     integrand is smooth and not 0.
 
     v takes away the roots of the integrand, at the point itself and behind each corner of the
-    profile. A panel lies between two successive `ends_of_ranges`.
+    profile. A panel lies between two successive `ends_of_ranges`. A range holds advances a - a_0 of
+    its begin and end, the advance at v = 0 and the factor of v.
 
     Parameters
     ----------
@@ -1566,7 +1592,8 @@ def _integrand(
     a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
     without load. W = P; with `load_power` 1 it is P^2/2, and of the pressure P stands in front of
     g. A panel is a range of v for one point x, on which the integrand is smooth. v is 0 at the
-    advance `advance_at_v0`, and `scale` is its factor; `law.stiffness` is g.
+    advance `advance_at_v0`, and `scale` is its factor; `law.stiffness` is g, `least_half_width`
+    a_0, and `kind` the name of the integral.
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
@@ -1603,11 +1630,12 @@ def _pressure_of_smallest_punches(
     kind: IntegralKind, load_power: int, x: Array, advance: float, law: ContactLaw
 ) -> Array:
     """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
-    [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches.
+    [stress]: 0 at x > 0, with a flat, for a wedge, and for the other integrals over punches, `kind`
+    "outside" and "logarithm".
 
     At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
-    is integrated as that; P goes as the power `law.power` of alpha. With `load_power` 1 the load
-    stands in front of g.
+    is integrated as that; P goes as the power `law.power` of alpha; `law.stiffness` is g as a
+    function of the advance. With `load_power` 1 the load stands in front of g.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))

@@ -138,9 +138,9 @@ class Ellipses:
         ends of the slip phases E-G and J-M, u or v sin^2(D/2), or within I-J, 2 P1 sin(t_E) sin(s).
 
         # notation: u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
-        #           (`slip_angle`) length of E-G and of J-M [rad]; P1 amplitude of P; t_E angle t at
-        #           which reverse slip begins; s angle in I-J, from 0 to pi - D; P_c load at the
-        #           stick edge
+        #           (`slip_angle`) length of E-G and of J-M [rad]; P1 (`load_amplitude`) amplitude
+        #           of P; `sine_of_start` sin(t_E); t_E angle t at which reverse slip begins; s
+        #           angle in I-J, from 0 to pi - D; P_c load at the stick edge
         """
         tangent_of_half = np.tan(self.slip_angle / 2)
         squared_tangent = tangent_of_half * tangent_of_half
@@ -229,11 +229,12 @@ def rate_and_loads_in_phase(name: str, ellipses: Ellipses, s: Array) -> tuple[Ar
 
     # notation: t time in P = P0 + P1 cos t, t_E (`slip_start`) that at which E-G begins; u and v
     #           (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D
-    #           (`slip_angle`) length of E-G and of J-M
+    #           (`slip_angle`) length of E-G and of J-M; P1 (`load_amplitude`) amplitude of P,
+    #           `sine_of_start` sin(t_E)
 
-    The phase is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). s counts from
-    the begin of E-G and I-J, and back from the end of J-M. P_c is the load at which the edge of
-    contact would be at the stick edge. Loads are forces per thickness.
+    The phase `name` is "E-G" (reverse slip), "I-J" or, after it, "J-M" (both forward slip). s
+    counts from the begin of E-G and I-J, and back from the end of J-M. P_c is the load at which the
+    edge of contact would be at the stick edge. Loads are forces per thickness.
     """
     # Tangents of half the angles stand for sines: numpy has them in vector code. `_sine_and_square`
     # of an angle is sin(angle) and sin^2(angle/2); `ellipses.load` is P from cos(t).
@@ -285,6 +286,7 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     u = ellipses.forward_amplitude
     v = ellipses.reverse_amplitude
     load_above = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
+    # 2 arcsin(sqrt(...)), clipped to [0, pi]
     angle_in_e_to_g = angle_of_squared_half_sine(load_above / np.where(v > 0, v, np.inf))
     angle_in_j_to_m = angle_of_squared_half_sine(load_above / np.where(u > 0, u, np.inf))
     return angle_in_e_to_g, angle_in_j_to_m
@@ -374,8 +376,9 @@ def work_density_of(
     times pi E*/(2 f^2) [stress * force per thickness]: in forward slip and in reverse slip, (m,)
     each.
 
-    `contact` is the normal contact P(a) of the profile. With `node_stride` = 2 every second node of
-    the quadrature rule is taken, which is right to some 1e-6.
+    `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
+    profile. With `node_stride` = 2 every second node of the quadrature rule is taken, which is
+    right to some 1e-6.
     """
     # rows: the slip phases E-G (reverse), I-J and J-M (forward)
     densities_of_phases = np.zeros((len(PHASE_NAMES), len(x)))
@@ -395,8 +398,8 @@ def _work_density_of_phases(
     = x[k]: the integral of p w'/f arccosh(|x|/c) over the time.
 
     w = +-Q - f P grows in slip; c is the half-width of stick. The phases are E-G (reverse slip),
-    I-J and J-M (forward slip). `ellipses` and `x` are columns (m, 1); `node_stride` 2 takes every
-    second node of the rule.
+    I-J and J-M (forward slip). `contact` gives P(a), p(x, P) and arccosh(|x|/c). `ellipses` and `x`
+    are columns (m, 1); `node_stride` 2 takes every second node of the rule.
     """
     # P_x, under which the edge of contact is at x
     load_at_x = contact.load(x)
@@ -535,6 +538,7 @@ def _graded_piece_rule() -> PieceRule:
     error_check = weight.copy()
     error_check[::2] -= 2 * weight[::2]
     is_in_lower_half = GRADED_RULE.distance_from_begin[:, None] < 0.5
+    # from the nearer end, negative from the upper one
     distance_from_end = np.where(
         is_in_lower_half,
         GRADED_RULE.distance_from_begin[:, None],
@@ -570,6 +574,7 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
         crowded_distance = (t * t * (3 - 2 * t))[:, None]
         starts_at_lower_end = node[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
+    # distances, the end from which they count, weights, weights of the error checks
     return PieceRule(
         distance_from_end, starts_at_lower_end, unit_weights, unit_weights * coefficients_of_values
     )
@@ -667,6 +672,7 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     u, v are small against the loads, or D and pi - D against pi. The relative error is 2e-12 and a
     last digit, 1e-15, for each such ratio.
     """
+    # P1 + (u + v)/2
     loop_size = (
         ellipses.load_amplitude + (ellipses.forward_amplitude + ellipses.reverse_amplitude) / 2
     )
@@ -678,6 +684,7 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     )
     digits_lost_by_angle = math.pi / np.where(least_angle > _LEAST_DIVISOR, least_angle, np.inf)
     # Where a difference has no digit left W may be anything that so small a slip dissipates.
+    # a last digit of the loads
     least_slip = _LAST_DIGIT_SHARE * loop_size
     relative_error = _RELATIVE_ERROR_OF_PHASE_INTEGRALS + _LAST_DIGIT_SHARE * (
         digits_lost_by_size + digits_lost_by_angle
@@ -690,7 +697,7 @@ def error_by_digits_of_loads(ellipses: Ellipses) -> Array:
     digits of its loads and phase alone.
 
     # notation: P1 (`load_amplitude`) amplitude of P; t_E the time at which reverse slip begins, u
-    #           cos(t_E) = Q1/f cos(phase) - P1
+    #           cos(t_E) = Q1/f cos(phase) - P1; `cosine_of_start`, `sine_of_start` of t_E
 
     W goes as a power of the amplitudes u and v of (Q -+ f P)/f, three where slip is small. u is the
     difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
@@ -727,7 +734,9 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
 
     Integrated over the time of slip, cut where an edge passes a corner of the profile. Next to
     singular ends the rule is graded; intervals that have not converged are halved. NaN where that
-    does not help. `contact` is the normal contact P(a) of the profile, A = 2/E*.
+    does not help. The integrand is that of the kernel Lam(P, P_c), the integral of ln(a/a(P_c))
+    over the loads from P_c, that at the stick edge, to P. `contact` is the normal contact P(a) of
+    the profile, A = 2/E*.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -767,8 +776,8 @@ def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, i
 
     Loads of a group lie in [2^first octave, 2^(last octave + 1)), its largest ones within eight
     octaves. Which table an ellipse gets follows from its own loads alone. Loads below 2^-48 of the
-    mean count as that. `permanent_stick_load` is the least load at the stick edge, the least that
-    an ellipse looks up.
+    mean (LEAST_LOAD_SHARE) count as that. `permanent_stick_load` is the least load at the stick
+    edge, the least that an ellipse looks up.
     """
     # _ROUNDING_MARGIN: 1e-12
     largest_load = (ellipses.mean_load + ellipses.load_amplitude) * (1 + _ROUNDING_MARGIN)
@@ -791,8 +800,9 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     pi E*/(2 f^2), (2, m) [force^2 per thickness^2], for any profile.
 
     To ten digits, E* being the composite modulus; NaN where the quadrature does not converge.
-    `contact` is the normal contact P(a) of the profile. Where the load of the slip zones is no
-    small share of P0, ln a(P) is looked up in a series.
+    `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
+    profile. Where the load of the slip zones is no small share of P0, ln a(P) is looked up in a
+    series.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -812,7 +822,8 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 def dissipation_and_error(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     """Friction work W pi E*/(2 f^2) of forward and of reverse slip per steady cycle of m ellipses
     on any profile, and an upper bound of the error of their sum, (3, m) [force^2 per thickness^2];
-    NaN where the quadrature does not converge.
+    NaN where the quadrature does not converge. `contact` is the normal contact P(a) of the profile,
+    `relative_roundoff` the relative error of P(a).
     """
     # rows: forward work, reverse work, error of their sum
     works_and_error = np.empty((3, len(ellipses.mean_load)))
@@ -839,18 +850,22 @@ def _dissipation_of_group(
     from the largest load P - P_c of the slip zones over P0. Above 0.002: integrals over the loads P
     and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and
     up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow but with all
-    digits. P_c is the load at the stick edge, a the contact half-width.
+    digits. P_c is the load at the stick edge, a the contact half-width. The last arguments of the
+    two integrators are quadrature rules and 3e-8, the share of W below which error checks count as
+    converged.
     """
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
     # choose the method of each ellipse
     slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load
     kernel_of_contact = contact.dissipation_kernel
+    # _DEEP_SLIP_SHARE: 0.002
     has_deep_slip = slip_zone_share > _DEEP_SLIP_SHARE
     uses_table = np.zeros(len(slip_zone_share), dtype=bool)
     # loads at which the edge of contact is at a corner of the profile, and the function ln a(P)
     corner_loads = contact.corner_loads
     log_half_width = _log_half_width_of(contact)
+    # _SHALLOW_SLIP_SHARE: 1e-6; _ELLIPSES_WITHOUT_TABLE: 8
     table = None
     if len(ellipses.mean_load) > _ELLIPSES_WITHOUT_TABLE and np.any(
         slip_zone_share > _SHALLOW_SLIP_SHARE
@@ -905,10 +920,10 @@ def _work_over_phases(
     (3, m), by integrals over time.
 
     The integrand in each phase of slip is w'/f `kernel`(P, P - P_c), the kernel int
-    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; P_c is the load at the
-    stick edge, a the contact half-width. Phases are cut where an edge passes a corner of the
-    profile. Each interval of angle is integrated by one of the `rules` and halved until its error
-    check is below `converged_share` of W.
+    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; P = P0 + P1 cos t; P_c
+    is the load at the stick edge, a the contact half-width. Phases are cut where an edge passes a
+    corner of the profile. Each interval of angle is integrated by one of the `rules` and halved
+    until its error check is below `converged_share` of W.
     """
     corners = contact.corner_loads
     # A corner that is nearly met counts too.
@@ -925,6 +940,7 @@ def _work_over_phases(
         cut_angles_of_phases(ellipses, corners_in_range).values()
     ):
         has_length = np.diff(cut_angles, axis=0) > 1e-14 * cut_angles[-1]
+        # pieces with a length, of ellipses in which something slips
         ellipse_of_piece, cut_number = np.nonzero(
             has_length.T & (ellipses.largest_slip_zone_load > 0)[:, None]
         )
@@ -971,9 +987,10 @@ def _work_over_loads(
     (3, m), by integration over loads instead of over time.
 
     Integrated by parts, W is a sum of integrals of `log_half_width` = ln a over P and over P_c, the
-    load at the stick edge; a is the contact half-width as a function of the load. A course is one
-    of these loads through one phase of slip: E-G (reverse), I-J or J-M (forward). Courses are cut
-    at the `corner_loads` (n,), between which ln a is smooth.
+    load at the stick edge; a is the contact half-width as a function of the load. P0 and P1 are
+    `mean_load` and `load_amplitude`. A course is one of these loads through one phase of slip: E-G
+    (reverse), I-J or J-M (forward). Courses are cut at the `corner_loads` (n,), between which ln a
+    is smooth.
 
     Angles are t along P = P0 + P1 cos t; along P_c in phase I-J 2 t_I - t, where P_c is P at that
     time and t_I is the begin of forward slip. In E-G and J-M the angle along P_c counts back from
@@ -1025,7 +1042,8 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     cut where the load is one of the `corner_loads` (n,).
 
     # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
-    #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`
+    #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`;
+    #           `permanent_stick_load` least P_c
 
     Groups of intervals are courses, P or P_c through one phase of slip. In this order: P in E-G
     (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval begins at
@@ -1083,7 +1101,7 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
             begin_angle, end_angle = np.where(
                 load_grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
-        # by the length of the interval
+        # one of five rules, by the length of the interval, up to 0.1, 0.3, 0.6, 1 rad and more
         rule_number = np.searchsorted(_COURSE_RULE_LENGTHS, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(
             AnglePieces.of_group(
@@ -1097,9 +1115,10 @@ def log_weight_and_load(name: str, ellipses: Ellipses, angle: Array) -> tuple[Ar
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load, shape of `angle`,
     along one course: P, or P_c at the stick edge, through a phase of slip.
 
-    # notation: t_E, t_I times at which reverse and forward slip begin, P1 (`load_amplitude`)
-    #           amplitude of P; u and v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q
-    #           -+ f P)/f; D (`slip_angle`) length of E-G and of J-M
+    # notation: t_E (`slip_start`, with its sine and cosine), t_I times at which reverse and forward
+    #           slip begin, P1 (`load_amplitude`) amplitude of P; u and v (`forward_amplitude`,
+    #           `reverse_amplitude`) amplitudes of (Q -+ f P)/f; D (`slip_angle`) length of E-G and
+    #           of J-M
 
     `name` is the load and the phase: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J" or "P_c, J-M". E-G
     is reverse slip, I-M = I-J and J-M forward slip. a is the contact half-width. `angle` [rad] is
@@ -1194,8 +1213,9 @@ def _integrals_by_group(
     error of their sum, (m,); NaN where fifteen halvings do not converge.
 
     A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase; its range
-    of angles is given cut into intervals, the `pieces`. Those whose error checks are too large are
-    halved and integrated again. After three halvings an error check of 1e-14 P0^2 is enough.
+    of angles is given cut into intervals, the `pieces`: group, ellipse, begin, end and number of
+    the rule. P0 is `mean_load`. Those whose error checks are too large are halved and integrated
+    again. After three halvings an error check of 1e-14 P0^2 is enough.
 
     Parameters
     ----------
@@ -1224,6 +1244,7 @@ def _integrals_by_group(
             reference_work = np.maximum(work_of_ellipse, least_work * np.square(ellipses.mean_load))
         # not (>): NaN counts as converged
         is_check_small = ~(largest_checks > converged_share * reference_work[ellipse_of_piece])
+        # of P0^2: _NEGLIGIBLE_CHECK_SHARE = 1e-14
         is_check_negligible = largest_checks <= _NEGLIGIBLE_CHECK_SHARE * np.square(
             ellipses.mean_load[ellipse_of_piece]
         )
@@ -1258,8 +1279,10 @@ def _piece_integrals(
     largest of that rule's error checks, (n,): sums that are 0 but for the error.
 
     `integrand` takes arrays of group and ellipse (n,) and angle (nodes, n). Each of the `rules`
-    holds its nodes as signed distances from one end of the interval [0, 1]. Intervals of one rule
-    are taken together, as many as fit the cache: 16,000 nodes.
+    holds its nodes as signed distances from one end of the interval [0, 1], its weights and those
+    of its error checks. The `pieces` are intervals from `begin_angle` to `end_angle` with the
+    number of their rule. Intervals of one rule are taken together, as many as fit the cache: 16,000
+    nodes.
     """
     integrals = np.empty(len(pieces.ellipse))
     largest_checks = np.empty(len(pieces.ellipse))
@@ -1308,7 +1331,8 @@ class LogHalfWidth:
     def __init__(self, contact: SymmetricContact, first_octave: int, last_octave: int) -> None:
         """Polynomials of L = ln(half-width) for loads from 2^first_octave to 2^last_octave, or to
         where the profile ends; below, L is that of 2^first_octave. `contact` is the normal contact
-        P(a) of the profile; its `extent` is the half-width where the profile ends.
+        P(a) of the profile; its `extent` is the half-width where the profile ends, `corner_loads`
+        the loads under which the edge of contact is at a corner.
 
         The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the corners.
         From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
@@ -1322,6 +1346,7 @@ class LogHalfWidth:
         # 0, the corners and the largest load; and the coordinate of each
         corner_loads = np.array([0.0, *corners_inside, largest_load])
         corner_coordinates = np.append(0.0, np.cumsum(np.sqrt(np.diff(corner_loads))))
+        # as a function of the load
         log_half_width = _log_half_width_of(contact)
 
         def corner_below(coordinates: Array) -> Indices:
@@ -1348,6 +1373,7 @@ class LogHalfWidth:
         # for each polynomial: the load of the corner below it, and its coefficients
         corner_number = corner_below(series.edges[:-1])
         self._corner_load = corner_loads[corner_number]
+        # evaluated as powers, which is faster
         self._log_half_width = SeriesAsPowers(series.coefficients)
         # v at the two ends of each polynomial
         self._first_v = series.edges[:-1] - corner_coordinates[corner_number]
@@ -1379,14 +1405,17 @@ class LogHalfWidth:
 
         To 1e-16 of P - P_c. L is a polynomial in v = sqrt(P - P_b) above each corner load P_b. The
         integral goes from polynomial to polynomial by Gauss' rule in v; the ends of the polynomials
-        are `series_ends` as loads, `_first_v` and `_last_v` in v.
+        are `series_ends` as loads, `_first_v` and `_last_v` in v; `_corner_load` is the P_b of
+        each.
         """
         stick_edge_load = load - slip_zone_load
+        # of Gauss' rule with four nodes on [0, 1]
         nodes, weights = gauss_rule(4)
         # number of the polynomial that holds P_c, and of that which holds P
         series_number = np.searchsorted(self.series_ends, stick_edge_load)
         last_series_number = np.searchsorted(self.series_ends, load)
         v = np.sqrt(np.maximum(stick_edge_load - self._corner_load[series_number], 0.0))
+        # L(P_c) by the polynomial
         log_at_stick_edge = self._values_of_series(series_number, v)
         integral = np.zeros(load.shape)
         remaining_load = slip_zone_load
@@ -1444,10 +1473,16 @@ def works_by_lam(
     """Friction work W of forward and of reverse slip in a steady cycle, times pi E*/(2 f^2), (m,)
     each [force^2 per thickness^2].
 
+    # notation: u, v (`forward_amplitude`, `reverse_amplitude`) amplitudes of (Q -+ f P)/f; P0, P1
+    #           mean and amplitude of P; D (`slip_angle`) length of reverse slip E-G and of later
+    #           forward slip J-M [rad], pi - D of earlier forward slip I-J; `sine_of_start`
+    #           sin(t_E), t_E the begin of E-G
+
     For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
     a(P_c)] d eta, or a multiple of it, which W then has too. Each ellipse gets as few nodes as it
-    needs. Ellipses of one rule and one formula for Lam are integrated together. P_c is the load at
-    the stick edge, a(eta) the contact half-width under the load eta.
+    needs: one of the _LAM_RULES, nine Gauss rules and one for singular ends. Ellipses of one rule
+    and one formula for Lam are integrated together. P_c is the load at the stick edge, a(eta) the
+    contact half-width under the load eta.
 
     Parameters
     ----------
@@ -1514,8 +1549,8 @@ def _takes_careful_kernel(ellipses: Ellipses, deep_share: float) -> NDArray[np.b
 
     # notation: u, v `forward_amplitude`, `reverse_amplitude`; P0 `mean_load`
 
-    u and v are the amplitudes of (Q -+ f P)/f. Lam is the integral of ln a - ln a(P_c) over the
-    loads from P_c, that at the stick edge, to P.
+    u and v are the amplitudes of (Q -+ f P)/f, a is the contact half-width. Lam is the integral of
+    ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P.
     """
     # Where u is almost 0, as at tangency, a phase of almost no slip would add rounding times v.
     has_unlike_amplitudes = np.minimum(
@@ -1533,7 +1568,8 @@ def error_of_works_by_lam(
 
     Lam is the integral of ln a - ln a(P_c) over the loads from P_c, that at the stick edge, to P; a
     is the contact half-width. The quick formula is a difference, which loses the last digits of P
-    L, L = ln a.
+    L, L = ln a. u and v (`forward_amplitude`, `reverse_amplitude`) are the amplitudes of (Q -+ f
+    P)/f, P0 and P1 mean and amplitude of P.
 
     Parameters
     ----------
@@ -1566,7 +1602,7 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
     #           P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; s angle from
     #           the begin of E-G and I-J; D length of E-G and of J-M, pi - D that of I-J; t_E
-    #           (`slip_start`) time t of E in P = P0 + P1 cos t
+    #           (`slip_start`) time t of E in P = P0 + P1 cos t; _LEAST_DIVISOR 1e-100
 
     "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
     and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
@@ -1620,8 +1656,8 @@ def _phase_parameters(ellipses: Ellipses, least_share: float) -> Array:
 
     # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
     #           P_min least load, P1 amplitude of P; u, v forward and reverse amplitude, of (Q -+ f
-    #           P)/f; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E; k
-    #           = 4 alpha beta
+    #           P)/f; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E,
+    #           with its sine and cosine `sine_of_start`, `cosine_of_start`; k = 4 alpha beta
 
     E-G is reverse slip, I-J the first part of forward slip. Loads below `least_share` of the mean
     load count as that.
@@ -1707,6 +1743,7 @@ def phase_integrals(
     tangent, sine_cosine, squared_secant = work_arrays
 
     # E-G and J-M
+    # tan(h y) and 1 + tan^2(h y)
     _fill_tangent(nodes, h, tangent, squared_secant)
     np.divide(tangent, squared_secant, out=sine_cosine)
     squared_sine = tangent  # in the same memory
@@ -1772,7 +1809,8 @@ def careful_power_law_kernel(stick_edge_load: Array, slip_zone_load: Array, buff
     that load and at P_c. As a^n is proportional to the load, n Lam = P ln(P/P_c) - P + P_c.
 
     P_c = `stick_edge_load` is the load at the stick edge, P - P_c = `slip_zone_load`. The array
-    `stick_edge_load` is overwritten; `buffer` is not used.
+    `stick_edge_load` is overwritten; `buffer` is not used. `log_excess(r)` is -ln(1 - r) - r
+    without cancellation.
     """
     del buffer
     load = stick_edge_load  # in the same memory
@@ -1818,7 +1856,9 @@ class LamTable:
 
         a is the contact half-width over b, half the length of the flat. dL/dP serves two loads
         close together, where differences of J and L lose digits. `contact` is that of a flat and
-        rounded face.
+        rounded face, b its `least_half_width`. The cell number is the leading bits of the load:
+        exponent (1023 for 1) and four bits of fraction. _CHEBYSHEV_POINTS are twelve points of [-1,
+        1]; _VALUES_TO_POWERS turns values there into coefficients of powers.
         """
         # number of the first cell by the leading bits of the load: exponent and four bits of
         # fraction
@@ -1840,6 +1880,7 @@ class LamTable:
         # 3e-14.
         load_range = 1e-6 * load
         with np.errstate(all="ignore"):
+            # by Lam of a short range of loads
             slope_of_log = (
                 2
                 * contact.dissipation_kernel(load + load_range * (2 / 3), load_range)
@@ -1858,7 +1899,8 @@ class LamTable:
         Both come from the bits of the number: its exponent and the leading bits of its fraction
         count the cells, and the other bits of the fraction are the position. AssertionError for a
         load outside the table. A cell is a sixteenth of an octave: _CELL_BITS = 4 leading bits of
-        the fraction; `_first_cell` is the number of the first.
+        the fraction; `_first_cell` is the number of the first. _BITS_OF_ONE are the bits of 1.0,
+        _FRACTION_BITS those behind the leading four.
         """
         bits = load.view(np.int64)
         # the other bits of the fraction become a number from 1 to 2
@@ -1873,9 +1915,10 @@ class LamTable:
 
     def quick_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
         """Kernel of the friction work, Lam = int_{P_c}^P ln(a(eta)/a(P_c)) d eta, (phases, n, m),
-        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables hold J = int_0^P ln
-        a d eta and L = ln a, so that Lam = J(P) - J(P_c) - (P - P_c) L(P_c); a is the contact
-        half-width, P_c the load at the stick edge.
+        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables, polynomials in P on
+        each cell of loads, hold J = int_0^P ln a d eta (`_integral_of_log`) and L = ln a, so that
+        Lam = J(P) - J(P_c) - (P - P_c) L(P_c); a is the contact half-width, P_c the load at the
+        stick edge.
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape. The result is
         written into `buffer` and returned.
@@ -1899,9 +1942,9 @@ class LamTable:
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape; `buffer` is
         overwritten. Where P - P_c is below 3/7 P_c, Lam is (P - P_c)^2 times the integral of
-        (1 - z) L' over z from 0 to 1, L' = d ln a/dP at P_c + z (P - P_c) from a table. a is the
-        contact half-width, P_c the load at the stick edge. Elsewhere it is the difference of tables
-        by `quick_kernel`.
+        (1 - z) L' over z from 0 to 1, L' = d ln a/dP at P_c + z (P - P_c) from a table of
+        polynomials on cells of loads. a is the contact half-width, P_c the load at the stick edge.
+        Elsewhere it is the difference of tables by `quick_kernel`.
         """
         integral_of_slope = np.zeros(stick_edge_load.shape)
         # Gauss' nodes z of [0, 1], and weights that include 1 - z
