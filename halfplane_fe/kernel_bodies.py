@@ -124,10 +124,18 @@ class CurvatureJumpKernels:
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
         """Singular part of the displacements at places x (n,) of the face by unit forces at s (m,),
-        (n, m) each [1 / stress].
+        minus those of a half-plane; the face is a flat |x| < b between arcs of radius R.
 
         The chord from the force to the place has the slope -(d(x) - d(s))/(x - s), where d is the
-        depth of the face below its flat.
+        depth of the face below its flat. Flamant's displacement along this chord, minus that on a
+        flat surface, is the singular part, with a further term of the displacement along x by a
+        force along x:
+
+            4/(pi^2 E') (Phi(x) - Phi(s))/(x - s),    E' = E/(1 - nu^2)
+            2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
+
+        Returned are three (n, m) [1 / stress]: inwards by a pressing force, along x by a force
+        along x, along x by a pressing force.
         """
         depth = arc_depth(x, self.radius, self.flat_half_length)
         depth_at_force = arc_depth(s, self.radius, self.flat_half_length)
@@ -143,8 +151,10 @@ class CurvatureJumpKernels:
         )
 
     def _phi(self, x: Array) -> Array:
-        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x, the function in
-        the term of k_tt that the class states [length]. Any shape.
+        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x of a face that is a
+        flat |x| < b between arcs of radius R [length]. Any shape.
+
+        Its divided difference is the singular part of the displacement along x by a force along x.
         """
         xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
@@ -155,9 +165,10 @@ class CurvatureJumpKernels:
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_slope(self, x: Array) -> Array:
-        """Derivative dPhi/dx at places x of Phi, the function in the term of k_tt that the class
-        states. Any shape:
+        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R.
+        Any shape:
 
+            2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
             R dPhi/dx = (x + b) ln|x + b| - (x - b) ln|x - b| + b
         """
         xlogy = scipy.special.xlogy
@@ -213,8 +224,14 @@ class FaceKernels:
     jump_kernels: CurvatureJumpKernels | None = None
 
     def kernels_at(self, x: Array, s: Array) -> KernelValues:
-        """Displacements of the face at places x (n,) by unit forces at s (m,), minus those of a
-        half-plane: k_nn, k_tt and k_tn, (n, m) each [1 / stress].
+        """Displacements of the face of a body at places x (n,) by unit forces at s (m,), minus
+        those of a half-plane: inwards by a pressing force, along x by a force along x, along x by a
+        pressing force, (n, m) each [1 / stress].
+
+        Each is a Chebyshev series, a sum of coefficients times T_i(x/r) T_j(s/r), plus a singular
+        part (`jump_kernels`) where the curvature of the face jumps; r is `reach`, the half-width of
+        the side that may touch. `inward_by_pressure`, `along_by_shear` and `along_by_pressure` of
+        the series are the coefficients (d+1, d+1).
         """
         degree = len(self.inward_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
@@ -240,10 +257,15 @@ class FaceKernels:
         """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
         x (n,) of a flat face, by forces at s (m,).
 
-        It is the derivative along x of the displacement along x.
+        It is the derivative along x of the displacement along x, which is a Chebyshev series in
+        x/r and s/r; r is `reach`, the half-width of the side that may touch. `along_by_pressure`
+        and `along_by_shear` (d+1, d+1) are its coefficients by a pressing force and by a force
+        along x.
 
         Parameters
         ----------
+        x, s
+            (n,) and (m,) places on the face, |x| and |s| <= r [length]
         pressing_force, force_along_x
             (m,) forces at s into the body, and along +x [force per thickness]
         """
@@ -274,11 +296,17 @@ def fitted_kernels(
     Parameters
     ----------
     kernels
-        displacements of the face by unit forces, minus those of a half-plane
+        displacements (n, m) of the face at `x` (n,) by unit forces at `x_of_forces` (m,), minus
+        those of a half-plane: k_nn, k_tt, k_tn, and k_nt outwards
     jump_kernels
         singular part of the kernels, subtracted before the fit; None for a flat face
     degree
         largest i + j
+
+    Returns
+    -------
+    FaceKernels
+        r, coefficients (degree + 1, degree + 1) of k_nn, k_tt and k_tn, and the singular part.
     """
     if jump_kernels is not None:
         singular_kernels = jump_kernels.kernels_at(kernels.x, kernels.x_of_forces)
@@ -289,6 +317,8 @@ def fitted_kernels(
             # By reciprocity k_nt(x, s) = -k_tn(s, x); the singular part of k_tn is symmetric.
             outward_by_shear=kernels.outward_by_shear + singular_kernels.along_by_pressure,
         )
+
+    # Polynomials at all places: chebyshev returns T_0 to T_degree, (n, degree + 1).
     reach = float(np.abs(kernels.x).max())
     chebyshev = np.polynomial.chebyshev.chebvander
     polynomials_of_x = chebyshev(kernels.x / reach, degree)
@@ -298,6 +328,7 @@ def fitted_kernels(
         """T_i(x/r) T_j(s/r) at all places, (n, m)."""
         return np.multiply.outer(polynomials_of_x[:, i], polynomials_of_s[:, j])
 
+    # k_nn and k_tt: symmetric in i and j, so that each pair is fitted once.
     even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack(
         [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
@@ -311,6 +342,7 @@ def fitted_kernels(
         symmetric_coefficients[:, i, j] += coefficient
         symmetric_coefficients[:, j, i] += coefficient
 
+    # k_tn and, by reciprocity, -k_nt with x and s exchanged, in one fit.
     odd_pairs = odd_exponents(degree)
     terms_of_k_tn = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
     terms_of_minus_k_nt = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
@@ -372,8 +404,10 @@ class KernelPair:
         size of each body adds.
 
         Where a face is curved, forces and displacements are then turned into the normal and tangent
-        of the line midway between the faces.
+        of the line midway between the faces. `faces` are the shapes of the lower and upper face;
+        `coupling` (slip by pressure) is None where it is zero.
         """
+        # (n, n) each, by the kernels of the fine mesh
         added_normal, added_tangential, coupling = self.added_compliances(half_planes.x, "fine")
         if half_planes.coupling is not None:
             coupling = coupling + half_planes.coupling
@@ -392,9 +426,10 @@ class KernelPair:
     def relative_work_error(self, x: Array, modulus: float) -> float:
         """Estimate of the relative error of the friction work W by the mesh error of the kernels.
 
-        It is 4 E* times the compliance error: of N, T and K each half the range of the difference
-        between a fine and a coarse mesh, since a compliance that is constant over the contact does
-        not change W. `x` (n,) are places of the contact nodes, `modulus` is E* [stress].
+        It is 4 E* times the compliance error: of normal, tangential and coupling compliance each
+        half the range of the difference between a fine and a coarse mesh, added up. A compliance
+        that is constant over the contact does not change W. `x` (n,) are places of the contact
+        nodes, `modulus` is E* [stress].
         """
         compliance_error = 0.0
         for fine, coarse in zip(
@@ -412,6 +447,8 @@ class KernelPair:
 
         Normal and tangential compliances of the bodies add up; of the coupling, that of the lower
         body is subtracted, so that it is exactly 0 for like bodies. `mesh` is that of the kernels.
+        `lower` and `upper` are the kernels of the bodies: displacements of their faces by unit
+        forces, minus those of a half-plane; None for a half-plane.
         """
         zeros = np.zeros((len(x), len(x)))
         normal = zeros
@@ -421,11 +458,11 @@ class KernelPair:
             if body is None:
                 continue
             kernels: FaceKernels = getattr(body, mesh)
-            body_values = kernels.kernels_at(x, x)
-            normal = normal + body_values.inward_by_pressure
-            tangential = tangential + body_values.along_by_shear
+            displacements = kernels.kernels_at(x, x)  # by unit forces at all nodes
+            normal = normal + displacements.inward_by_pressure
+            tangential = tangential + displacements.along_by_shear
             if self.lower is not self.upper:
-                coupling = coupling + sign * body_values.along_by_pressure
+                coupling = coupling + sign * displacements.along_by_pressure
         return normal, tangential, coupling
 
 
@@ -453,10 +490,12 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     Parameters
     ----------
     along_axes
-        compliance of both bodies along x and y, with nodes on flat faces
+        compliance of both bodies along x and y, with nodes on flat faces: places `x` of the nodes,
+        length of face of each, N, T and K (n, n), K None where it is zero
     lower, upper
-        shapes of the two faces
+        shapes of the two faces: `depth` of each below its middle, at places x
     """
+    # Normal of the line midway between the faces.
     x = along_axes.x
     depth_of_lower = lower.depth(x)
     depth_of_upper = upper.depth(x)
@@ -464,6 +503,8 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     slope = (_slope_of(upper, x) - _slope_of(lower, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
     n_x = -slope * n_y
+
+    # N', T' and K'. First index of a weight: the displacement, second: the force.
     weight_xx = np.multiply.outer(n_x, n_x)
     weight_xy = np.multiply.outer(n_x, n_y)
     weight_yx = weight_xy.T
@@ -473,6 +514,7 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     coupling_along_axes = along_axes.coupling
     if coupling_along_axes is None:
         coupling_along_axes = np.zeros_like(compliance_x)
+    # weight_xy[i, j] is n_x at node i times n_y at node j
     normal = (
         weight_yy * compliance_y
         + weight_xx * compliance_x
@@ -517,6 +559,7 @@ def check_kernels(scene: Scene) -> None:
         shape = getattr(scene.bodies, name)
         if isinstance(shape, HalfPlane) or is_arc(shape, scene.profile):
             continue
+        # What is left: flat faces, whose supports and loads must be ones that kernels serve.
         if isinstance(shape, Pad | ShoulderedPad):
             raise InputError(
                 f"bodies.{name}: kernels are known of flat faces, arcs and flats between arcs; the"
@@ -561,15 +604,19 @@ def kernel_pair(
 
 
 def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
-    """Degree of the polynomials that the kernels of a body need over |x| <= `reach` [length].
+    """Degree of the polynomials that the kernels of a body need over |x| <= `reach` [length]. The
+    kernels are displacements of its face by unit forces, minus those of a half-plane.
 
     The mirror images of a force lie twice the depth d of the body below its face, the corners of
     the face at |x| = w. So the coefficients of Chebyshev polynomials fall as rho^-degree at least:
 
         rho = u + sqrt(u^2 + 1),  u = 2 d/reach,    and  rho = v + sqrt(v^2 - 1),  v = w/reach
 
-    Next to a free corner a kernel is smooth but for powers above 2.7 of the distance, so that the
-    largest degree serves where the second rho is close to 1.
+    The degree is the least at which this is 1e-8, but 12 at least and 60 at most, and even. Next to
+    a free corner a kernel is smooth but for powers above 2.7 of the distance, so that the largest
+    degree serves where the second rho is close to 1. `name` is that of the body, for the message;
+    `shape` has d as its least depth, and w as the half-width of its face.
+
     Source: Trefethen, Approximation Theory and Approximation Practice (2013), theorem 8.1.
 
     Raises
@@ -597,6 +644,8 @@ def body_kernels(
 
     Parameters
     ----------
+    scene
+        shapes and materials of the bodies, and profile of the faces
     name
         "lower" or "upper"
     reach
@@ -615,6 +664,9 @@ def body_kernels(
     if isinstance(shape, HalfPlane):
         return None
     material = getattr(scene.material, name)
+
+    # Singular part of the kernels of a face that is an arc, or a flat between two arcs; where there
+    # is a flat, the curvature jumps at its ends, which needs more forces and elements.
     jump_kernels = None
     curvature_jumps = False
     arc_of_face = face_of(shape, scene.profile).arc
@@ -628,6 +680,8 @@ def body_kernels(
         degree = max(degree, _DEGREE_AT_JUMP)
         n_forces = max(n_forces, _N_FORCES_AT_JUMP)
     n_elements = _N_ELEMENTS_AT_JUMP if curvature_jumps else _N_ELEMENTS
+
+    # A fine mesh, and one with elements twice as large: unit forces at n_forces places x >= 0.
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
         size_by_body = nearest_end(shape) / n_elements

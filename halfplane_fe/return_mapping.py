@@ -127,9 +127,16 @@ class ReturnMapping:
             values and node states before the increment, and the change of its loads
         most_steps
             most Newton steps at constant multipliers
+
+        Returns
+        -------
+        Equilibrium or None
+            Values (3 + 4 n,): approach, U and tilt, then slip, pressure, shear and gap of the n
+            nodes; states of the nodes; number of Newton steps at all penalties tried.
         """
         newton_steps = 0
         for penalty_number, penalty_compliance in enumerate(self._penalty_compliances()):
+            # linear systems of the contact with this penalty, and the two loops of the increment
             systems = self._systems_at_penalty(penalty_number, penalty_compliance)
             iteration = _Iteration(self, systems, penalty_compliance, start)
             try:
@@ -150,9 +157,10 @@ class ReturnMapping:
         tangential [displacement / nodal force, scaled]; five of them, each softer than the one
         before.
 
-        The first is that of the augmented Lagrangian's own penalty. In the penalty method the
-        springs of the layer between the faces are the penalty: the first compliance added is zero.
-        The others are 10, 100, ... times that of the own penalty, or of the layer.
+        The first is that of the augmented Lagrangian's own penalty (`penalty`; None in the penalty
+        method). In the penalty method the springs of the layer between the faces are the penalty:
+        the first compliance added is zero. The others are 10, 100, ... times that of the own
+        penalty, or of the layer.
         """
         if self.penalty is None:
             yield Layer(
@@ -236,15 +244,23 @@ class _Iteration:
         outer loop replaces the multipliers by the tractions found, until these change no more. The
         penalty method has no multipliers: one inner loop is all.
 
+        `start` holds the node states at the start of the increment and the change of its loads;
+        `_pressure` and `_shear` (n,) are the iterated nodal forces, parts of `values`;
+        `penalty_compliance` (n,) is the inverse of the penalty, normal and tangential.
+
         Raises
         ------
         SingularSet
             If so few nodes hold that the bodies are free to move.
         """
+        # The first step adds the loads, with the tractions and states at the start of the
+        # increment.
         pressure = self._pressure.copy()
         shear = self._shear.copy()
         tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
         self._newton_step(tractions_at_start, self.start.change_of_loads)
+
+        # Outer loop. Mapped tractions: what the contact law makes of trial tractions.
         multipliers = np.stack([pressure, shear])
         has_multipliers = (
             self.penalty_compliance.normal_compliance.any()
@@ -263,8 +279,11 @@ class _Iteration:
         return False
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
-        """Newton's method at constant multipliers: the mapped tractions on which it converges. None
-        where a set of node states comes back (the steps would cycle), or after `most_steps`.
+        """Newton's method at constant multipliers: the mapped tractions on which it converges, what
+        the laws of contact and friction make of trial tractions. None where a set of node states
+        comes back (the steps would cycle), or after `most_steps`.
+
+        `error` of mapped tractions is their difference from the iterated ones, over the tolerance.
         """
         earlier_states: set[bytes] = set()  # sets of node states of all steps so far
         for _ in range(most_steps):
@@ -275,6 +294,7 @@ class _Iteration:
             if states_as_bytes in earlier_states:
                 return None
             earlier_states.add(states_as_bytes)
+            # The loads do not change from step to step.
             mapped_tractions = self._tractions_with_more_stick(mapped_tractions)
             self._newton_step(mapped_tractions, np.zeros_like(self.start.change_of_loads))
         return None
@@ -287,6 +307,9 @@ class _Iteration:
           direction at once, the next step would change it back.
         - Where all nodes are to slide, the one least beyond the Coulomb limit sticks: Q < f P, so
           one has to.
+
+        `mapped_tractions` has trial and mapped pressure and shear of the n nodes, and their states:
+        0 open, 1 stick, above that slip. `_latest_states` (n,) are those of the step before.
         """
         is_sliding = mapped_tractions.states > STICK
         is_sticking_first = (
@@ -294,8 +317,10 @@ class _Iteration:
             & (self._latest_states > STICK)
             & (mapped_tractions.states != self._latest_states)
         )
+
+        # No stick is needed to balance Q on one half of a contact whose shear is odd in x, nor
+        # where an actuator prescribes the tangential displacement.
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
-        # Then no stick is needed to balance Q.
         may_slide_freely = (
             self.problem.interface.has_odd_shear or self.problem.actuators.prescribe_displacement
         )
@@ -314,8 +339,12 @@ class _Iteration:
         """Tractions and states of the nodes by the return mapping at their present values: the
         trial tractions p - G/c_n and q + (S - S_start)/c_t, moved into p >= 0 and |q| <= f p.
 
-        # notation: G and S the iterated gap and slip (see the module), S_start at the start of the
-        increment; c_n, c_t compliances of the nodes, of layer and penalty together
+        The iterated gap G and slip S are those of penalty springs: with multipliers l of p and m of
+        q, G = g + c (p - l) and S = s - c (q - m), c the compliance of the penalty.
+
+        # notation: p, q iterated nodal pressure and shear; g, s gap and slip; S_start S at the
+        # start of the increment; c_n, c_t compliances of the nodes, of layer and penalty together;
+        # f coefficient of friction
         """
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal_compliance
@@ -355,8 +384,16 @@ class _Iteration:
             stick    slip increment = c_t (q_m - q_t)
             slip     q -+ f p = q_m -+ f p_m
 
-        # notation: gap and slip as iterated; c_n, c_t compliances of the nodes, of layer and
-        penalty together; f coefficient of friction
+        # notation: gap and slip as iterated (`_gap`, `_slip`: parts of `values`, as are `_pressure`
+        # and `_shear`); c_n, c_t compliances of the nodes, of layer and penalty together; f
+        # coefficient of friction
+
+        Parameters
+        ----------
+        mapped_tractions
+            trial and mapped pressure and shear of the n nodes, and their states
+        change_of_loads
+            (n_loads,) of P, Q and, with bulk stress or tilt, both bulk stresses, tilt or moment
         """
         compliance = self.systems.layer
         states = mapped_tractions.states
@@ -383,6 +420,8 @@ class _Iteration:
                 slip_in_stick - self._slip,
                 shear_beyond_limit - (self._shear - signed_friction * self._pressure),
             )
+
+        # Derivatives of the values by each load, (3 + 4 n,), and their change by the residuals.
         *derivatives_by_load, correction = self.systems.newton_correction(
             states, len(change_of_loads), np.concatenate([normal_residuals, tangential_residuals])
         )
@@ -394,6 +433,7 @@ class _Iteration:
         else:
             self.values += change_of_loads[:-1] @ np.array(derivatives_by_load[:-1])
             self._tilt_to_moment(derivatives_by_load[-1], moment)
+
         # Set once more without round-off error: the next trial tractions divide gap and slip by
         # small compliances.
         self._gap[~is_open] = gap_under_pressure[~is_open]
@@ -408,8 +448,9 @@ class _Iteration:
     def _tilt_to_moment(self, derivatives_by_tilt: Array, moment: float) -> None:
         """Tilt the upper body until the nodal forces have the given moment; scaled.
 
-        `derivatives_by_tilt` (3 + 4 n,) are those of `values` at constant node states. SingularSet
-        where a tilt does not change the moment.
+        `derivatives_by_tilt` (3 + 4 n,) are those of `values` at constant node states: approach, U
+        and tilt, then slip, pressure, shear and gap of the nodes. SingularSet where a tilt does not
+        change the moment.
         """
         moment_by_tilt = self._moment(derivatives_by_tilt)
         if not moment_by_tilt < -1e-12:
@@ -427,7 +468,7 @@ class _Iteration:
         returns their largest change, over the tolerated one.
 
         With multipliers l of p and m of q, the iterated gap G = g + c_n (p - l) and slip
-        S = s - c_t (q - m) change too.
+        S = s - c_t (q - m) change too (`_gap`, `_slip`).
 
         # notation: g gap, s slip, p and q tractions, c_n and c_t compliances of the penalty
         """
@@ -446,14 +487,16 @@ class _Iteration:
         The values are approach, U and tilt, then slip, pressure, shear and gap of the n nodes. A
         node within the tolerance of two states keeps the one that it had at the start of the
         increment: its tractions are the same in both, but later events (a node opens or slips) are
-        found by the state that it had.
+        found by the state that it had. The tolerance of a force is 1e-10 of the largest pressure.
         """
-        compliance = self.systems.layer
+        compliance = self.systems.layer  # (n,) normal and tangential, of layer and penalty
         friction = self.problem.friction
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         was_open = self.start.states == OPEN
+
+        # States by the return mapping of the trial tractions. Neither a gap nor a pressure: the
+        # trial pressure is 0 but for round-off.
         mapped_tractions = self._mapped_tractions()
-        # Neither a gap nor a pressure: the trial pressure is 0 but for round-off.
         is_touching = np.abs(self._pressure) <= tolerance
         is_touching &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
         trial_pressure = np.where(
@@ -473,6 +516,8 @@ class _Iteration:
             states = np.where(is_at_coulomb_limit, self.start.states, states)
             is_stuck = states == STICK
             self._slip[is_stuck] = self._slip_at_start[is_stuck]
+
+        # Without round-off.
         is_open = states == OPEN
         has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal_compliance
         self._gap[~is_open & has_no_gap] = 0.0

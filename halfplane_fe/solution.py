@@ -205,6 +205,7 @@ def solve(
     # Threads of BLAS gain nothing on matrices of a few hundred rows, and take forty times as long
     # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
+        # without `progress` nothing is reported
         report = progress or (lambda _step, _of_steps, _text: None)
         if bodies not in get_args(Bodies):
             raise InputError(f"bodies = {bodies!r} is refused: it is 'meshed' or 'kernel'")
@@ -220,9 +221,10 @@ def solve(
 
 def _without_meshes(answer: FiniteElementSolution, kernels: KernelPair) -> KernelSolution:
     """The answer of a solve by kernels as a KernelSolution: without its meshes, which are those of
-    half-planes and not of the bodies.
+    half-planes and not of the bodies. `kernels` are what the finite size of each body adds to the
+    displacement of its face.
     """
-    names = [item.name for item in fields(ContactSolution)]
+    names = [attribute.name for attribute in fields(ContactSolution)]
     return KernelSolution(**{name: getattr(answer, name) for name in names}, kernels=kernels)
 
 
@@ -243,6 +245,9 @@ def _solve(
 
     Parameters
     ----------
+    scene
+        bodies, materials, profile, friction and loads; `load.is_driven` where actuators prescribe
+        movements in the place of loads
     mesh, settings
         of the meshes, and of the contact solver
     report
@@ -253,6 +258,7 @@ def _solve(
         half-planes plus the smooth compliance that the size of each body adds, instead of meshed
         bodies
     """
+    # Check the scene.
     stopwatch = _Stopwatch()
     check_loads(scene)
     if by_kernels:
@@ -262,11 +268,16 @@ def _solve(
         )
 
         check_kernels(scene)
+
+    # Scales: half-width and edges of the contact, by a run on a coarse mesh.
     report(0, None, "coarse run")
     coarse_counts: Counter[str] = Counter()
     scales = known_scales or find_scales(scene, coarse_counts)
     task = Task(scene, mesh, settings, scales)
     stopwatch.end_stage("coarse run")
+
+    # Meshes of both bodies and their compliance. `scales.reach` is the outermost place that the
+    # contact reaches; `grading` returns the element sizes along a face.
     report(0, None, "meshing and condensing the bodies")
     work_counts: Counter[str] = Counter(
         {f"coarse {name}": count for name, count in coarse_counts.items()}
@@ -280,6 +291,8 @@ def _solve(
     stopwatch.end_stage("mesh")
     condensed_bodies = condensed_pair(meshed_scene, bodies, datum_length, work_counts)
     stopwatch.end_stage("condensation")
+
+    # Contact compliance of both: as meshed, and without the mesh error between nearby nodes.
     meshed_interface = couple(*condensed_bodies)
     interfaces = _FaceCompliances(
         meshed_interface, without_mesh_error(meshed_interface, meshed_scene)
@@ -290,11 +303,15 @@ def _solve(
         )
         interfaces = interfaces.with_kernels(kernels)
         stopwatch.end_stage("kernels")
+
+    # Follow the load path. Approach and displacement are then counted from the scene's datum.
     problem, run = _solve_path(task, interfaces, datum_length, work_counts, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum_length > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum_length)
     stopwatch.end_stage("load path")
+
+    # The solution in the scene's units. Of a scene with actuators it states the loads.
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
     answer = _solution(task, condensed_bodies, problem, run, stopwatch.seconds)
@@ -312,9 +329,11 @@ def _solve(
 def _with_error_of_kernels(
     answer: FiniteElementSolution, kernels: KernelPair
 ) -> FiniteElementSolution:
-    """The answer with the uncertainty of its kernels added to that of W, a note on what it is, and
-    "kernel" in its settings.
+    """The answer with the uncertainty of its kernels added to that of the friction work W, a note
+    that it is by kernels, and "kernel" in its settings. `kernels` are what the finite size of each
+    body adds to the displacement of its face.
     """
+    # by the difference of the kernels of two meshes; `scales.modulus` is E*
     relative_error = kernels.relative_work_error(answer.x, answer.scales.modulus)
     record = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
     return replace(
@@ -334,9 +353,11 @@ def _with_closed_cycle(
 
     The scene of `answer` states these loads: the last cycle alone is its cycle, cycles before it
     are initial loading. So the friction work of one cycle stays, and it counts as steady from the
-    first cycle on if it was steady. Where the loads differ by more than round-off, a note says by
-    how much; `notes` are further ones.
+    first cycle on if it was steady. Where the loads differ by more than round-off (1e-9 of the
+    largest P), a note states by how much; `notes` are further ones. A path without a period, which
+    has no cycle, keeps its loads.
     """
+    # P and Q (n_steps,); answer.last_cycle: indices of the steps of the last cycle
     loads = {
         "normal_load": answer.normal_load.copy(),
         "tangential_load": answer.tangential_load.copy(),
@@ -355,6 +376,7 @@ def _with_closed_cycle(
             )
         for load in loads.values():
             load[last_step] = load[first_step]
+
     record = replace(answer.record, notes=(*answer.record.notes, *notes))
     return replace(
         answer,
@@ -404,9 +426,11 @@ def _solve_path(
     Parameters
     ----------
     task
-        the scene, its meshes, settings, and the scales of its variables
+        the scene, its mesh settings, solver settings, and the scales of its variables: half-width,
+        largest load P, modulus E*, and friction work of a cycle on a coarse mesh
     faces
-        contact compliance of the bodies, as meshed and without the mesh's error
+        contact compliance of the bodies, as meshed and without the mesh's error; the latter None
+        where that cannot be told apart
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     work_counts
@@ -415,10 +439,12 @@ def _solve_path(
         called with (done, total, text) as work proceeds
     """
     scene = task.scene
-    # The tolerated step error of the first revolution is a share of the expected friction work. At
-    # 0 a small least work takes its place, and increments are shorter. Coupled bodies, whose
-    # increments are costly, and records, which have many, are spared that. Elsewhere short
-    # increments also place the fitted edges more accurately.
+
+    # Units of the loads, and how finely the path is stepped. The tolerated step error of the first
+    # revolution is a share of the expected friction work. At 0 a small least work takes its place,
+    # and increments are shorter. Coupled bodies, whose increments are costly, and records, which
+    # have many, are spared that. Elsewhere short increments also place the fitted edges more
+    # accurately.
     expected_dissipation = 0.0
     if faces.interface_as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
@@ -431,6 +457,8 @@ def _solve_path(
         expected_dissipation=expected_dissipation,
         kinks_bound_error=task.kinks_bound_step_error,
     )
+
+    # Try the corrected compliance, then that as meshed.
     candidates = (
         (faces.interface_as_meshed,)
         if faces.corrected_interface is None
@@ -454,6 +482,7 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
+
     if interface is faces.corrected_interface:
         work_counts[CORRECTED_FACES] += 1
     elif faces.corrected_interface is not None:
@@ -489,7 +518,8 @@ def _contact_problem(
     Parameters
     ----------
     task
-        the scene, its meshes, settings, and the scales of its variables
+        the scene, its mesh settings, solver settings (`stiffnesses`: two factors on E* over the
+        size of the elements at edges), and the scales of its variables
     unscaled_faces
         contact compliance of the bodies in the scene's units
     datum_length
@@ -501,7 +531,9 @@ def _contact_problem(
     scales = task.scales
     settings = task.settings
     scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
-    # A stiffness of k E*/h per area (h length of an element) is k w/h of a node with the area w.
+
+    # Stiffnesses of the n nodes. A stiffness of k E*/h per area (h length of an element) is k w/h
+    # of a node with the area w.
     areas_of_nodes = scaled_faces.face_lengths
     normal_factor, tangential_factor = settings.stiffnesses
     normal_stiffness = normal_factor * areas_of_nodes / task.mesh.edge_element_size
@@ -513,6 +545,8 @@ def _contact_problem(
     else:
         layer = Layer(np.zeros_like(areas_of_nodes), np.zeros_like(areas_of_nodes))
         trial_weights = (normal_stiffness, tangential_stiffness)
+
+    # displacements are over P/E*
     scaled_gap = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
     return ContactProblem(
         scaled_faces,
@@ -530,8 +564,9 @@ def _contact_problem(
 
 
 def _require_room(answer: ContactSolution, run: PathRun, scales: Scales) -> None:
-    """Refuse an answer whose contact reaches the last node that may touch (ConvergenceError with
-    the answer).
+    """Raise ConvergenceError, with the answer, where its contact reaches the last node that may
+    touch, on the left or on the right, at any instant of the `run`. `scales.reach` is how far the
+    run on a coarse mesh expected the contact to reach [length].
     """
     if any(state.is_closed[0] or state.is_closed[-1] for state in run.states):
         raise ConvergenceError(
@@ -554,7 +589,7 @@ def _solution(
     Parameters
     ----------
     task
-        the scene, its meshes, settings, and the scales of its variables
+        the scene, its mesh settings, solver settings, and the scales of its variables
     condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
@@ -564,9 +599,12 @@ def _solution(
     """
     scene = task.scene
     scales = task.scales
+
+    # Arrays and numbers of the solution by name; uncertainty of friction work and other values.
     arrays = answer_arrays(task, problem, run)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
+
     # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty
     # of the permanent stick zone, taken above, must not contain it, as no edge jumps to its end.
     arrays["stick_edge_uncertainty"] = read_only_copy(
@@ -581,10 +619,14 @@ def _solution(
             ),
         )
     )
+
+    # States at the stored instants, error of a penalty layer, and notes for the reader.
     states = tuple(run.states[index] for index in run.stored_indices)
     audit = penalty_audit(scene, problem, states, arrays, scales)
     notes = notes_of_answer(task, condensed_bodies, problem, run, arrays, work_uncertainty)
-    grading = condensed_bodies[0].body.grading
+    grading = condensed_bodies[0].body.grading  # element sizes along the face
+
+    # Arrays that the uncertainties alone needed are no attributes of the solution.
     for part_of_uncertainty in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
         del arrays[part_of_uncertainty]
     if not scene.unsymmetric:
@@ -619,7 +661,8 @@ def _solution(
 
 def _first_of_last_cycle(run: PathRun) -> int | None:
     """Row, among the stored instants of a run, of the first one of its last cycle; None where it is
-    not stored, and without cycles.
+    not stored, and without cycles. `run.cycle_starts` are indices of the states at which cycles
+    start.
     """
     if not run.cycle_starts:
         return None
