@@ -24,8 +24,12 @@ _MODEL_ITSELF = (
 
 
 def make_map(name: str, options: Options) -> Answer:
-    """The command `map`: compute what is missing of a map of errors, or of all maps, write tables
-    and pages, and show from which height on theory holds.
+    """The command `map`: compute what is missing of a map of errors, write tables and pages, and
+    show from which height of the bodies on half-plane theory holds.
+
+    `name` is that of a kind of bodies, with one map each, or "all". Of the `options`, `out` is the
+    folder, `pages` stands for pages alone without computing, `remake` for all points anew. Returns
+    exit code 0, a table for the terminal, and the content of the JSON output.
     """
     from reports.folder import replace_text
     from reports.studies.maps import pages
@@ -39,7 +43,9 @@ def make_map(name: str, options: Options) -> Answer:
 
     folder = options.out or Path("out/maps")
     kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
-    pages.require_free(folder)
+    pages.require_free(folder)  # InputError if a file of another program would be replaced
+
+    # two CSV files for each kind: errors at the points of the map, and the least heights
     computes_maps = not options.pages
     if computes_maps:
         folder.mkdir(parents=True, exist_ok=True)
@@ -53,17 +59,20 @@ def make_map(name: str, options: Options) -> Answer:
                 if has_new_rows or not file_of_heights.exists():
                     least_heights = least_heights_of(kind, rows_in(file_of_errors), report)
                     replace_text(file_of_heights, table_of_heights(least_heights))
+
+    # figures and pages of all maps in the folder
     pages.write(folder)
     page = str(folder / "README.md")
     tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows."""
+        """What the terminal shows: the table of least heights, and the path of the page."""
         title = "height/a from which theory is within 1; 5; 10 %"
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
         yield page
 
     def content() -> dict[str, Any]:
+        """The content of the JSON output."""
         heights = {
             tables.kind.name: [row._asdict() for row in tables.least_heights]
             for tables in tables_shown
@@ -74,8 +83,11 @@ def make_map(name: str, options: Options) -> Answer:
 
 
 def advise(scene: str, options: Options) -> Answer:
-    """The command `advise`: how wrong half-plane theory is for the bodies of a scene, and why. Exit
-    code 1 where the error of the dissipation may exceed the limit, or is not known.
+    """The command `advise`: how wrong half-plane theory is for the finite bodies of a scene, and
+    why. Exit code 1 where the error of the dissipation may exceed the limit, or is not known.
+
+    `scene` names a file or a scene of the library; `options.limit` is the error of the dissipation
+    up to which theory may be used.
     """
     from reports import advising
     from reports.advising_by_numbers import Advice
@@ -83,12 +95,14 @@ def advise(scene: str, options: Options) -> Answer:
     from reports.comparison.verdicts import Verdict
     from scenes import InputError
 
-    limit = share_of(options.limit)
+    limit = share_of(options.limit)  # 0.05 for "5%"
     if not 0 < limit < 1:
         raise InputError(
             f"--limit {options.limit} is refused: it is a share above 0 and below 1, such as 0.05"
             " for 5 %"
         )
+
+    # half-planes have no such error; else by responses of the bodies, or by kernels
     scene_read = read(scene)
     if are_half_planes(scene_read) and scene_read.friction.coefficient:
         return _answer_in_words(scene_read, limit, Verdict.WITHIN, _MODEL_ITSELF)
@@ -102,8 +116,9 @@ def advise(scene: str, options: Options) -> Answer:
 
 
 def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
-    """The answer of the command `advise` where no error is computed: one sentence, with exit code 0
-    if the `verdict` is that theory is within the `limit`, else 1.
+    """The answer of the command `advise`, on the error of half-plane theory for a scene, where no
+    error is computed: one sentence, with exit code 0 if the `verdict` is that theory is within the
+    `limit`, else 1. The JSON content has the same.
     """
     from reports.comparison.verdicts import Verdict
 
@@ -120,21 +135,28 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
 
 
 def _answer_by_numbers(advice: Advice) -> Answer:
-    """The answer of the command `advise` by theory that is corrected with elastic responses of the
-    bodies: the sentence of the advice, a table of what the bodies change, and a table of the
-    causes.
+    """The answer of the command `advise`, on the error of half-plane theory for a scene, by theory
+    that is corrected with elastic responses of the bodies: the sentence of the advice, a table of
+    what the bodies change, and a table of the causes. Exit code 0 if the verdict is that theory is
+    within the limit, else 1.
+
+    `advice` holds: `changes` (quantity -> change of theory's value by the bodies), `parts` (cause
+    -> its part of the change of the dissipation), `neglected_part` (size of the change by tilt,
+    bulk strain and coupling that were not followed), `refusal_of_kernels` (why the kernel solve,
+    half-planes with the bodies' compliance, does not take the scene; ""), `reason_for_size_alone`
+    (why only the size of the change is known; "") and `effects`, the elastic responses.
     """
     from reports.advising_by_numbers import advice_in_words
     from reports.comparison.pairs import has_coupled_tractions
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows."""
+        """What the terminal shows: sentences and both tables."""
         yield advice_in_words(advice)
         if advice.refusal_of_kernels:
             yield f"The kernel solve does not take this scene: {advice.refusal_of_kernels}"
         yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
-        causes = [(cause, _percent(share)) for cause, share in advice.parts.items()]
+        causes = [(cause, _percent(change)) for cause, change in advice.parts.items()]
         if advice.neglected_part:
             name_of_rest = "tilt and bulk strain, a size"
             if has_coupled_tractions(advice.scene):
@@ -143,10 +165,11 @@ def _answer_by_numbers(advice: Advice) -> Answer:
         yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
     def content() -> dict[str, Any]:
+        """The content of the JSON output."""
         return {
             **_shared_content(advice, "corrected theory", advice_in_words(advice)),
             "parts": {
-                cause: _change_and_uncertainty(share) for cause, share in advice.parts.items()
+                cause: _change_and_uncertainty(change) for cause, change in advice.parts.items()
             },
             "left_out": advice.neglected_part,
             "declined": "; ".join(
@@ -160,21 +183,24 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
-    """The answer of the command `advise` by half-planes with the compliance of the bodies added
-    (kernels): the sentence of the advice, and a table of what the bodies change. Exit code 0 if the
-    verdict is that theory is within the limit, else 1.
+    """The answer of the command `advise`, on the error of half-plane theory for a scene, by
+    half-planes with the compliance of the bodies added (kernels): the sentence of the advice, and a
+    table of what the bodies change. Exit code 0 if the verdict is that theory is within the limit,
+    else 1.
 
-    The key "declined" of the JSON content is why corrected theory, which is quicker, does not
-    answer.
+    `advice.changes` holds for each quantity the change of theory's value by the bodies. The key
+    "declined" of the JSON content is why corrected theory, which is quicker, does not answer.
     """
     from reports.advising_by_kernels import advice_in_words
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows: the sentence and the table."""
         yield advice_in_words(advice)
         yield _sheet_of_changes(advice.scene, advice.changes, "the kernel solve of the bodies")
 
     def content() -> dict[str, Any]:
+        """The content of the JSON output."""
         return {
             **_shared_content(advice, "kernel solve", advice_in_words(advice)),
             "declined": advice.reason_for_kernels,
@@ -185,11 +211,15 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
 
 
 def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_words: str) -> Sheet:
-    """A table of theory's values and of what the bodies change in them; `source_in_words` says in
-    words how that was found.
+    """A table of half-plane theory's values for a scene, and of the relative changes that finite
+    bodies make in them. `source_in_words` says how the changes were found.
+
+    `changes` holds for each quantity, such as "dissipation", its words, theory's value, and the
+    relative change (bodies/theory − 1) with its uncertainty, NaN where it is not known.
     """
     from reports.units import energy_unit, units
 
+    # the other quantities are lengths
     _, unit_of_length, unit_of_stress = units(scene)
     unit_by_quantity = {
         "dissipation": energy_unit(scene),
@@ -211,8 +241,9 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
 
 
 def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
-    """The JSON content that both kinds of advice share: how it was found (`by`), verdict,
-    `sentence`, limit, and of each quantity theory's value with the change that the bodies make.
+    """The JSON content that both kinds of advice on a scene share: how it was found (`by`), whether
+    half-plane theory is within the limit, the verdict in one word, the `sentence` of the advice,
+    the limit, and of each quantity theory's value with the relative change that the bodies make.
     """
     from reports.comparison.verdicts import Verdict
 
@@ -237,11 +268,13 @@ def _change_and_uncertainty(estimate: Estimate) -> dict[str, float]:
 
 
 def _percent(change: Estimate) -> str:
-    """A change with its uncertainty; "not resolved" where that is the larger one."""
+    """A relative change with its uncertainty, as text in per cent; with "not resolved" where the
+    uncertainty is not smaller.
+    """
     from reports.comparison.words import with_uncertainty
 
     value, uncertainty = change
-    words = f"{with_uncertainty(100 * value, 100 * uncertainty)} %"
-    if not words.startswith("−"):
-        words = f"+{words}"
-    return words if abs(value) > uncertainty else f"{words} (not resolved)"
+    change_in_words = f"{with_uncertainty(100 * value, 100 * uncertainty)} %"
+    if not change_in_words.startswith("−"):
+        change_in_words = f"+{change_in_words}"
+    return change_in_words if abs(value) > uncertainty else f"{change_in_words} (not resolved)"

@@ -28,6 +28,7 @@ from reports.folder import replace_text
 from reports.studies.maps.families import KINDS, Kind, Place
 from scenes import Estimate, InputError, Scene
 
+# By what the bodies of a scene are solved.
 Way = Literal["numbers", "kernels", "elements"]
 ProgressReport = Callable[[int, int, str], None]
 QUANTITIES = {
@@ -54,6 +55,7 @@ edge tension within 6e-3.
 _LARGEST_UNCERTAINTY = 0.02
 # Error of the logarithm of a height: less than the digits that are shown.
 _LOG_HEIGHT_TOLERANCE = 5e-3
+# Of an error that is not known.
 _UNKNOWN = Estimate(math.nan, math.nan)
 
 
@@ -68,13 +70,13 @@ class Row(NamedTuple):
 
 
 def row_at_place(kind: Kind, place: Place, way: Way) -> Row:
-    """The errors of half-plane theory (bodies/theory − 1) at one point of a map of bodies:
-    dissipation, largest pressure and others.
+    """The errors of half-plane theory (bodies/theory − 1) at one point of a map of errors, which is
+    a scene of finite bodies: of dissipation, largest pressure, half-width and edge tension.
 
     Parameters
     ----------
     kind
-        the kind of bodies
+        the kind of bodies, with their scene at each point of the map
     place
         height, width and friction coefficient of the point
     way
@@ -86,10 +88,17 @@ def row_at_place(kind: Kind, place: Place, way: Way) -> Row:
     ------
     InputError, ConvergenceError
         Where that way does not answer.
+
+    Returns
+    -------
+    Row
+        way, place, and quantity -> error with its uncertainty, NaN where it is not known
     """
     scene = kind.scene(place)
+    # changes: quantity -> what the bodies change of theory's value
     if way == "numbers":
         advice = advise_by_numbers(scene)
+        # where only the size of a change is known no error is stated
         return Row(way, place, _errors({} if advice.reason_for_size_alone else advice.changes))
     if way == "kernels":
         return Row(way, place, _errors(_changes_by_kernels(scene)))
@@ -97,8 +106,12 @@ def row_at_place(kind: Kind, place: Place, way: Way) -> Row:
 
 
 def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
-    """On the mesh of the maps, or on the default one where that leaves the edge tension uncertain:
-    a single instant that few nodes see is then taken for the largest.
+    """What the bodies of a scene change of theory's values, by finite elements of half-planes with
+    the bodies' compliance added (kernels).
+
+    They are solved on the mesh of the maps, or on the default one where the mesh of the maps leaves
+    the edge tension uncertain by more than 0.02: a single instant that few nodes see is then taken
+    for the largest.
     """
     changes = changes_of(halfplane_fe.solve(scene, MESH_OF_MAPS, bodies="kernel"))
     tension = changes.get("edge_tension")
@@ -120,8 +133,10 @@ _KEY_COLUMNS = ("way", "height", "width", "friction")
 
 
 def points_of(kind: Kind) -> list[tuple[Place, Way]]:
-    """The points of a map and the way of each: kernel solves, and numbers of flat bodies, at every
-    height; finite elements at heights that check them.
+    """The points of a map (height, width, friction) and the way by which the bodies are solved at
+    each: "kernels", half-planes with the bodies' compliance added, at every height; so "numbers",
+    theory corrected by elastic responses, for bodies with flat faces; "elements", finite elements
+    of the bodies, at a few heights that check the others.
     """
     points: list[tuple[Place, Way]] = []
     for place in kind.places(kind.heights):
@@ -133,14 +148,16 @@ def points_of(kind: Kind) -> list[tuple[Place, Way]]:
 
 
 def table_of(rows: Sequence[Row]) -> str:
-    """The rows as CSV, six digits."""
+    """The rows of a map as CSV text, six digits: way of solving the bodies, coordinates, then the
+    error of theory in each quantity with its uncertainty.
+    """
     columns: dict[str, list[str]] = {"way": [row.way for row in rows]}
     for coordinate in _KEY_COLUMNS[1:]:
         columns[coordinate] = [f"{getattr(row.place, coordinate):g}" for row in rows]
     for quantity in QUANTITIES:
-        for part in Estimate._fields:
-            name = quantity if part == "value" else f"{quantity}_{part}"
-            columns[name] = [_digits(getattr(row.errors[quantity], part)) for row in rows]
+        for field_name in Estimate._fields:  # value, uncertainty
+            name = quantity if field_name == "value" else f"{quantity}_{field_name}"
+            columns[name] = [_digits(getattr(row.errors[quantity], field_name)) for row in rows]
     return table_text(columns)
 
 
@@ -177,8 +194,11 @@ def _row_of_record(record: dict[str, Any]) -> Row:
 
 
 def compute_missing_rows(kind: Kind, table: Path, report: ProgressReport) -> bool:
-    """Compute the rows that the table of a map still lacks, and write the table after each. Returns
-    whether any row was computed.
+    """Compute the rows that the table of a map of errors still lacks, and write the table after
+    each. Returns whether any row was computed.
+
+    A row has the errors of half-plane theory at a place of the map (height, width, friction), where
+    the bodies are solved in one way: "numbers", "kernels" or "elements".
 
     Parameters
     ----------
@@ -190,7 +210,7 @@ def compute_missing_rows(kind: Kind, table: Path, report: ProgressReport) -> boo
         called with (number of the row, how many, text)
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
-    # each with the way of solving the bodies
+    # all points (place, way) of the map, in the order of the table
     points = points_of(kind)
     missing_points = [point for point in points if point not in rows]
     for number, (place, way) in enumerate(missing_points, start=1):
@@ -203,7 +223,8 @@ def compute_missing_rows(kind: Kind, table: Path, report: ProgressReport) -> boo
 
 # ------------------------------------------------------------------------------------ least heights
 class LeastHeight(NamedTuple):
-    """From which height on theory is within a level.
+    """From which height on the error of theory in a quantity is at most a level, for bodies of one
+    width.
 
     Attributes
     ----------
@@ -222,14 +243,16 @@ def least_heights_of(kind: Kind, rows: Sequence[Row], report: ProgressReport) ->
     """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 %, for
     every width and quantity of a map. Each is the largest of those for the map's friction
     coefficients. Theory is compared with half-planes to which the bodies' compliance is added
-    (kernels).
+    (kernels). Heights are over the half-width of contact.
 
     Parameters
     ----------
     kind
-        the kind of bodies
+        the kind of bodies: the widths and friction coefficients of the map, and whether the faces
+        are arcs, which have no edge tension
     rows
-        errors of theory at the points of the map
+        errors of theory at the points of the map; a row's `place` is height, width, friction, its
+        `way` that of solving the bodies
     report
         called with (number, how many, text)
     """
@@ -242,6 +265,7 @@ def least_heights_of(kind: Kind, rows: Sequence[Row], report: ProgressReport) ->
         for quantity in quantities
         for level in ERROR_LEVELS
     ]
+    # for each combination the largest of all friction coefficients
     least_heights = []
     for number, (width, quantity, level) in enumerate(combinations, start=1):
         report(number, len(combinations), f"{kind.title}: heights")
@@ -269,12 +293,14 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
     kind
         kind of bodies of the map
     rows_of_line
-        points of the map that differ in height alone, ascending
+        errors of theory at points of the map that differ in height alone, ascending; a row's
+        `place` has the height over the half-width of contact
     quantity
         name of the quantity whose error is meant
     level
         largest |error| that is allowed, 0.05 for 5 %
     """
+    # points above the level, and the last of them
     error_sizes = np.array([abs(row.errors[quantity].value) for row in rows_of_line])
     indices_above = np.flatnonzero(~(error_sizes <= level))
     if not len(indices_above):
@@ -282,12 +308,13 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
     last_above = int(indices_above[-1])
     if last_above + 1 == len(rows_of_line):
         return math.inf
+
     # the last row above the level and the first one below it
     rows_at_ends = rows_of_line[last_above : last_above + 2]
     if math.isnan(error_sizes[last_above]):
         return rows_at_ends[1].place.height
     log_heights = [math.log(row.place.height) for row in rows_at_ends]
-    row_by_log_height = dict(zip(log_heights, rows_at_ends, strict=True))
+    row_by_log_height = dict(zip(log_heights, rows_at_ends, strict=True))  # known already
 
     def log_excess(log_height: float) -> float:
         """Logarithm of |error|/level; an error below 1e-9 counts as that."""
@@ -298,6 +325,7 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
         error = row.errors[quantity].value
         return math.log(max(abs(error), 1e-9) / level)
 
+    # _LOG_HEIGHT_TOLERANCE: 5e-3
     return math.exp(brentq(log_excess, *log_heights, xtol=_LOG_HEIGHT_TOLERANCE))
 
 
@@ -307,7 +335,9 @@ def _row_by_kernels(name: str, place: Place) -> Row:
 
 
 def table_of_heights(least_heights: Sequence[LeastHeight]) -> str:
-    """Distances as CSV."""
+    """Least heights from which theory holds, as CSV text: width, quantity, level of error,
+    height.
+    """
     columns: dict[str, list[str]] = {
         name: [_cell(getattr(row, name)) for row in least_heights] for name in LeastHeight._fields
     }
@@ -319,8 +349,8 @@ def _cell(value: float | str) -> str:
 
 
 def least_heights_in(table: Path) -> list[LeastHeight]:
-    """The least heights of a table; none where the file is not there. InputError for a file that is
-    no such table.
+    """The least heights from which theory holds, as stored in a CSV file (`table`); none where the
+    file is not there. InputError for a file that is no such table.
     """
     if not table.exists():
         return []

@@ -83,10 +83,15 @@ class Kind:
     is_flat_pad: bool = False
 
     def scene(self, place: Place) -> Scene:
-        """The scene at a point of the map (`place`: height, width, friction coefficient): bodies of
-        this kind, a profile, and the mean load at which the half-width a is 1 mm; the loads have
-        the paper's proportions.
+        """The scene at a point of a map of errors (`place`: height, width, friction coefficient):
+        bodies of this kind, a profile, and the mean load at which the half-width a is 1 mm; the
+        amplitudes of the loads have the paper's proportions to it.
+
+        `is_curved`: the faces are arcs, whose radius is the height; `is_flat_pad`: they have a flat
+        between the arcs, whose half-length is the width. `bodies` makes both bodies from height and
+        width.
         """
+        # between flat faces a parabola of radius 1000 mm (_RADIUS), on which a does not depend
         profile: dict[str, Any] = {"kind": "hertz", "radius": _RADIUS}
         if self.is_curved:
             profile["radius"] = place.height
@@ -100,6 +105,8 @@ class Kind:
             friction=place.friction,
             expected=[],
         )
+
+        # the load P0 at which the contact's half-width is 1 mm; P1 = P0/3, Q1 = f P0/3
         mean_load = float(contact_of(scene.profile, scene.material).load(1.0))
         load = EllipseLoad(
             mean_normal_load=mean_load,

@@ -33,7 +33,8 @@ PUBLISHED = Path(__file__).parents[2] / "published" / "maps"
 _LEAST_DRAWN = 0.03
 # Lower end of a panel's axis at most [%], so that 1 % is in it.
 _HIGHEST_FOOT = 0.5
-_TICKS = (0.1, 1.0, 5.0, 10.0, 100.0)
+_TICKS = (0.1, 1.0, 5.0, 10.0, 100.0)  # [%]
+# Of a panel [pixels].
 _WIDTH = 310.0
 _HEIGHT = 250.0
 _CAPTION = (
@@ -72,9 +73,11 @@ def require_free(folder: Path) -> None:
 
 
 def stored_maps(folder: Path) -> list[Tables]:
-    """The maps that are complete in `folder`: both tables are there, and half-planes with the
-    bodies' compliance (kernels) were solved at every point where finite elements were. A map that
-    was interrupted is not among them.
+    """The maps of errors of theory that are complete in `folder`: the tables of errors and of least
+    heights are there, and half-planes with the bodies' compliance ("kernels") were solved at every
+    point where finite elements ("elements") were. A map that was interrupted is not among them.
+
+    `KINDS` has the kinds of bodies, with a map each.
     """
     maps = []
     for kind in KINDS.values():
@@ -89,8 +92,8 @@ def stored_maps(folder: Path) -> list[Tables]:
 
 
 def write(folder: Path) -> None:
-    """Write figures and pages of the maps whose tables are in `folder`: all, or none after an
-    error.
+    """Write figures and pages of the maps of errors whose tables are in `folder`: all files, or
+    none after an error.
 
     Raises
     ------
@@ -100,6 +103,7 @@ def write(folder: Path) -> None:
     maps = stored_maps(folder)
     if not maps:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
+    # a temporary folder, whose files move to `folder` at the end
     with results_folder(folder, stale_prefixes=()) as staging:
         for tables in maps:
             name = tables.kind.name
@@ -112,7 +116,12 @@ def write(folder: Path) -> None:
 def page(tables: Tables) -> str:
     """The Markdown page of one map of errors: figure, heights from which theory holds, and a table
     of errors by finite elements beside those by half-planes with the bodies' compliance (kernels).
+
+    `tables` has the kind of bodies (with the words for its coordinates), the errors of theory at
+    the points of the map, and the least heights.
     """
+    # the table: a row for each place (height, width, friction) that finite elements check, with the
+    # errors of each quantity [%]
     kind = tables.kind
     quantities_shown = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
@@ -126,6 +135,8 @@ def page(tables: Tables) -> str:
             cells.append(_percent(errors_by_elements[quantity]))
             cells.append(_value(errors_by_kernels[place][quantity]))
         table_rows.append(cells)
+
+    # the page
     lines = [
         f"# {kind.title}",
         f"<!-- written by `halfplane map {kind.name}` -->",
@@ -167,8 +178,8 @@ def heights_of(maps: Sequence[Tables]) -> str:
 
 
 def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
-    """Rows of the designer's table: kind of bodies, width, and the heights from which each quantity
-    is within 1, 5 and 10 %.
+    """Rows of the designer's table: kind of bodies, width, and for each quantity the least heights
+    from which theory is within 1, 5 and 10 %. `maps` are the tables of each kind of bodies.
     """
     rows = []
     for tables in maps:
@@ -181,7 +192,9 @@ def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
 
 
 def _heights(tables: Tables, width: float, quantity: str) -> str:
-    """The heights of a quantity at all levels, in their order."""
+    """The least heights from which theory holds for a quantity and a width of bodies, at all levels
+    of error (1, 5 and 10 %), as text; "–" where there are none.
+    """
     heights = {
         least_height.level: least_height.height
         for least_height in tables.least_heights
@@ -193,7 +206,9 @@ def _heights(tables: Tables, width: float, quantity: str) -> str:
 
 
 def _height(kind: Kind, height: float) -> str:
-    """One height, rounded to the safe side."""
+    """A least height as text, rounded up to a tenth: "≤" the lowest of the map where theory holds
+    at all its heights (0), ">" the highest where it holds at none (infinite).
+    """
     if height == 0:
         return f"≤{kind.heights[0]:g}"
     if math.isinf(height):
@@ -228,8 +243,11 @@ def _quantities(tables: Tables, way: Way) -> list[str]:
 
 # ------------------------------------------------------------------------------------------ figures
 def figure(tables: Tables) -> Plate:
-    """The figure of a map: a panel for each quantity with |error| in per cent over the height, a
-    line for each width and friction coefficient f.
+    """The figure of a map of errors of half-plane theory: a panel for each quantity with |error| in
+    per cent over the height of the bodies, a line for each width and friction coefficient f.
+
+    `tables` has the kind of bodies (with the widths and frictions of the map, and the words for its
+    coordinates), and the errors at its points.
     """
     kind = tables.kind
     # (width, friction) -> number of the colour, style of the line
@@ -249,13 +267,20 @@ def figure(tables: Tables) -> Plate:
 def _panel(
     tables: Tables, quantity: str, line_looks: dict[tuple[float, float], tuple[int, str]]
 ) -> Panel:
-    """A panel of a map: |error| of one quantity in per cent over the height, both logarithmic, a
-    line for each width and friction in `line_looks`, which gives its colour and style.
+    """A panel of a map of errors of half-plane theory: |error| of one quantity in per cent over the
+    height of the bodies, both logarithmic. It has a line for each width and friction in
+    `line_looks`, which gives the number of its colour and its style.
+
+    `tables` has the kind of bodies, and the errors at the points of its map.
     """
+    # ends of the axis of errors [%]; _LEAST_DRAWN: 0.03, _HIGHEST_FOOT: 0.5
     kind = tables.kind
     errors_in_percent = [100 * abs(row.errors[quantity].value) for row in tables.rows]
     largest_error = float(np.nanmax(errors_in_percent))
     lower_end = float(np.clip(np.nanmin(errors_in_percent) / 1.5, _LEAST_DRAWN, _HIGHEST_FOOT))
+    upper_end = max(1.5 * largest_error, 15.0)
+
+    # both axes, with their ticks
     x_axis = Axis(
         0.9 * kind.heights[0],
         1.1 * kind.heights[-1],
@@ -263,7 +288,6 @@ def _panel(
         log=True,
         ticks=tuple(zip(kind.heights, tick_labels(kind.heights), strict=True)),
     )
-    upper_end = max(1.5 * largest_error, 15.0)
     ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
     y_axis = Axis(
         lower_end,
@@ -272,6 +296,8 @@ def _panel(
         log=True,
         ticks=tuple(zip(ticks, tick_labels(ticks), strict=True)),
     )
+
+    # lines across at 1, 5 and 10 % (ERROR_LEVELS), and the lines of the map
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in ERROR_LEVELS]
     for (width, friction), (colour_number, line_style) in line_looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
@@ -283,19 +309,24 @@ def _panel(
 def _marks_of_line(
     rows_of_line: Sequence[Row], quantity: str, colour_number: int, line_style: str
 ) -> Iterator[Mark]:
-    """What is drawn for one width and friction of a map: |error of theory| in per cent over the
-    height. Kernels (half-planes with the bodies' compliance) are a line, corrected theory rings,
-    finite elements dots with bars. Errors below their uncertainty are left out of the line.
+    """The marks for one width and friction of a map: |error of theory| in per cent over the height.
+    Errors by kernels (half-planes with the bodies' compliance) are a line, those by corrected
+    theory rings, those by finite elements dots with bars. Errors below their uncertainty are left
+    out of the line, and errors below 0.03 % (`_LEAST_DRAWN`) are not drawn.
 
     Parameters
     ----------
     rows_of_line
-        errors of theory at the points of the line, by each way of solving the bodies
+        errors of theory at the points of the line: a row's `way` of solving the bodies is
+        "kernels", "numbers" (corrected theory) or "elements" (finite elements)
     quantity
         name of the quantity
-    colour_number, line_style
-        colour and dashes of the line
+    colour_number
+        number of the colour in the style sheet
+    line_style
+        class of the line in the style sheet, " dash" or "" for a solid one
     """
+    # the line
     rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
     heights = np.array([row.place.height for row in rows_by_kernels])
     # in per cent
@@ -303,6 +334,8 @@ def _marks_of_line(
     uncertainties = np.array([100 * row.errors[quantity].uncertainty for row in rows_by_kernels])
     is_hidden = (errors < _LEAST_DRAWN) | (errors <= uncertainties)
     yield Curve(heights, np.where(is_hidden, np.nan, errors), f"c{colour_number}{line_style}")
+
+    # rings and dots
     for row in rows_of_line:
         error = row.errors[quantity]
         error_in_percent = 100 * abs(error.value)
