@@ -87,7 +87,8 @@ def _compared_load_width_and_centre(discrepancy: Discrepancy) -> tuple[float, fl
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
     between the centroids, result minus reference [length]. 1, 1, 0 where either has no pressure.
     """
-    moments = []  # of the result, of the reference
+    # of the result, then of the reference: sum, centroid, standard deviation in x
+    moments = []
     for tractions in (discrepancy.result_tractions, discrepancy.reference_tractions):
         pressure = tractions[PRESSURE]
         # weight (k, n): of each instant and point in the sums
@@ -163,14 +164,14 @@ def _start_sizes_of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     if not _has_shear(discrepancy):
         return ()
     weight = discrepancy.weight
-    # one for each instant
-    # weight (k, n): of each instant and point in the sums
+    # a sum for each instant; weight (k, n) of each instant and point in the sums
     result_sums = np.sum(weight * discrepancy.result_tractions[SHEAR], axis=1)
     reference_sums = np.sum(weight * discrepancy.reference_tractions[SHEAR], axis=1)
     square_of_reference = float(reference_sums @ reference_sums)
     if not square_of_reference:
         return ()
     ratio = float(result_sums @ reference_sums) / square_of_reference
+    # no search starts at no change at all
     return (_size_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
 
 

@@ -50,6 +50,7 @@ def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Ar
     integral_at_right = to_right_end * (np.log(np.abs(to_right_end)) - 1)
     integral_at_left = to_left_end * (np.log(np.abs(to_left_end)) - 1)
     integral_of_log = integral_at_right - integral_at_left
+    # composite modulus: E*
     return np.asarray(-2 / (np.pi * composite_modulus(scene.material)) * integral_of_log)
 
 
@@ -73,6 +74,7 @@ def pressure_on_layer(
     layer_compliance
         indentation of the layer per pressure [length/stress]
     """
+    # theory of bare half-planes: half-width under any load
     contact = contact_of(scene.profile, scene.material)
     # cells reach 1.8 half-widths of the contact of bare half-planes: a layer makes it wider
     half_width_of_cells = _REACH_OF_CELLS_ON_LAYER * float(contact.half_width(normal_loads.max()))
@@ -122,17 +124,20 @@ def shear_by_coupling(
     beta
         Dundurs' constant of the unlike materials
     """
+    # theory of like half-planes: half-width and pressure under any load
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_SHEAR_CELLS * float(contact.half_width(loads[:, 0].max()))
     cell_centres, cell_width = cell_centres_and_width(half_width_of_cells, _N_CELLS_OF_SHEAR)
     # displacement at each cell by a unit traction on each
     matrix = influence_matrix(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
+    # composite modulus: E*
     slope_per_pressure = 2 * beta / composite_modulus(scene.material)
     pressure_up_to_centre = np.cumsum(pressure, axis=1) - pressure / 2  # summed from the left
     displacement_by_pressure = slope_per_pressure * cell_width * pressure_up_to_centre
     coulomb_limit = scene.friction.coefficient * pressure
     tangential_load = loads[:, 1]
+    # shear of the cells after each load step
     shear_with_coupling = _shear_history(
         matrix, cell_width, coulomb_limit, tangential_load, displacement_by_pressure
     )

@@ -122,8 +122,9 @@ def _findings_of_fit(
     """Findings (sentence, evidence, strength) on the causes, known faults of a result, that explain
     its difference from the reference best.
 
-    Where rivals explain it as well, only causes that all of them share are named. The strength of a
-    finding is the share of the difference that the fit loses without its cause.
+    Where rivals explain it as well, only causes that are common to all of them are named. The
+    strength of a finding is 1 minus the ratio of two norms: of what the fit leaves of the
+    difference, and of what it leaves without the cause.
 
     Parameters
     ----------
@@ -139,9 +140,9 @@ def _findings_of_fit(
     fit = attribution.fit
     if fit is None:
         return
-    keys_shared_with_rivals = fit.keys.intersection(*(rival.keys for rival in attribution.rivals))
+    keys_common_to_rivals = fit.keys.intersection(*(rival.keys for rival in attribution.rivals))
     for cause, size in zip(fit.causes, fit.sizes, strict=True):
-        if cause.key not in keys_shared_with_rivals:
+        if cause.key not in keys_common_to_rivals:
             continue
         # the best fit of the other causes alone
         fit_without_cause = _fit_without_cause(judgement, fit, cause)
@@ -150,6 +151,7 @@ def _findings_of_fit(
             continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
+        # norm of what the fit leaves, over that without the cause; then over the whole difference
         share_left_by_cause = share_of_difference_left(fit, fit_without_cause, channels)
         share_left_by_fit = share_of_difference_left(fit, judgement.fit_without_causes, channels)
         evidence_sentences = list(_sentences_of_evidence(judgement, fit, share_left_by_fit))
@@ -202,7 +204,9 @@ def _sentences_of_evidence(
         causes_in_words = "both"
     percentage_in_words = f"{max(share_left_by_fit, 0.0):.1%}"
     yield f"{subject_in_words} {percentage_in_words} of the difference{channel_in_words}"
+    # over the norm of the reference's pressure, and f times that, at the worst instant
     pressure_error, shear_error = discrepancy.relative_errors()
+    # with the fitted tractions in place of the reference's
     discrepancy_after = replace(discrepancy, reference_tractions=fit.predicted_tractions)
     pressure_error_after, shear_error_after = discrepancy_after.relative_errors()
     yield (
@@ -245,6 +249,7 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
         fit_with_bodies, fit_of_theory, judgement.channels
     )
     if share_left_by_bodies < LARGEST_SHARE_LEFT:
+        # key and sentence of the finding, evidence, strength
         yield Diagnosis(
             OWN_BODIES,
             WORDS["others"][OWN_BODIES],
@@ -269,6 +274,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     ):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
     predicted_tractions, is_near_edge = prediction
+    # a fit without causes: it leaves the difference of the result from these tractions
     fit = Fit((), (), predicted_tractions, discrepancy.residuals(predicted_tractions))
     share_left_by_mesh = share_of_difference_left(
         fit, judgement.fit_without_causes, judgement.channels
@@ -281,6 +287,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     far_differences = differences[:, is_in_contact & ~is_near_edge].ravel()
     far_square = max(float(np.mean(far_differences**2)), ROUND_OFF_SQUARE)
     ratio_of_squares = np.mean(near_differences**2) / far_square
+    # by the F test
     chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
     if (
         share_left_by_mesh > LARGEST_SHARE_LEFT
@@ -290,6 +297,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
         return
     yield Diagnosis(
         "coarse_edge",
+        # template of the sentence; spacing of the points over a_ref
         FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements_per_half_width),
         tuple(_sentences_of_evidence(judgement, fit, share_left_by_mesh)),
         strength=1 - share_left_by_mesh,
@@ -317,9 +325,12 @@ def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diag
     # key of a cause -> what in the result excludes it
     if judgement.reason_by_cause:
         exclusions_in_words = "; ".join(
-            f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.reason_by_cause.items()
+            # WORDS: names and sentences of findings, by key
+            f"{WORDS['names'][key]}: {reason}"
+            for key, reason in judgement.reason_by_cause.items()
         )
         sentences.append(f"excluded: {exclusions_in_words}")
+    # what each cause alone leaves of the difference
     sentences += _shares_left_by_single_causes(judgement)
     sentences += _place_of_largest_difference(discrepancy)
     return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(sentences), strength=0.0)
@@ -333,6 +344,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     Differences are over p_ref (pressure) and f p_ref (shear). Their squares are weighted by length
     and time.
     """
+    # whether a point has pressure in the result or in the reference, (k, n)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     difference = discrepancy.result_tractions - discrepancy.reference_tractions
     scaled_difference = np.where(is_in_contact, difference / discrepancy.traction_units, 0.0)
@@ -350,6 +362,7 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     )
     # within two spacings of an edge of contact or stick
     is_near_edge = points_near_edges(discrepancy)
+    # weight (k, n): of length and time in sums
     squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)
     share_of_square = float(squares[is_near_edge].sum() / squares.sum())
     share_of_points = float(np.mean(is_near_edge[is_in_contact]))
@@ -372,6 +385,7 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
     made to it.
     """
     least_share_by_key: dict[str, float] = {}
+    # fit_by_key: every fit that was made, by its causes
     for fit in judgement.search.fit_by_key.values():
         if fit is None or len(fit.causes) != 1:
             continue

@@ -347,8 +347,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if not len(usable_instants):
         return None
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
-    even_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
-    instants = usable_instants[np.unique(even_places)]
+    evenly_spaced_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
+    instants = usable_instants[np.unique(evenly_spaced_places)]
 
     # tractions of both at these instants, and which of them count
     reference_cycle = comparison.reference_cycle
@@ -376,6 +376,7 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if tractions_with_bodies is not None:
         reference_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, reference_tractions)
+    # weights of the trapezoidal rule in time and x, 0 for values that do not count
     weight = (
         is_known
         * trapezoidal_weights(result_cycle.time[instants])[:, None]
@@ -412,6 +413,7 @@ def _theory_with_bodies(comparison: Comparison, instants: NDArray[np.intp]) -> T
             x=comparison.result_cycle.x,
             time=comparison.result_cycle.time[instants],
             fields=("pressure", "shear"),
+            # compliances and curvatures that finite bodies add to half-planes
             effects=halfplane_fe.body_effects(scene),
         )
     except InputError:  # curved faces, free sides: `body_effects` says which are covered

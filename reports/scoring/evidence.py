@@ -76,6 +76,7 @@ def _fields_in_words(comparison: Comparison) -> str:
         fields_in_words += ", slip"
     return (
         f"{fields_in_words} at {len(result_cycle.x)} points from x ="
+        # minus: hyphen to minus sign
         f" {minus(f'{result_cycle.x[0]:.4g}')} to"
         f" {minus(f'{result_cycle.x[-1]:.4g}')} and {len(result_cycle.time)} instants of the"
         " last cycle"
@@ -97,6 +98,7 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     normal_load = discrepancy.normal_load[is_loaded]
     # integral of p over P, the median over the instants, or beside that of the reference
     ratio = discrepancy.resultant_ratio
+    # least and largest of the instants
     range_of_ratios = _range_in_words(sum_of_pressure / normal_load)
     sum_in_words = f"the sum of p is {ratio:.4g} P ({range_of_ratios} by instants)"
     if abs(ratio - 1) < _LARGEST_IMBALANCE:
@@ -139,6 +141,7 @@ def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
     of the points, scatter of the tractions. `discrepancy` holds those of result and reference.
     """
     comparison = discrepancy.comparison
+    # whether a point has pressure in the result or in the reference, (k, n)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
     n_points_in_contact = is_in_contact[discrepancy.is_loaded].sum(axis=1)
     if len(n_points_in_contact):
@@ -148,6 +151,7 @@ def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
         is_in_slip = np.isin(comparison.result_cycle.state, (SLIP_FORWARD, SLIP_REVERSE))
         n_points_in_slip = is_in_slip.sum(axis=1)
         yield f"{_range_in_words(n_points_in_slip)} points in slip"
+    # result minus reference, over p_ref and f p_ref
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     # root mean square of the noise from point to point, over p_ref and f p_ref
     scatter = [_without_round_off(residual.mean_square_of_noise**0.5) for residual in residuals]
@@ -170,11 +174,13 @@ def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
         float(sum(residual.mean_square_of_noise for residual in residuals if residual.is_noise))
         ** 0.5
     )
+    # checks of the laws: name, largest violation `value`, and limit
     for law_check in discrepancy.comparison.result_certificates:
         law_in_words = words_of_law.get(law_check.name, law_check.name)
         law_in_words += f" {law_check.value:.2g} (limit {law_check.limit:.1g})"
         if law_check.holds:
             yield f"{law_in_words}: holds"
+        # five standard deviations of the scatter
         elif law_check.value <= _DEVIATIONS_BY_SCATTER * scatter:
             yield f"{law_in_words}: no more than scatter makes"
         else:

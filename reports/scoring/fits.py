@@ -162,7 +162,7 @@ class Search:
         known_sizes
             sizes of the first causes, which are kept
         """
-        # CAUSES: all causes
+        # CAUSES: all known faults, whose numbers stand in the key; fit_by_key: the fits made so far
         key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
         if key not in self.fit_by_key:
             self.fit_by_key[key] = self._new_fit(causes, channels, known_sizes)
@@ -219,8 +219,10 @@ class Search:
                 if sums_of_squares[combination_number] < _RESIDUAL_WITHOUT_SOLUTION**2
             ]
             sizes = min(
-                rough_sizes, key=lambda trial: self._sum_of_squares(causes, trial, channels)
+                rough_sizes,
+                key=lambda trial_sizes: self._sum_of_squares(causes, trial_sizes, channels),
             )
+            # a rough fit that leaves more than 0.8 of the norm is not refined
             sum_without_causes = self._sum_of_squares((), (), channels)
             if (
                 self._sum_of_squares(causes, sizes, channels)
@@ -292,6 +294,7 @@ class Search:
             return tuple(sizes_with_fitted)
 
         # residuals: of pressure and shear over p_ref and f p_ref, at all points and instants
+        # sizes change by steps of 1e-5 for derivatives, about 0.1 in the search
         solution = least_squares(
             lambda fitted_sizes: self._weighted_residuals(
                 causes, all_sizes(fitted_sizes), channels
@@ -465,7 +468,7 @@ def leaves_clearly_more(
     square_left: float, least_square: float, n_values: int, *, is_noise: bool
 ) -> bool:
     """Whether a fit with the mean square `square_left` leaves so much more of n values than the
-    best one, with `least_square`, that it is out: four times as much.
+    best one, with `least_square`, that it is no rival of it: four times as much.
 
     `is_noise` is whether the best one leaves noise alone. Then chance sets how far both may differ:
     the sums of squares by 16 variances of the noise.

@@ -131,8 +131,9 @@ class Judgement:
 
         Of several explanations the one that leaves least of the difference is named; of those that
         leave as little but for chance, the one with the fewest causes. Those that the file does not
-        tell apart from it are its rivals. An explanation is a fit: causes, their sizes, and the
-        mean square of the difference that it leaves.
+        tell apart from it are its rivals. An explanation is a fit: causes (with `keys`), their
+        fitted sizes (`n_parameters` in number), and the mean square of the difference that it
+        leaves.
         """
         pressure_fits = self._fits_of_pressure()
         explanations_of_both: list[Fit] = []
@@ -143,7 +144,7 @@ class Judgement:
             explanations_of_both += fits_of_both
             if not fits_of_both:
                 fits_of_pressure_alone += self._explanations_of_pressure_alone(pressure_fit)
-        # bodies of finite size in place of a wrong modulus
+        # finite bodies in place of a wrong modulus
         if not explanations_of_both:
             explanations_of_both += self._explanations_with_small_body(fits_of_pressure_alone)
         # all sizes fitted to pressure and shear at once
@@ -151,11 +152,12 @@ class Judgement:
         candidates = explanations_of_both or fits_of_pressure_alone
         if not candidates:
             return Attribution(None)
+
+        # channels: pressure, and shear where the file has one
+        fit_that_leaves_least = min(candidates, key=lambda fit: fit.mean_square(self.channels))
+        best_fit = min(candidates, key=lambda fit: self._sort_key(fit, fit_that_leaves_least))
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
-        # channels: pressure, and shear where the file has one
-        closest_fit = min(candidates, key=lambda fit: fit.mean_square(self.channels))
-        best_fit = min(candidates, key=lambda fit: self._sort_key(fit, closest_fit))
         rivals = tuple(
             fit
             for fit in candidates
@@ -196,6 +198,7 @@ class Judgement:
         )
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
+        # norm of what the causes leave over that of the whole difference, without noise
         share_of_pressure_left = share_of_difference_left(
             pressure_fit, self.fit_without_causes, (PRESSURE,)
         )
@@ -241,12 +244,14 @@ class Judgement:
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
+        # mean_square: of the difference that a fit leaves; channels: pressure, and shear
         best_explanation = min(explanations, key=lambda fit: fit.mean_square(self.channels))
         # exact: it leaves less than a millionth of the mean square of the whole difference
         if best_explanation.mean_square(
             self.channels
         ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square(self.channels):
             return []
+        # fits of the pressure whose causes are all in the best explanation
         pressure_fits_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
         if not pressure_fits_of_best:
             return []
@@ -261,10 +266,12 @@ class Judgement:
                 continue
             # least squares from these sizes on
             fit = self.search.refined_fit(causes, sizes, self.channels)
+            # excluded: by the integrals of pressure and shear, or by sizes that are next to none
             if fit is None or not self._is_not_excluded(
                 fit, self.fit_without_causes, self.channels
             ):
                 continue
+            # less than a third of the difference is left, and not by chance
             if explains_difference(fit, self.fit_without_causes, self.channels):
                 joint_fits.append(fit)
         return joint_fits
@@ -276,18 +283,20 @@ class Judgement:
         fit without a cause where the pressure is right, or where nothing explains it.
 
         Single causes are tried first, pairs only where no single cause is enough. A pair must do
-        better than the best single cause, and need both of its own. Bodies of finite size and soft
-        layers (`_MODEL_FAULTS`) take long to predict: they are tried beside the best of the others.
+        better than the best single cause, and need both of its own. Finite bodies and soft layers
+        (`_MODEL_FAULTS`) take long to predict: they are tried beside the best of the others.
         """
         fit_without_causes = self.fit_without_causes
         if self.is_traction_explained(
             fit_without_causes, PRESSURE
         ) and self.discrepancy.is_within_tolerance(PRESSURE):
             return [fit_without_causes]
+        # CAUSES: all known faults; channel: the traction that shows a cause
         causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
         quick_causes = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
         # fits that leave less than a third of the difference, and not by chance
         single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
+        # a single cause leaves noise alone
         if self._needs_no_pair(single_fits):
             return self._fits_near_best(single_fits) or [fit_without_causes]
         fits_of_pairs = self._explanations_of_pressure(
@@ -297,6 +306,7 @@ class Judgement:
         # better than that cause even so.
         best_single_fit = self._best_single_fit(quick_causes)
         if best_single_fit is not None:
+            # less of the pressure difference is left, by more than chance
             fits_of_pairs = [
                 fit for fit in fits_of_pairs if self._leaves_less(fit, best_single_fit, (PRESSURE,))
             ]
@@ -317,6 +327,7 @@ class Judgement:
         else:
             best_fit = single_fits[0]
             is_traction_explained = self.is_traction_explained(best_fit, PRESSURE)
+        # n_values: number of values in contact
         is_nearly_all_explained = (
             share_of_difference_left(best_fit, self.fit_without_causes, (PRESSURE,))
             <= _LARGEST_SHARE_LEFT_IF_COMPLETE
@@ -359,6 +370,7 @@ class Judgement:
         ]
         pairs = list(itertools.combinations(helpful_causes, 2))
         if helpful_causes:
+            # share of the pressure difference that a cause leaves when fitted alone
             best_cause = min(helpful_causes, key=self._share_left_by_cause)
             pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful_causes]
         for fit in single_fits:
@@ -393,6 +405,7 @@ class Judgement:
         """
         possible_fits = []
         for cause in causes:
+            # None where theory has no solution with the cause
             fit = self.search.best_fit((cause,), (PRESSURE,))
             # the integral of the pressure excludes the cause
             if fit is None or self._sum_of_pressures_contradicts(fit):
@@ -402,6 +415,7 @@ class Judgement:
                 < LARGEST_SHARE_LEFT
             ):
                 possible_fits.append(fit)
+        # mean square of the difference that a fit leaves
         return min(possible_fits, key=lambda fit: fit.mean_square((PRESSURE,)), default=None)
 
     def _needs_both_causes(self, pair: Fit) -> bool:
@@ -410,9 +424,9 @@ class Judgement:
         return all(fit is None or self._leaves_less(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _combinations_with_model_fault(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Combinations of causes to try next: a fault of the model in place of the cause of a wrong
-        width of contact. Such causes are wrong factors of E*, loads or x; faults of the model are
-        bodies of finite size, and faces with a soft layer. Both change the width alike.
+        """Combinations of causes (known faults) to try next: a fault of the model in place of the
+        cause of a wrong width of contact. Such causes are wrong factors of E*, loads or x; faults
+        of the model are finite bodies, and faces with a soft layer. Both change the width alike.
 
         `fits` are the fits tried before. Empty where the best one leaves less than a millionth of
         the mean square of the whole difference, or without any fit noise alone.
@@ -427,6 +441,7 @@ class Judgement:
         if not fits_with_other_width:
             return []
         best_fit = min(fits_with_other_width, key=lambda fit: fit.mean_square((PRESSURE,)))
+        # mean square of what the fit leaves, over that of the whole difference
         if best_fit.mean_square(
             (PRESSURE,)
         ) <= _LARGEST_SQUARE_RATIO_IF_EXACT * self.fit_without_causes.mean_square((PRESSURE,)):
@@ -467,6 +482,7 @@ class Judgement:
             fit = self.search.best_fit(causes, channels)
             if fit is None or not self._is_not_excluded(fit, fit_before, channels):
                 continue
+            # less than a third of what fit_before leaves, and not by chance
             if explains_difference(fit, fit_before, channels):
                 explanations.append(fit)
         return explanations
@@ -488,9 +504,10 @@ class Judgement:
         """Whether the shear tractions of a result are right but for one constant factor, as a fit
         of likely causes has it.
 
-        Two signs are asked for: next to nothing is left of the difference in shear, and the
-        integrals of the shear over x follow the fitted factor. Another coefficient of friction
-        would leave these integrals as they are; another Q would move the edges of stick.
+        Two things are required: less than a tenth of the difference in shear is left, and the
+        integrals of the shear over x follow the fitted factor, to a third of its difference from 1.
+        Another coefficient of friction would leave these integrals as they are; another Q would
+        move the edges of stick.
 
         Parameters
         ----------
@@ -513,6 +530,7 @@ class Judgement:
         square_of_predicted = float(predicted_shear_integrals @ predicted_shear_integrals)
         if not square_of_predicted:
             return False
+        # the size of a factor is its logarithm
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
         ratio = float(shear_integrals @ predicted_shear_integrals) / square_of_predicted
         return abs(ratio - 1) <= _SHARE_OF_FACTOR_IN_SUM * abs(factor - 1)
@@ -536,6 +554,7 @@ class Judgement:
         # integral of the result's pressure over P
         measured_ratio = self.discrepancy.resultant_ratio
         reason = f"the sum of the pressures is {measured_ratio:.4g} P"
+        # by more than 5 %
         is_sum_wrong = abs(measured_ratio - 1) > _LARGEST_ERROR_OF_SUM
         if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason
@@ -543,7 +562,7 @@ class Judgement:
         # of two factors the sum shows only the product
         if len(predicted_ratios) != 1 or not np.isfinite(measured_ratio):
             return False
-        # the sum follows the predicted factor at least in part
+        # the sum follows the predicted factor by at least a third
         if abs(measured_ratio - 1) > _SHARE_OF_FACTOR_IN_SUM * abs(predicted_ratios[0] - 1):
             return False
         if len(fit.causes) == 1:
@@ -566,11 +585,13 @@ class Judgement:
         """
         if not self.discrepancy.has_shear:
             return [pressure_fit] if pressure_fit.causes else []
+        # the causes of the pressure alone, now fitted beside the shear
         fit_before = self.search.best_fit(
             pressure_fit.causes, (PRESSURE, SHEAR), known_sizes=pressure_fit.sizes
         )
         if fit_before is None:
             return []
+        # noise alone is left, or next to nothing
         if self.is_traction_explained(fit_before, SHEAR):
             return [fit_before] if fit_before.causes else []
         # fits with one cause of the shear added
@@ -607,6 +628,7 @@ class Judgement:
         if len(fit_before.causes) + count > 2:
             return []
         # causes of the pressure that may show in the shear alone: other instants, nodal forces
+        # CAUSES: all known faults; channel: the traction that shows a cause
         possible_causes = [
             cause
             for cause in CAUSES
@@ -634,6 +656,7 @@ class Judgement:
         odd_fit = self.search.best_fit(
             (*fit_before.causes, ODD_PART), self.channels, known_sizes=fit_before.sizes
         )
+        # most: the norm that is left must be at most 0.6 of that before
         if (
             odd_fit is None
             or share_of_difference_left(odd_fit, fit_before, (SHEAR,))
@@ -671,6 +694,7 @@ class Judgement:
                 fit.mean_square((PRESSURE,))
                 <= 2 * fit_before.mean_square((PRESSURE,)) + ROUND_OFF_SQUARE
             )
+            # less than a third of the shear difference is left, and not by chance
             if keeps_pressure and explains_difference(fit, fit_before, (SHEAR,)):
                 explanations.append(fit)
         return sorted(explanations, key=lambda fit: fit.mean_square((SHEAR,)))
@@ -684,9 +708,10 @@ class Judgement:
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
-            # A shear that scatters too much beside the pressure holds more than noise.
-            # mean squares are over p_ref or f p_ref; largest_noise_ratio: of shear noise over
-            # pressure noise
+            # A shear that scatters too much beside the pressure holds more than noise: mean squares
+            # are
+            # over p_ref or f p_ref, and largest_noise_ratio is that of shear noise to pressure
+            # noise.
             pressure_square = max(fit.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
             if fit.mean_square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
@@ -696,6 +721,7 @@ class Judgement:
         # be small beside both.
         mean_square_left = fit.mean_square((channel,)) - fit.mean_square_of_noise((channel,))
         no_tractions = 0 * fit.predicted_tractions
+        # the result minus nothing: its traction itself
         mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).mean_square
         return (
             share_of_difference_left(fit, self.fit_without_causes, (channel,))
@@ -718,11 +744,12 @@ class Judgement:
         Pressure, and shear where the file has one, count where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
-        square = fit.mean_square(channels_compared)
-        square_of_simple = simple_fit.mean_square(channels_compared)
+        # mean square of the difference that each leaves
+        mean_square = fit.mean_square(channels_compared)
+        mean_square_of_simple = simple_fit.mean_square(channels_compared)
         if len(fit.causes) <= len(simple_fit.causes):
-            return square < square_of_simple
-        is_large_gain = square <= _LARGEST_SQUARE_RATIO_OF_PAIR * square_of_simple
+            return mean_square < mean_square_of_simple
+        is_large_gain = mean_square <= _LARGEST_SQUARE_RATIO_OF_PAIR * mean_square_of_simple
         is_significant = (
             probability_by_chance(fit, simple_fit, channels_compared)
             < LARGEST_PROBABILITY_BY_CHANCE
@@ -737,6 +764,7 @@ class Judgement:
         where `channels` is None.
         """
         channels_compared = self.channels if channels is None else channels
+        # mean squares that the fits leave, and number of values in contact
         return leaves_clearly_more(
             fit.mean_square(channels_compared),
             best_fit.mean_square(channels_compared),
@@ -763,6 +791,7 @@ def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
     count. False where the fit leaves less than 3 % of the difference (norm) that `fit_before`
     leaves.
     """
+    # keys of a delay and of an offset
     is_small = any(
         cause.has_size and abs(size) < _LEAST_SIZE_OF_FAULT
         for cause, size in zip(fit.causes, fit.sizes, strict=True)

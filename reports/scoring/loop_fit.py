@@ -292,7 +292,8 @@ class LoopsOverFriction:
         rises from its lowest to its highest value, or falls (`rising` False). Beyond the end of the
         cycle they count on.
         """
-        # the last instant of `self.load` is the first of the next cycle
+        # self.load (m,): Q of the scene through a cycle; its last instant is the first of the next
+        # one
         n_instants = len(self.load) - 1
         lowest_instant = int(np.argmin(self.load[:-1]))
         highest_instant = int(np.argmax(self.load[:-1]))
@@ -309,6 +310,7 @@ class LoopsOverFriction:
         which Q is within 5 % of its range from the turning point (`_SHARE_BESIDE_TURN`): noise can
         lay a row beyond it.
         """
+        # self.load (m,): Q of the scene through a cycle, the first instant repeated at its end
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
         instants_of_branches = {}
@@ -381,6 +383,7 @@ class LoopsOverFriction:
                 ascending_loads,
                 displacement_of_scene[instants_by_load],
             )
+        # the middle: from 0.1 to 0.9 of the range of Q
         is_in_middle = (fraction_of_range > _MIDDLE_OF_RANGE[0]) & (
             fraction_of_range < _MIDDLE_OF_RANGE[1]
         )
@@ -450,6 +453,8 @@ class LoopsOverFriction:
 
         Parameters
         ----------
+        rows
+            U and Q of the n rows, and whether each lies on the rising branch
         friction
             f of the loop
         terms
@@ -690,14 +695,16 @@ class _Search:
             ]
         )
         sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
-        local_minima = np.flatnonzero(
+        indices_of_minima = np.flatnonzero(
             (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
         )
-        lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MOST_MINIMA]
+        indices_of_lowest = indices_of_minima[np.argsort(sums_of_squares[indices_of_minima])][
+            :_MOST_MINIMA
+        ]
         # least sum of squares, f and terms of each fit
         fits = [
             self.best_fit(float(trial_frictions[trial_number]), starts[trial_number])
-            for trial_number in lowest_minima.tolist()
+            for trial_number in indices_of_lowest.tolist()
         ]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
@@ -726,6 +733,7 @@ class _Search:
         """
         from scipy.optimize import least_squares
 
+        # ln f, then the four terms
         is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
         typical_sizes = np.array([1.0, *self.rows.term_sizes])[is_free]
         start_parameters = np.array([math.log(friction), *start])
@@ -743,6 +751,7 @@ class _Search:
         # The derivatives come with the residuals, and are asked for where these were last.
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
+            """Residuals over sigma (n + 2,), and their derivatives by steps of the free parameters."""
             log_friction_and_terms = friction_and_terms(np.frombuffer(step_bytes))
             residuals, derivatives = self._residuals_with_derivatives(
                 *log_friction_and_terms, self.model
@@ -815,21 +824,21 @@ class _Search:
             sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
             return sum_of_squares - largest_sum
 
-        # of the search
+        # 1 towards the upper end, -1 towards the lower one
         direction = 1.0 if end_of_search > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
         excess_at_best = excess_over_largest(log_friction)
-        step = min(1e-3, abs(end_of_search - log_friction) / 2)
+        step_of_log = min(1e-3, abs(end_of_search - log_friction) / 2)
         rise_at_step = max(
-            excess_over_largest(log_friction + direction * step) - excess_at_best, 1e-300
+            excess_over_largest(log_friction + direction * step_of_log) - excess_at_best, 1e-300
         )
-        step *= math.sqrt(max(-excess_at_best / rise_at_step, 1e-8))
+        step_of_log *= math.sqrt(max(-excess_at_best / rise_at_step, 1e-8))
 
         # steps outwards, each 1.3 times the one before
         log_friction_within = log_friction
         for _ in range(_MOST_STEPS_OUTWARDS):
             log_friction_beyond = log_friction + direction * min(
-                step, abs(end_of_search - log_friction)
+                step_of_log, abs(end_of_search - log_friction)
             )
             if excess_over_largest(log_friction_beyond) > 0:
                 # the end lies between the last two ln f, which six halvings bring together
@@ -843,7 +852,7 @@ class _Search:
             if log_friction_beyond == end_of_search:
                 return None
             log_friction_within = log_friction_beyond
-            step *= 1.3
+            step_of_log *= 1.3
         return None
 
 
@@ -874,15 +883,17 @@ def fit_loop(
     error_of_theory
         error of a fitted f, over f, since theory's loops are interpolated between samples
     """
-    top_load = rows.branches.highest.load
-    bottom_load = rows.branches.lowest.load
-    sliding_friction = model.friction_at_gross_sliding(top_load, bottom_load)
-    # noise of the last digits, at least 1e-9 of the largest U or Q
-    # row_noise: standard deviation that neighbouring rows show
+    highest_load = rows.branches.highest.load
+    lowest_load = rows.branches.lowest.load
+    sliding_friction = model.friction_at_gross_sliding(highest_load, lowest_load)
+    # noise of the last digits, at least 1e-9 of the largest U or Q; row_noise: standard deviation
+    # that neighbouring rows show
     least_noise = RowNoise(
         *(
-            max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
-            for step, values in zip(resolution, (rows.displacement, rows.load), strict=True)
+            max(digit_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(row_values))))
+            for digit_step, row_values in zip(
+                resolution, (rows.displacement, rows.load), strict=True
+            )
         )
     )
     noise = RowNoise(
@@ -892,9 +903,11 @@ def fit_loop(
     search = _Search(rows, model, noise, sliding_friction)
 
     # terms: highest Q, lowest Q, C and U0
-    friction, terms = search.first_fit(model.first_frictions(top_load, bottom_load))
+    # trial values of f, from just above gross sliding on
+    friction, terms = search.first_fit(model.first_frictions(highest_load, lowest_load))
     degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
     for _ in range(_MOST_REWEIGHTINGS):
+        # least squares with the noise so far, until it changes by less than 5 %
         _, friction, terms = search.best_fit(friction, terms)
         # rows beside a turning point go to the other branch where that is far nearer
         search = search.search_with_rows_at_turns_moved(friction, terms)
@@ -920,6 +933,7 @@ def fit_loop(
         least_sum / degrees_of_freedom, 1.0
     )
     log_friction = math.log(friction)
+    # ln f, None where the sum stays below the largest one
     log_lower_end = search.interval_end(
         log_friction, terms, math.log(sliding_friction * (1 + 1e-9)), largest_sum
     )

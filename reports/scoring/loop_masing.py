@@ -251,6 +251,7 @@ class MasingLoop:
         """
         fraction_on_branch = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
         fraction_of_range = fraction_on_branch + 3 * np.minimum(place, 0.0)
+        # slide: the contact slides as a whole at the ends of the loop
         if not self._has_slide:
             fraction_of_range = fraction_of_range + 3 * np.maximum(place - 2, 0.0)
         return np.asarray(fraction_of_range)
@@ -265,7 +266,7 @@ class MasingLoop:
             U = 2 f v(h/f) - f v(R/2f) + slide + C Q,   h half of the rise of Q since the lower turn
 
         # notation: C compliance of the rig, f friction coefficient, R range of Q, v memory curve of
-        #           theory, `self.curve.value`
+        #           theory, `self.curve.value`; RANGE, SLIDE, COMPLIANCE: indices of R, slide and C
         """
         # fraction of R that is passed: 0 at the lower turning point, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
@@ -276,6 +277,7 @@ class MasingLoop:
             2 * friction * self.curve.value(fraction_of_range * half_range / friction)
         )
         displacement_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        # gross: the contact slides as a whole at the ends of the loop
         if self._has_slide:
             # any rate will do, here the range of U in partial slip per unit of place
             displacement_past_end = 2 * displacement_at_turn * np.maximum(place - 2, 0.0)
@@ -375,7 +377,9 @@ class MasingLoop:
         (n,) each: (dU/dQ, 1) in partial slip, (1, 0) on the slide.
 
         `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide.
+        `RANGE` and `COMPLIANCE` are the indices of the range of Q and of the rig's compliance.
         """
+        # a loop without slide is in partial slip past its end too
         is_in_partial_slip = (place < 1) | (not self._has_slide)
         # slope of the memory curve v at h/f, h half of the rise of Q since the lower turning
         # point
@@ -456,7 +460,7 @@ def distances_from_loop(
         memory curve of theory, from which the loop is built
     parameters
         (7,) ln f, middle and range of Q, compliance C of the rig, origin of U, drift of U, gross
-        slide
+        slide; MIDDLE, ORIGIN and DRIFT_RATE are indices of them
     sigma
         standard deviation of the noise of U and of Q, by which both are divided
 
@@ -474,6 +478,7 @@ def distances_from_loop(
     )
     load = rows.load - parameters[MIDDLE]
     # corners (2, m) of a polygon along the rising branch
+    # _PLACES_OF_CORNERS: 160 a part of the branch, partial slip or slide
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
@@ -537,6 +542,8 @@ def _distances_from_branch(
 
     Parameters
     ----------
+    loop
+        its branches; `parameters[SLIDE]` is the gross slide, 0 in partial slip
     polygon
         (2, m) U and Q of the corners of the rising branch, over sigma. Neighbours are 1/160 of a
         place apart (`_CORNERS_PER_PART`); 18 lie before place 0 and 18 behind place 2
@@ -562,6 +569,7 @@ def _distances_from_branch(
     if not loop.parameters[SLIDE] > 0:
         has_no_tangent &= place != 1
 
+    # U and Q at the place, from the middle of the loop
     displacement_of_loop, load_of_loop = loop.points(place)
     displacement_from_loop = row_points[0] - displacement_of_loop / sigma.displacement
     load_from_loop = row_points[1] - load_of_loop / sigma.load

@@ -430,7 +430,9 @@ class _Search:
         gross_starts = [self.start_parameters(0.0, fraction) for fraction in _SLIDE_FRACTIONS]
         best_fits = []
         for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
-            sums_of_squares = np.array([self.sum_of_squares(start) for start in starts])
+            sums_of_squares = np.array(
+                [self.sum_of_squares(start_parameters) for start_parameters in starts]
+            )
             sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
             # trials with no smaller sum on either side
             minimum_indices = np.flatnonzero(
@@ -676,6 +678,7 @@ def _likeliest_noise(
         """Twice the negative logarithm of the likelihood, but for a constant, of the distances and
         of the ratio, with sigma times the exponentials of `log_factors` (2,) for U and Q.
         """
+        # of each distance, in squares of the sigma so far
         variance = squared_normals @ np.exp(2 * log_factors)
         error_of_log_ratio = log_factors[0] - log_factors[1] - expected_log_ratio
         term_of_ratio = float(error_of_log_ratio**2) / scatter_of_log_ratio**2
@@ -743,6 +746,7 @@ class BestLoop:
         # (n, k) derivatives of the distances by the k fitted parameters
         derivatives = self._derivatives_by_parameters
         added_derivatives = derivatives[:, is_varied] * variable_from_mean[:, None]
+        # F test, and values of the parameters' change per unit of the variable
         return explained_change(self.distances.signed_distance, derivatives, added_derivatives)
 
     def change_of_size_with(self, row_variable: Array) -> ExplainedChange:
@@ -769,14 +773,16 @@ class BestLoop:
         return float(influence[LOG_F, : len(row_variable)] @ change_of_distances)
 
     def rise_along_slide(self) -> tuple[float, ExplainedChange]:
-        """By how much Q rises while the contact slides as a whole, over the range R of Q; with the
-        part of the distances of the rows from the loop that such a rise explains.
+        """By how much Q of the rows of a gross loop rises while the contact slides as a whole, over
+        the range R of Q; with the part of the rows' distances from the loop that such a rise
+        explains, and the chance of scatter to explain as much.
         """
         # (n,) of the rows: 0 to 1 on the rising branch, 1 to 2 on the falling one
         place_on_loop = self.distances.place_on_loop
         share_of_branch = np.mod(place_on_loop, 1.0)  # the second half of a branch is its slide
         share_of_slide = np.clip(2 * share_of_branch - 1, 0.0, 1.0)
         sign_of_branch = np.where(place_on_loop > 1, -1.0, 1.0)
+        # a rise of R over the whole slide; RANGE: index of R
         rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
         # component in Q of the unit normal of the loop, in sigma
         load_normal = self.distances.unit_normal[:, 1]
@@ -838,6 +844,7 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     ) < _LARGEST_MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
     # Neighbours on the loop are rounded alike. That is no fault of the model, but they count as
     # fewer rows, and any correlation counts: it is no chance.
+    # standard deviations of a correlation: 3, which chance exceeds once in 700
     least_significance = 0.0 if digits_explain_all else MOST_DEVIATIONS_BY_CHANCE
     order_on_loop = np.argsort(distances.place_on_loop, kind="stable")
     # positive inside the loop on both branches: to the right of the rising one, left of the falling
@@ -872,8 +879,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     # noise of the last digits, at least 1e-9 of the largest U or Q
     least_noise = RowNoise(
         *(
-            max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
-            for step, values_of_rows in zip(
+            max(digit_step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
+            for digit_step, values_of_rows in zip(
                 rows.resolution, (rows.displacement, rows.load), strict=True
             )
         )
@@ -886,6 +893,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     search = _Search(rows, curve, sigma)
     # all seven parameters count as fitted, but for a stated compliance
     degrees_of_freedom = len(rows.displacement) - 6 - (rows.compliance is None)
+    # the best partial and the best gross loop; the better fit leaves less
     fits = search.best_fits()
     log_noise_ratio = math.log(sigma.displacement / sigma.load)
     # standard deviation of ln(sigma of U/sigma of Q): 1 to begin with
@@ -916,6 +924,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         search = replace(search, sigma=sigma)
         # With another noise another minimum may be the lowest.
         fits = search.best_fits() if times_reweighted == 0 else search.fits_near(fits)
+
     parameters = fits.better_fit.parameters
     distances = distances_from_loop(rows, curve, parameters, search.sigma)
     return BestLoop(

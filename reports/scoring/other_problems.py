@@ -196,7 +196,7 @@ def _fitted_closed_form(
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
     fits = []
-    # weight (k, n): of each instant and point in the sum of squares
+    # pressed points (k, n): with a pressure or a tension; weight (k, n) in the sum of squares
     for pressure, is_pressed, weights in zip(
         discrepancy.result_tractions[PRESSURE],
         _pressed_points(discrepancy),
@@ -251,7 +251,7 @@ def _closed_form_at_instant(
     spacing = max(spacing_before, spacing_after, np.diff(x).min())
     root_of_weights = np.sqrt(weights)
 
-    # half-widths are tried; the best of them is kept
+    # 60 half-widths are tried; the best of them is kept
     least_sum_of_squares = np.inf
     for share_of_spacing in (np.arange(_N_HALF_WIDTHS) + 0.5) / _N_HALF_WIDTHS:
         half_width = float(half_distance + share_of_spacing * spacing)
@@ -285,13 +285,14 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     # beyond a thousandth of the largest pressure of the instant
     is_in_tension = pressure < -_LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
     largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
+    # 5 % of the largest pressure, which no extrapolation makes; two points on each side
     if largest_tension < _LEAST_TENSION_SHARE:
         return None
-    for pressure_of_instant, tension_of_instant in zip(pressure, is_in_tension, strict=True):
+    for pressure_of_instant, is_in_tension_at_instant in zip(pressure, is_in_tension, strict=True):
         peak_index = int(np.argmax(pressure_of_instant))
-        points_on_left = tension_of_instant[:peak_index].sum()
-        points_on_right = tension_of_instant[peak_index:].sum()
-        if min(points_on_left, points_on_right) < _FEWEST_IN_TENSION:
+        n_points_on_left = is_in_tension_at_instant[:peak_index].sum()
+        n_points_on_right = is_in_tension_at_instant[peak_index:].sum()
+        if min(n_points_on_left, n_points_on_right) < _FEWEST_IN_TENSION:
             return None
 
     def pressure_terms(xi: Array) -> Array:
@@ -299,15 +300,17 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
         root = np.sqrt(1 - xi**2)
         return np.column_stack([root, -1 / root])
 
+    # pressure (k, n), factors and half-widths that fit best
     closed_form = _fitted_closed_form(discrepancy, pressure_terms)
     if closed_form is None:
         return None
     evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
     return ProblemFit(
-        # shear as in the reference; sizes: p0, p1 and the half-width of each instant
+        # shear as in the reference; three sizes of each instant: p0, p1, half-width
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=3 * len(pressure),
+        # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, closed_form.pressure),
         sentence_values={"tension": largest_tension},
         evidence=(evidence,),
@@ -336,6 +339,7 @@ def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, closed_form.pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=2 * len(closed_form.half_widths),
+        # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, closed_form.pressure),
         sentence_values={"half_width": largest_half_width},
     )
@@ -353,11 +357,13 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
         return None
+    # half-widths (k,) that fit best
     closed_form = _fitted_closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
     if closed_form is None:
         return None
     scales = discrepancy.comparison.scales
     # scales: p_ref and a_ref of the cylinder; their ratio is E*/(2 R)
+    # p0/a of a sphere is 4/pi times that of a cylinder
     pressure_over_half_width = _SPHERE_OVER_CYLINDER * scales.pressure / scales.half_width
     xi = discrepancy.x / closed_form.half_widths[:, None]
     pressure = (
@@ -371,6 +377,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, pressure),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=len(pressure),
+        # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, pressure),
         sentence_values={"force": force},
     )
@@ -402,16 +409,18 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
         sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
         best_trial = int(np.argmin(sums_of_squares))
         limited_pressures.append(trial_pressures[best_trial])
+        # where elastic theory exceeds the limit by a tenth
         is_on_limit = elastic_pressures[best_trial] > _LEAST_RATIO_TO_LIMIT * limit
         most_on_limit = max(most_on_limit, int(np.sum(is_on_limit)))
     if most_on_limit < _FEWEST_ON_LIMIT:
         return None
     is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
-    # a load at each instant, and the limit
     return ProblemFit(
         predicted_tractions=_tractions_with(discrepancy, PRESSURE, np.array(limited_pressures)),
         tractions_to_beat=discrepancy.reference_tractions,
+        # a load at each instant, and the limit
         n_sizes=len(limited_pressures) + 1,
+        # in contact in the result, in the reference or with this pressure
         judged_points=_points_in_contact(discrepancy, np.array(limited_pressures)),
         sentence_values={"limit": limit / discrepancy.comparison.scales.pressure},
         evidence=(
@@ -437,6 +446,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
     largest_pressure = result_pressure.max(axis=1, keepdims=True)
     largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
+    # a fifth of the largest pressure of the reference; open: below a thousandth
     is_well_inside = reference_pressure > _LEAST_INNER_PRESSURE_SHARE * largest_of_reference
     is_in_gap = (
         result_pressure <= _LARGEST_OPEN_PRESSURE_SHARE * largest_pressure
@@ -447,6 +457,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
         for is_in_gap_at_instant in is_in_gap
         for length in _run_lengths(is_in_gap_at_instant)
     ]
+    # of two points and more; two at an instant at least
     n_long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
     pressure_over_gaps = np.where(is_in_gap, reference_pressure, 0.0)
     load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
@@ -461,6 +472,7 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     # judged on the gaps alone: the problem says that they are open, and nothing of the zones
     return ProblemFit(
+        # the reference's tractions, without pressure in the gaps
         predicted_tractions=_tractions_with(
             discrepancy, PRESSURE, np.where(is_in_gap, 0.0, reference_pressure)
         ),
@@ -507,11 +519,13 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     first_pressure = even_pressure[[first_instant]]
     second_pressure = even_pressure[[second_instant]]
+    # values over p_ref, their weight, and points with pressure
     difference = Residual(
         (first_pressure - second_pressure) / discrepancy.comparison.scales.pressure,
         discrepancy.weight[[first_instant]],
         (first_pressure != 0) | (second_pressure != 0),
     )
+    # noise makes less than a fifth of its square, among 40 values at least
     is_smooth = (
         difference.mean_square_of_noise < _LARGEST_SHARE_OF_NOISE * difference.mean_square
         and difference.n_values >= _FEWEST_VALUES_OF_DIFFERENCE
@@ -631,6 +645,7 @@ def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
         predicted_tractions=_tractions_with(discrepancy, SHEAR, best_shear),
         tractions_to_beat=discrepancy.reference_tractions,
         n_sizes=1,
+        # points in contact
         judged_points=discrepancy.mask_in_contact(discrepancy.reference_tractions),
         sentence_values={"side": leading_side},
     )
@@ -656,6 +671,7 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     pressure = discrepancy.result_tractions[PRESSURE]
     shear_along_slip = slip_direction * discrepancy.result_tractions[SHEAR]
     is_pressed = pressure > _LARGEST_OPEN_PRESSURE_SHARE * pressure.max()
+    # weight 0: the result has no number there
     is_in_slip = (slip_direction != 0) & is_pressed & (discrepancy.weight > 0)
     if is_in_slip.sum() < _FEWEST_IN_SLIP:
         return None
@@ -679,6 +695,7 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
         is_in_slip, slip_direction * coefficient_alone * pressure, shear_of_reference
     )
     tractions_by_law = _tractions_with(discrepancy, SHEAR, shear_by_law)
+    # result minus the law, over f p_ref, at the points in slip
     residual = replace(discrepancy.residual(tractions_by_law, SHEAR), is_in_contact=is_in_slip)
     noise_square = min(residual.mean_square_of_noise * shear_scale**2, mean_square_of_law)
     # The law must leave much less than the best coefficient does, both but for the noise.
@@ -728,6 +745,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_pressure_right = discrepancy.is_within_tolerance(PRESSURE) or pressure_residual.is_noise
     candidates = []
+    # channel: the traction that shows the problem
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
             continue
@@ -756,6 +774,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
             residual_of_causes = problem.residual(
                 discrepancy, fit_of_causes.predicted_tractions, problem_fit
             )
+            # four times the mean square, or by more than chance where noise alone is left
             is_better_than_causes = leaves_clearly_more(
                 residual_of_causes.mean_square,
                 residual_after.mean_square,

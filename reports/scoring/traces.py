@@ -122,6 +122,7 @@ def find_outliers(comparison: Comparison) -> list[Diagnosis]:
     ]
     if not values_in_words:
         return []
+    # WORDS: templates of sentences; evidence: up to five further outliers
     sentence = WORDS["others"]["outlier"].format(
         count=len(values_in_words), first=values_in_words[0]
     )
@@ -142,11 +143,13 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
     # comparison.is_judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.is_judged[:, None]
+    # points that stick for certain: |q| below 0.9 f p
     stick_limit = _LARGEST_STICK_SHARE_OF_LIMIT * friction * reference_cycle.pressure
     is_well_below_limit = np.abs(reference_cycle.shear) < stick_limit
     should_stick = is_pressed & (reference_cycle.state == STICK) & is_well_below_limit
     coulomb_limit = friction * result_cycle.pressure
     distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
+    # on the Coulomb limit: to 1 %; at 90 % of the points at least
     is_at_limit = distance_to_limit <= _LARGEST_DISTANCE_TO_LIMIT * coulomb_limit
     n_sticking = int(should_stick.sum())
     if not n_sticking or is_at_limit[is_pressed].mean() < _LEAST_SHARE_AT_LIMIT:
@@ -154,6 +157,8 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     share_at_limit = float((should_stick & is_at_limit).sum()) / n_sticking
     if share_at_limit < _LEAST_SHARE_AT_LIMIT:
         return
+
+    # stick_edges: left and right edge of the stick zone at each instant
     stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2
     sentence = WORDS["others"]["full_slip"].format(
         width=stick_half_width / comparison.scales.half_width
@@ -186,25 +191,30 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     # 1/k by least squares
     compliance = float(creep @ shear_change / (shear_change @ shear_change))
     residual_slip = changes.slip - compliance * changes.shear
-    mean_square = float(np.mean(creep**2))
-    mean_square_left = float(np.mean(residual_slip[is_sticking] ** 2))
-    mean_square_noise = 0.0
+    mean_square_of_creep = float(np.mean(creep**2))
+    mean_square_after_fit = float(np.mean(residual_slip[is_sticking] ** 2))
+    mean_square_of_noise = 0.0
     is_pair_sticking = is_sticking[:, 1:] & is_sticking[:, :-1]
     if is_pair_sticking.any():
-        differences = np.diff(residual_slip, axis=1)[is_pair_sticking]
-        mean_square_noise = float(np.mean(differences**2)) / 2
-    mean_square_noise = min(mean_square_noise, mean_square_left)
-    if mean_square <= mean_square_noise:
+        neighbour_differences = np.diff(residual_slip, axis=1)[is_pair_sticking]
+        mean_square_of_noise = float(np.mean(neighbour_differences**2)) / 2
+    mean_square_of_noise = min(mean_square_of_noise, mean_square_after_fit)
+    if mean_square_of_creep <= mean_square_of_noise:
         return
 
-    share_left = (mean_square_left - mean_square_noise) / (mean_square - mean_square_noise)
+    share_left = (mean_square_after_fit - mean_square_of_noise) / (
+        mean_square_of_creep - mean_square_of_noise
+    )
     share_proportional = 1 - share_left
-    # ratio of F: what the shear explains of the creep over what it leaves, per value
-    mean_square_explained = mean_square - mean_square_left
-    gain_of_fit = mean_square_explained / max(mean_square_left, 1e-300) * len(creep)
-    relative_creep = float(np.sqrt(mean_square - mean_square_noise)) / changes.largest_slip
+    # ratio of the F test: what the shear explains of the creep over what it leaves, per value
+    mean_square_explained = mean_square_of_creep - mean_square_after_fit
+    ratio_of_variances = mean_square_explained / max(mean_square_after_fit, 1e-300) * len(creep)
+    relative_creep = (
+        float(np.sqrt(mean_square_of_creep - mean_square_of_noise)) / changes.largest_slip
+    )
     is_creep = compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
-    if not is_creep or relative_creep < _LEAST_CREEP or gain_of_fit < _LEAST_F_RATIO:
+    # creep of 0.3 % of the largest slip at least; noise alone gives a ratio of 45 once in 10^11
+    if not is_creep or relative_creep < _LEAST_CREEP or ratio_of_variances < _LEAST_F_RATIO:
         return
     # compliance: A = 2/E*; half_width: a_ref
     scales = discrepancy.comparison.scales
@@ -267,6 +277,7 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
     # largest slip between two instants of points in contact
     largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
+    # a thousandth of it
     is_at_rest = np.abs(slip_change_of_reference) <= _LARGEST_STEP_AT_REST * largest_change
     is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
     return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
@@ -292,10 +303,11 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     values = residual.values
     smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
     neighbour_changes = np.diff(values, axis=1)[is_inside[:, 1:] & is_inside[:, :-1]]
-    mean_square = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
-    ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square
+    mean_square_of_residual = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
+    ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square_of_residual
     deviations_from_noise = (ratio_of_neumann - 1) * np.sqrt(n_points)
-    share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
+    share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square_of_residual))
+    # a third of the norm at most, and five standard deviations of noise at least
     if (
         share_left > _LARGEST_SHARE_LEFT_BY_MEANS
         or deviations_from_noise < _FEWEST_DEVIATIONS_FROM_NOISE
@@ -332,8 +344,8 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     ]
     if len(noise_by_channel) > 1:
         pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
-        # one code, one file: a shear alone does not scatter
-        # five times the scatter of the pressure, in p_ref
+        # one code, one file: a shear alone does not scatter, here five times as much as the
+        # pressure
         if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
             return
     square_of_noise = sum(noise**2 for noise in noise_by_channel)
@@ -345,11 +357,13 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     if len(noise_by_channel) > 1:
         noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
         result_cycle = discrepancy.comparison.result_cycle  # at all instants
+        # points in contact in the reference
         is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
         # of |q| over f p, in f p_ref
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
         n_beyond_limit = int(np.sum(excess[is_touching] > 0))
         largest_excess = float(np.max(excess[is_touching]))
+        # five standard deviations
         excess_by_noise = _DEVIATIONS_BY_NOISE * square_of_noise**0.5
         size_in_words = "more than noise alone makes"
         if largest_excess <= excess_by_noise:
@@ -359,6 +373,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
             f"{n_beyond_limit} of {int(is_touching.sum())} points in contact exceed the Coulomb"
             f" limit, by {largest_excess:.2g} of f p_ref at most: {size_in_words}",
         )
+    # WORDS: templates of sentences
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
 
@@ -372,7 +387,7 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     corner is left behind.
     """
     values = {metric.key: metric.value for metric in comparison.metrics}
-    # relative errors of the dissipation
+    # relative errors of the dissipation, of the smooth path and of straight lines
     error = values.get("dissipation")
     error_on_lines = values.get("dissipation_polygon")
     limit = comparison.scene.tolerances.limit("dissipation") or 0.0
@@ -447,6 +462,7 @@ def tractions_of_coarse_mesh(
     """
     is_near_edge = points_near_edges(discrepancy)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
+    # 60 % of the points in contact
     if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
     # (n,) wider spacing beside each point

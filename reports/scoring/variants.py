@@ -145,6 +145,7 @@ class Predictions:
         tractions = self.tractions_by_variant[solved_variant, needs_shear]
         if variant.is_swapped:
             tractions = tractions[::-1]
+        # pressure and shear times the factors of the file
         tractions = factors_of_tractions(variant.pressure_factor, variant.shear_factor) * tractions
         # a stand-in for unlike bodies: the part of the difference that is odd in x
         if variant.takes_odd_part:
@@ -171,6 +172,7 @@ class Predictions:
         Where the reference is not theory itself its difference from theory is added. Without
         `with_shear` only the pressure is solved, and q is the reference's.
         """
+        # a variant without any fault
         if variant == Variant():
             return self.discrepancy.reference_tractions
         x = (
@@ -185,6 +187,7 @@ class Predictions:
             )
         else:
             tractions = self._tractions_of_theory(variant, x, with_shear=with_shear)
+        # a reference that is not half-plane theory itself
         if not self.discrepancy.is_half_plane_theory:
             # theory without faults
             theory = self._tractions_of_theory(Variant(), self.discrepancy.x, with_shear=with_shear)
@@ -204,6 +207,8 @@ class Predictions:
         Factors, swaps and offsets of the file are applied later. InputError where the contact
         slides or separates, and where theory would take a grid of points.
         """
+        # scene with another modulus, friction or load; times earlier by a delay, or of the first
+        # cycle
         discrepancy = self.discrepancy
         scene = self._scene_with_faults(variant)
         time = self._times_with_faults(variant, scene)
@@ -237,7 +242,8 @@ class Predictions:
                     self._tractions_of_theory(variant_without_layer, x, with_shear=True)[SHEAR],
                 ]
             )
-        # one memory curve for all flat punches: None where bulk stress or tilt needs a grid
+        # one_curve: the scene as one memory curve of all flat punches; None where bulk stress or
+        # tilt needs a grid of points
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions_of_scene(scene, x, time, effects=effects)
@@ -364,6 +370,7 @@ def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp
     """
     path = scene.load.path()
     if path.period is None:
+        # 24 steps a cycle, of which 8 for the initial loading
         times_on_steps = times
         step_times = np.linspace(path.start, times.max(), 2 * _STEPS_A_CYCLE)
     else:
@@ -389,6 +396,8 @@ def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) 
     curvature_unit = share * discrepancy.comparison.scales.compliance / height**2
     return BodyEffects(
         datum_length=scene.profile.datum_length,
+        # Estimate: a value with its uncertainty, here none; factors of two blocks twice as wide
+        # as high
         normal_curvature=Estimate(_NORMAL_CURVATURE * curvature_unit),
         tangential_curvature=Estimate(_TANGENTIAL_CURVATURE * curvature_unit),
     )
@@ -449,6 +458,7 @@ def _tractions_by_long_steps(
         return _tractions_of_scene(scene, x, times, straight=True)[:, rows_of_instants]
     # vertices (P, Q) of the steps that the solver takes in effect
     polygon = [(0.0, 0.0)]
+    # time of the end of each step on that polygon
     polygon_times = []
     least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
     for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
