@@ -237,6 +237,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     area_per_sigma = np.empty(len(place_on_loop))
     area_per_sigma[order_on_loop] = _area_per_sigma(loop, fit, order_on_loop)
     area_beside_fit = float(area_per_sigma @ fit.distances.signed_distance)
+    # the same by the first, third, ... and by the second, fourth, ... row along the loop
     area_beside_fit_by_half_the_rows = [
         float(
             _area_per_sigma(loop, fit, half_of_rows) @ fit.distances.signed_distance[half_of_rows]
@@ -247,6 +248,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     error_by_scatter = _error_by_scatter(loop, fit, area_per_sigma)
     error_by_digits = 0.0
     if fit.error_by_digits:
+        # derivative of W by f, times the error of f
         error_by_digits = loop.area_by_friction_where_gross * fit.error_by_digits
     # half of the difference to the areas by every second row
     error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
@@ -296,6 +298,7 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     widening = max(fit.misfit.widening, 1.0)
     sum_of_squares = float(area_by_residuals @ area_by_residuals)
     sigma_of_area = math.sqrt(variance * sum_of_squares) * widening
+    # 1.96 of many rows
     student_factor = float(student.ppf(0.975, fit.degrees_of_freedom))
     # 1.12, fitted on 1,156 loops
     error_by_scatter = _FACTOR_ON_SCATTER * student_factor * sigma_of_area

@@ -120,6 +120,7 @@ def find_branches(
     _refuse_scatter(load, noise, range_of_load, source)
     # rows_before, rows_after: of each crossing; period: of one cycle, where the rows are repeated
     record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
+    # times at which Q passes the middle of its range
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
     )
@@ -428,9 +429,11 @@ def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp
     the rows between each two crossings of its middle, last Q. `begins` and `ends` are the last row
     before and the first row after each crossing.
     """
-    edges = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
+    ends_of_pieces = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
-    pieces_between_crossings = [load[first:last] for first, last in pairwise(edges) if last > first]
+    pieces_between_crossings = [
+        load[first:last] for first, last in pairwise(ends_of_pieces) if last > first
+    ]
     extremes = [
         float(loads_between[np.argmax(np.abs(loads_between - middle))])
         for loads_between in pieces_between_crossings
@@ -581,8 +584,7 @@ def _turning_point(
     rows_before_begin = np.searchsorted(time, centres - half_duration)
     rows_before_end = np.searchsorted(time, centres + half_duration)
     rows_in_half_duration = float(np.mean(rows_before_end - rows_before_begin)) / 2
-    # from the nearest centre: -1 and 1 at the crossings
-    # (n,) time since the nearest centre, negative before it
+    # (n,) time since the nearest centre, negative before it: -1 and 1 at the crossings
     scaled_time = _time_from_nearest(centres, time) / half_duration
 
     # First guess of the turning point: the middle of the rows that are nearly as high as any.
@@ -592,7 +594,8 @@ def _turning_point(
     is_near_top = is_between_crossings & (height >= least_height)
     guessed_time = float(np.median(scaled_time[is_near_top]))
 
-    # Fits in longer and longer windows: from 3 rows on each side of the guessed time on.
+    # Fits in longer and longer windows: from 3 rows on each side of the guessed time on, each 1.5
+    # times the one before. Parabolas with residuals of 1.15 times the noise are still good.
     fits: list[_FitOfTop] = []
     rows_in_half_window = float(_FEWEST_ROWS_OF_HALF_WINDOW)
     while rows_in_half_window < max(rows_in_half_duration, _FEWEST_ROWS_OF_HALF_WINDOW + 0.5):

@@ -751,7 +751,7 @@ class _Search:
         # The derivatives come with the residuals, and are asked for where these were last.
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
-            """Residuals over sigma (n + 2,), and their derivatives by steps of the free parameters."""
+            """Residuals over sigma (n + 2,), and derivatives by steps of the free parameters."""
             log_friction_and_terms = friction_and_terms(np.frombuffer(step_bytes))
             residuals, derivatives = self._residuals_with_derivatives(
                 *log_friction_and_terms, self.model

@@ -63,25 +63,30 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     alignment = _required_alignment(loop, scene)
     # The file's Q is r times the scene's, at the same P: so is f.
     scale = alignment.scale
+    # sums of squared differences of U between theory and rows, for any f
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
+    # f at which the contact just slides as a whole at the scene's loads
     least_scene_friction = friction_at_gross_sliding(scene)
 
     # scan of ln f of the scene, then the best one between the neighbours of the best trial
-    trials = np.log(least_scene_friction) + np.linspace(
+    log_trials = np.log(least_scene_friction) + np.linspace(
         1e-6, math.log(_LARGEST_FRICTION_RATIO), _N_TRIALS
     )
     sums_of_squares = np.array(
-        [search.sum_of_squares(trial, alignment.share_of_cycle, scale) for trial in trials.tolist()]
+        [
+            search.sum_of_squares(log_trial, alignment.share_of_cycle, scale)
+            for log_trial in log_trials.tolist()
+        ]
     )
     index_of_best = int(np.argmin(sums_of_squares))
     neighbours_of_best = (
-        float(trials[max(index_of_best - 1, 0)]),
-        float(trials[min(index_of_best + 1, _N_TRIALS - 1)]),
+        float(log_trials[max(index_of_best - 1, 0)]),
+        float(log_trials[min(index_of_best + 1, _N_TRIALS - 1)]),
     )
     log_friction = min(
         search.best_log_friction(neighbours_of_best, alignment.share_of_cycle, scale),
-        float(trials[index_of_best]),
-        key=lambda trial: search.sum_of_squares(trial, alignment.share_of_cycle, scale),
+        float(log_trials[index_of_best]),
+        key=lambda log_trial: search.sum_of_squares(log_trial, alignment.share_of_cycle, scale),
     )
     # rig whose C Q + U0, added to theory's U, fits the rows best
     least_sum, compliance, _ = search.rig_fit(log_friction, alignment.share_of_cycle, scale)
@@ -90,10 +95,9 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     noise = max(math.sqrt(least_sum / degrees_of_freedom), loop.resolution[0] / math.sqrt(12))
     friction = scale * math.exp(log_friction)
 
-    # ends of the interval by the scatter of the rows
-    # 3.841: chi squared of one degree, 95 %
+    # ends of the interval by the scatter of the rows; 3.841: chi squared of one degree, 95 %
     limit = least_sum + _CHI_SQUARED * noise**2
-    trials_outside = trials[sums_of_squares > limit]
+    trials_outside = log_trials[sums_of_squares > limit]
     trials_below = trials_outside[trials_outside < log_friction]
     trials_above = trials_outside[trials_outside > log_friction]
     log_at_lower_end = search.log_friction_at_limit(limit, log_friction, trials_below, alignment)
@@ -257,12 +261,12 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     ------
     InputError
         For less than 0.9 of a cycle, and for rows whose Q differs from the scene's by more than 15
-        %
-    of its amplitude (`misfit`, root mean square).
+        % of its amplitude (`misfit`, root mean square).
     """
     load_of_cycle = cycle_loads(scene)[1]
     # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
     # cycle is tried first.
+    # trial periods of which the rows cover 0.9 and more
     alignment = _best_alignment(loop, load_of_cycle, _FEWEST_CYCLES)
     if alignment.misfit > _LARGEST_MISFIT:
         alignment = _best_alignment(loop, load_of_cycle)

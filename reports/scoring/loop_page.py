@@ -165,11 +165,12 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         Curve(
             curve.load,
             curve.displacement - slope * curve.load - mean_offset,
-            f"line-{number}",
+            f"line-{number}",  # its style in the page
             curve.name,
         )
         for number, curve in enumerate(score.curves, 1)
     ]
+    # key, axes with their limits, marks, title, width and height in pixels
     panel = Panel(
         "loop",
         Axis(*axis_limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
@@ -211,7 +212,9 @@ def _figure_of_residuals(
     caption_numbers
         how many rows a mean is of, and how many means there are
     """
+    # units: of the scene's force, length, stress
     unit_of_length = units(score.scene)[1]
+    # key, axes with their limits, marks, title, width and height in pixels
     panel = Panel(
         "loop-rest",
         Axis(0.0, 1.0, "share of the cycle"),

@@ -70,6 +70,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         that can't be turned into the scene's; for fewer than 20 rows; for a time that does not
         ascend.
     """
+    # names of columns, values (n_rows, n_columns), line of each row in the file
     table = text_table(
         path,
         kind=TableKind(
@@ -212,8 +213,10 @@ def _column_of_loop(
     # which factor of the mapping holds for the quantity
     factor_name: Literal["length", "load"] = "length" if quantity == "slip" else "load"
     is_load = factor_name == "load"
+    # units(scene)[1]: the scene's unit of length
     unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
     column_number = table.names.index(name)
+    # model_fields_set: the keys that the mapping file states
     is_thickness_stated = is_load and "thickness" in mapping.model_fields_set
     # None where the mapping states none
     stated_factor = getattr(mapping.factors, factor_name)

@@ -179,7 +179,8 @@ def explained_change(
     sums_of_squares = []
     ranks = []
     for columns in (derivatives, np.column_stack([derivatives, added_derivatives])):
-        # least squares without, then with the added parameters
+        # least squares without, then with the added parameters; singular values below 1e-8 of the
+        # largest count as 0
         coefficients, _, rank, _ = np.linalg.lstsq(
             columns, distances, rcond=_LEAST_RATIO_OF_SINGULAR_VALUES
         )
@@ -225,6 +226,7 @@ def drift_of_displacement(
     is_away_from_turns = (share_of_branch > _SHARE_AT_TURN) & (share_of_branch < 1 - _SHARE_AT_TURN)
     has_later_row = branches.phase + 1 < phase[-1]
     is_compared = is_away_from_turns & has_later_row
+    # eight rows
     if np.count_nonzero(is_compared) < _FEWEST_PAIRS:
         return None
     phase_a_cycle_later = branches.phase[is_compared] + 1
@@ -352,7 +354,7 @@ def differences_of_cycles_in_words(
             return ""
         median_size = float(np.median(sizes))
         rows_per_cycle = 2 * len(load) / (len(sizes) + 1)
-        # largest difference of sizes by noise, over the median size
+        # largest difference of sizes by noise, four standard deviations, over the median size
         range_by_noise = (
             _RANGE_OF_NOISE * row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
         )

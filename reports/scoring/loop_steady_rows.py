@@ -119,9 +119,12 @@ def fit_steady_rows(
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
-        # part of the rows' distances that is no scatter, over the mean opening of the loop in U
+        # part of the rows' distances that is no scatter, over the mean opening of the loop in U,
+        # which
+        # is its area over the range of Q
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
         if (
+            # 2 %
             share_of_opening > _LARGEST_SHARE_OF_OPENING_WHERE_LOAD_VARIES
             or _differences_of_cycles_in_words(loop)
         ):
@@ -147,6 +150,7 @@ def fit_steady_rows(
         _require_loop_of_theory(candidate, loop, scene)
     chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
     fit = replace(fit, n_cycles=_branches_by_height(loop).n_cycles)
+    # 1.5 % of the opening
     if candidate.share_of_opening > _LARGEST_SHARE_OF_OPENING:
         fit = _fit_with_sentence(
             fit,
@@ -352,6 +356,8 @@ def _tested_candidate(
         if phase_of_turn - phase[0] < _SHORTEST_FIRST_HALF_CYCLE:
             phase_of_turn += 0.5
         is_in_first_half_cycle = phase < phase_of_turn
+        # how the loop changes with a variable of the rows, and the chance of scatter to show as
+        # much
         change_with_time = fitted_loop.change_with(phase)
         change_of_first_half_cycle = fitted_loop.change_with(is_in_first_half_cycle.astype(float))
         # waves with a period of two cycles
@@ -362,10 +368,12 @@ def _tested_candidate(
         change_of_size = fitted_loop.change_of_size_with(phase)
         log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
 
-    # misfit over the mean opening of the loop in U: the part of the distances that is no scatter
+    # misfit over the mean opening of the loop in U (area over range of Q): the part of the
+    # distances
+    # that is no scatter
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
     sigma_over_opening = fitted_loop.search.sigma.displacement / _mean_opening(loop, branches.phase)
-    # noise alone moves the nearest points of the loop by as much
+    # noise alone moves the nearest points of the loop by as much: a tenth of sigma
     if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
     return _Candidate(
@@ -387,7 +395,7 @@ def _tested_candidate(
 def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
     """Raise InputError, with the reason, where theory has no such steady loop: where cycles change,
     where Q rises while the contact slides, or where even the best fit lies far beside the rows. How
-    far is stated over the mean opening of the loop in U.
+    far is stated over the mean opening of the loop in U, its area over the range of Q.
 
     Parameters
     ----------
@@ -447,6 +455,7 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
     `candidate` holds the tests of the rows' steadiness: `change_of_size.chance` with which scatter
     alone shows such a growth of U and Q, and the change of ln f that goes with it.
     """
+    # 5 %
     if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
     # change of ln f: a change by more than a factor e counts as one by e
@@ -579,7 +588,7 @@ def _noise_of_load(loop: MeasuredLoop) -> float:
 def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
     """The fit of a measured loop with a sentence on how much wider its interval of f is, since
     neighbouring rows lie on the same side of the loop. `share_of_opening` is how far, over the mean
-    opening of the loop in U; below 0.1 % nothing is stated.
+    opening of the loop in U, its area over the range of Q; below 0.1 % nothing is stated.
 
     `fit.misfit` holds the correlation of neighbouring rows and the factor `widening`.
     """
@@ -631,6 +640,7 @@ def _fit_at_constant_load(
     """
     loop = candidate.rows
     branches = candidate.branches
+    # of a fitted f, over f: 1e-6, and 2e-9 where the contact slides as a whole
     error_of_theory = _RELATIVE_ERROR_OF_MEMORY_CURVE
     if candidate.best_loop.is_gross:
         error_of_theory = _RELATIVE_ERROR_OF_SLIDING
@@ -669,6 +679,7 @@ def _fit_at_constant_load(
     if fit.is_gross:
         half_range = (fit.highest_load - fit.lowest_load) / 2
         sentences.append(
+            # units(scene)[1]: unit of length
             f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
             f" loop: f is Q/P there, with Q = {half_range:.6g} from the middle"
         )
@@ -710,6 +721,7 @@ def _fit_where_load_varies(
     )
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
     load_of_cycle = cycle_loads(scene)[1]
+    # at three times as many instants
     load_at_fine_instants = cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1]
     # theory's U through a cycle, for any f
     loops_of_theory = LoopsOverFriction(
@@ -717,6 +729,7 @@ def _fit_where_load_varies(
         friction_at_gross_sliding(scene),
         lambda friction: theory_displacement(scene, friction, FINE_SHARES_OF_CYCLE),
     )
+    # error of theory: 1e-5 of f
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _RELATIVE_ERROR_OF_THEORY)
     sigma = RowNoise(fit.displacement_noise, fit.load_noise)
     # nearest point of the loop to each row; place: as a number of instants

@@ -273,6 +273,7 @@ def score_loop(
         noise=fit.displacement_noise,
         loops=(measured_row, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
+        # what was assumed or left out
         notes=(*fit.sentences, sentence, *computed_loops.sentences),
         share_of_cycle=fit.share_of_cycle,
         displacement=loop.displacement,
@@ -379,6 +380,7 @@ def _partial_loops(
             )
             continue
         # U through the cycle, by name of the loop
+        # names of engines and f, for the table
         displacements = {f"theory, {name}": theory_displacement(fit.scene, friction_at_scene_q)}
         if against == "fe":
             displacements[f"finite elements, {name}"] = finite_element_displacement(
@@ -430,7 +432,9 @@ def _loop_with_rig(
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
     area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.displacement)))
     slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
+    # name, f, W and its uncertainty, slope, distance
     row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
+    # offset: the file's Q is r times the scene's plus this
     return _ComputedLoop(row, displacement, load + fit.offset)
 
 

@@ -180,8 +180,8 @@ def _solution_without_zones(
         ("contact_half_width", "stick_half_width", "tangential_displacement", "normal_approach"),
         no_series,
     )
+    # DERIVED: key for names of fields that are derived from others
     settings: dict[str, Any] = {
-        # DERIVED: key for names of fields that were derived from others
         "source": surface.source,
         DERIVED: ["state", "contact_edges", "stick_edges", *names_of_scene],
     }
@@ -288,7 +288,7 @@ def _solution_with_zones(
         solution.scene.friction.coefficient,
         solution.time,
     )
-    # indices of the instants of the last cycle; none where the result holds no whole cycle
+    # indices of the instants of the last cycle; none where it is noted as missing (WHOLE_CYCLE)
     instants_of_cycle = (
         solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
     )
@@ -324,6 +324,7 @@ def _solution_with_zones(
             )
             changes["permanent_stick_edges"] = read_only_copy(permanent_edges)
     if adds_dissipation:
+        # work of friction at each point, (n,)
         density = friction_work(solution.shear[instants_of_cycle], solution.slip[instants_of_cycle])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
@@ -352,6 +353,7 @@ def reference_by_same_rule(
     # name of a field that the result lacks -> reason
     missing_fields = reason_by_missing_field(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
+    # states, edges and work from the tractions of the reference; edges are (n_steps, 2)
     reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work
     )
@@ -413,10 +415,10 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
             continue
         # history of these loads along the path; None where the scene has none of them
         companion = path.companion(companion_name)
-        for column, field_name in enumerate(field_names):
+        for component, field_name in enumerate(field_names):
             series = np.zeros(len(time))
             if companion is not None:
-                series = companion.at(np.maximum(time, path.start))[column]
+                series = companion.at(np.maximum(time, path.start))[component]
             imposed_series[field_name] = read_only_copy(series)
     return imposed_series
 
@@ -539,6 +541,7 @@ def zones_of_tractions(
     is_slipping, slip_direction, rule_in_words = _slipping_points(
         pressure, shear, slip, is_touching, friction, time
     )
+    # OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE: numbers of the states
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
     state[is_touching] = STICK
     state[is_slipping & (slip_direction > 0)] = SLIP_FORWARD
@@ -699,9 +702,9 @@ def _end_of_zone(
     largest_depth = _LARGEST_DEPTH_SHARE * abs(x[points[-1]] - x[points[0]])
     # fewer points where a corner of the profile is among them
     for divisor in (1, 2, 4) if tries_parabola else ():
-        count = min(_MOST_FITTED_POINTS, len(points) // 2 - _N_POINTS_LEFT_OUT) // divisor
-        fitted_points = last_point - direction * (_N_POINTS_LEFT_OUT + np.arange(count))
-        if count < _FEWEST_FITTED_POINTS:
+        n_fitted = min(_MOST_FITTED_POINTS, len(points) // 2 - _N_POINTS_LEFT_OUT) // divisor
+        fitted_points = last_point - direction * (_N_POINTS_LEFT_OUT + np.arange(n_fitted))
+        if n_fitted < _FEWEST_FITTED_POINTS:
             continue
         if abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
             continue
@@ -736,9 +739,10 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
     """
     coefficients = np.polyfit(depth, squared_pressure, 2, w=1 / squared_pressure)
     a, b, c = coefficients
-    residual = np.std(np.polyval(coefficients, depth) / squared_pressure)
+    relative_residual = np.std(np.polyval(coefficients, depth) / squared_pressure)
     discriminant = b**2 - 4 * a * c
-    if not (b > 0 and discriminant > 0 and residual < _LARGEST_RELATIVE_RESIDUAL):
+    # it fits to half a per cent
+    if not (b > 0 and discriminant > 0 and relative_residual < _LARGEST_RELATIVE_RESIDUAL):
         return None
     return float(2 * c / (b + np.sqrt(discriminant)))
 
@@ -990,11 +994,11 @@ def _sentences_on_odd_signs(
     """
     # tension of more than a thousandth of the largest pressure
     if surface.pressure.min() < -LEAST_TOUCHING_SHARE * surface.pressure.max():
-        row, column = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)
-        least_pressure = surface.pressure[row, column]
+        instant, point = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)
+        least_pressure = surface.pressure[instant, point]
         yield (
             f"the pressure is tension at some points, down to {least_pressure:.4g} at"
-            f" x = {surface.x[column]:.4g} of instant {row + 1}; it is scored as it is"
+            f" x = {surface.x[point]:.4g} of instant {instant + 1}; it is scored as it is"
         )
     # integral of the shear over x at each instant
     _, resultant_shear = resultants(surface)
