@@ -41,6 +41,7 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
     Traceback (most recent call last):
     scenes.errors.InputError: load = [1j] is refused: real numbers are needed, not complex ones
     """
+    # `np.ma`: masked arrays of numpy, whose masked entries have no value.
     try:
         unmasked_values = np.asarray(np.ma.getdata(values))
     except (TypeError, ValueError, OverflowError) as reason:  # such as rows of unequal length

@@ -290,6 +290,7 @@ class Bodies(Frozen):
         A body's `kind` is "half_plane", "block", "pad", "cylinder", "t_shape" or "shouldered_pad".
         """
         kinds_of_bodies = (self.lower.kind, self.upper.kind)
+        # _KINDS_OF_PADS: "pad" and "shouldered_pad"
         curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_KINDS_OF_PADS, "cylinder")]
         if len(curved_kinds) == 2 and curved_kinds != ["cylinder", "cylinder"]:
             raise ValueError(

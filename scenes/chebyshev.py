@@ -130,6 +130,7 @@ class SeriesAsPowers:
         column += np.ravel(number) * _PARTS_OF_PIECE
 
         # Horner's rule from the highest power down.
+        # `_power_coefficients` (n_powers, 8 n): a row for each power, a column for each part.
         values = self._power_coefficients[-1].take(column)
         next_coefficients = np.empty(len(place_in_part))
         for coefficients_of_power in self._power_coefficients[-2::-1]:
@@ -348,6 +349,7 @@ def piecewise_series_by_halving(
 
     def values_on(begins: Array, ends: Array) -> Array:
         """Values of the function at the Chebyshev points of m intervals, one row each."""
+        # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
         places = begins[:, None] + (ends - begins)[:, None] * (1 + CHEBYSHEV_NODES) / 2
         return np.asarray(function(places), dtype=float)
 
@@ -359,6 +361,7 @@ def piecewise_series_by_halving(
     values = values_on(begins, ends)
 
     # Limits for all parts of a first interval, (n,).
+    # _SHORTEST_PIECE: 1e-14 of the first interval, the length at which halving ends
     least_length = np.maximum(
         _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
     )
@@ -382,6 +385,7 @@ def piecewise_series_by_halving(
         )
         can_be_halved = ends - begins > least_length[first_interval]
         to_be_halved = (truncation_error(coefficients) > error_limits) & can_be_halved
+        # _MOST_PIECES: 400 series for the parts of one first interval
         unresolved_intervals = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1)
             | (to_be_halved & (n_tried[first_interval] > _MOST_PIECES))
@@ -427,6 +431,7 @@ def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[t
     first_lengths = np.diff(first_edges)[first_interval]
     # 1 for a short interval, 0 before the first and after the last: each run has a step up and
     # down.
+    # _LENGTH_AT_CORNER: 1e-3 of the first interval
     is_short = np.concatenate(
         [[False], piece_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]
     ).astype(int)
@@ -469,7 +474,9 @@ def _place_of_corner(function: Function, pieces: PiecewiseSeries, run: tuple[int
 
     def fit_from(place: float) -> chebyshev.Chebyshev:
         """Series of the function from a place on, over the width of a fit."""
+        # CHEBYSHEV_NODES: Chebyshev points on [-1, 1]
         values = function(place + fit_width * (1 + CHEBYSHEV_NODES) / 2)
+        # _TERMS_AT_CORNER: 16, since higher terms grow where the series is continued
         return chebyshev.Chebyshev(
             chebyshev_coefficients(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
         )

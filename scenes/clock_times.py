@@ -67,11 +67,12 @@ class ClockColumn:
         since_midnight = 60.0 * minutes + seconds_of_minute
         am_or_pm = match["half"]
         if am_or_pm:
+            # _SECONDS_OF_DAY: 86,400
             half_day = _SECONDS_OF_DAY / 2
             since_midnight = since_midnight % half_day + (am_or_pm[0] in "Pp") * half_day
         since_midnight -= _zone_offset(match["zone"])
 
-        # The first row is where time is counted from.
+        # The first row is where time is counted from: its text, date, and seconds since midnight.
         date_text = match["date"] or ""
         if not self.first_text:
             self.first_text = text
@@ -108,8 +109,8 @@ def _zone_offset(zone: str | None) -> float:
 
 @lru_cache(maxsize=64)
 def _day_number(text: str) -> int:
-    """Number of the day of a date such as 2026-11-29, 29.11.2026 or 11/30/2026, counted from 1
-    January of the year 1.
+    """Number of the day of a date, its `text` being such as 2026-11-29, 29.11.2026 or 11/30/2026,
+    counted from 1 January of the year 1.
 
     Raises
     ------

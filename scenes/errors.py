@@ -131,6 +131,7 @@ class InadmissibleLoadError(InputError):
         """
         if worst_instant is None:
             worst_instant = begin
+        # Loads and time of the begin stay with the error, and the time at which it is worst.
         self.time = begin.time
         self.normal_load = begin.normal_load
         self.tangential_load = begin.tangential_load
@@ -140,6 +141,7 @@ class InadmissibleLoadError(InputError):
         loads_text = f"P = {worst_instant.normal_load:.6g}, Q = {worst_instant.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads_text += f", f = {friction:g}"
+        # _SENTENCES_BY_REASON: for each reason what is violated, and what to do
         super().__init__(
             f"load: {reason}{onset_text}{place_text} at time {worst_instant.time:.6g} with"
             f" {loads_text}: {rule or _SENTENCES_BY_REASON[reason]}"

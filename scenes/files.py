@@ -80,6 +80,7 @@ def text_of(path: Path, role: str, most_bytes: int = LARGEST_TEXT_BYTES, advice:
     except (OSError, ValueError) as reason:  # ValueError: a name with a null character in it
         if isinstance(reason, InputError):
             raise
+        # The system's own words for the error (`strerror`), where it has any.
         cause = (reason.strerror if isinstance(reason, OSError) else None) or str(reason)
         raise InputError(f"{path}: {role} can't be read: {cause}") from reason
 
@@ -93,6 +94,8 @@ def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = 
         what the file is to the user, as in "the scene file", for the message
     advice
         what to do about one that is too large, for the message
+    path
+        of the file
 
     Raises
     ------
@@ -101,6 +104,7 @@ def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = 
     OSError
         Where there is no such file, or no right to read it.
     """
+    # Kind (`st_mode`) and size in bytes of the file.
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
         raise InputError(f"{path}: {role} can't be read: Is a directory")
@@ -154,6 +158,7 @@ def parsed_toml(text: str) -> dict[str, Any]:
         n_keys += symbol == "=" or is_table_heading
         n_open_brackets += (symbol in "[{") - (symbol in "]}") if symbol else 0
         symbol_before = symbol
+        # _LARGEST_NESTING_DEPTH: 8 tables within each other
         is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_NESTING_DEPTH
         if is_too_deep or token["long"] or n_keys > _MOST_KEYS:
             if is_too_deep:
@@ -269,8 +274,8 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
-    """Write a table of keys and values, such as a scene, to a .toml or .json file, whole or not at
-    all.
+    """Write a table of keys and values, such as a scene, to the .toml or .json file at `path`,
+    whole or not at all.
 
     Raises
     ------
@@ -418,6 +423,7 @@ def source_digest(*names: str) -> str:
     digest = hashlib.sha256()
     for name in names:
         try:
+            # Where the module lies: file (`origin`), and folders of a package.
             spec = find_spec(name)
         except ModuleNotFoundError:
             spec = None

@@ -153,6 +153,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     profile_fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
 
     # Points far from the fit join the candidates, in a few repeats.
+    # _MOST_REPEATS_OF_FIT: 5 repeats
     for _ in range(_MOST_REPEATS_OF_FIT):
         rows_in_fit = np.delete(row_numbers, candidate_rows)
         residuals = h[rows_in_fit] - profile_fit.height_at(x[rows_in_fit])
@@ -169,6 +170,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     # Spikes are the candidates that are far from the last fit too.
     # A corner of the profile stands out from its neighbours, but not from the fit: it stays.
     distances_from_fit = np.abs(h[candidate_rows] - profile_fit.height_at(x[candidate_rows]))
+    # LEAST_RESIDUAL_OF_SPIKE: 5 standard deviations of the noise
     spikes = candidate_rows[
         distances_from_fit > LEAST_RESIDUAL_OF_SPIKE * profile_fit.keys["fitted"]["noise"]
     ]
@@ -187,12 +189,15 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
     round-off of an exact fit have no spikes. `residuals` (n,) are measured minus fitted heights.
     """
     absolute_residuals = np.abs(residuals)
+    # _MEDIAN_OF_SQUARED_DEVIATE: 0.4549, that of a standard normal number
     sigma = float(np.median(absolute_residuals)) / math.sqrt(_MEDIAN_OF_SQUARED_DEVIATE)
+    # _ROUND_OFF_SHARE_OF_RESIDUAL: 1e-9 of the largest residual
     if not sigma > _ROUND_OFF_SHARE_OF_RESIDUAL * float(np.max(absolute_residuals)):
         return np.array([], dtype=np.int64)
     largest_neighbours = np.maximum(
         np.append(absolute_residuals[1:], 0.0), np.append(0.0, absolute_residuals[:-1])
     )
+    # LEAST_RESIDUAL_OF_SPIKE: 5 standard deviations of the noise
     return np.flatnonzero(
         (absolute_residuals > LEAST_RESIDUAL_OF_SPIKE * sigma)
         & (absolute_residuals > 2 * largest_neighbours)
@@ -203,12 +208,15 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """Indices (m,) of measured points x, h (n,) that stand out from their neighbours; none where x
     is not in order, or where points are too few or too many for a fit.
     """
+    # _FEWEST_ROWS, _MOST_ROWS: 8 and 20,000 points, between which a fit is made
     if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     # Standard deviation of the noise of h, by differences of neighbouring points.
     sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
     # noise hides below the step of the last digit
+    # _LEAST_FRACTION_OF_HEIGHTS: 0.7; with fewer different heights, these are steps of the last
+    # digit
     if 1 < len(distinct_heights) < _LEAST_FRACTION_OF_HEIGHTS * len(h):
         sigma = max(sigma, float(np.min(np.diff(distinct_heights))))
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
@@ -306,6 +314,7 @@ def _check_rows_of_fit(
         With the row, and what to do.
     """
     n_places = len(np.unique(x))
+    # _FEWEST_ROWS: 8 places
     if n_places < _FEWEST_ROWS:
         raise RowError(
             last_row,
@@ -313,6 +322,7 @@ def _check_rows_of_fit(
             " needed",
         )
     distances = np.abs(x - middle)
+    # _LARGEST_GAP_SHARE_AT_MIDDLE: 0.1 of the largest distance from the middle
     largest_gap = _LARGEST_GAP_SHARE_AT_MIDDLE * float(np.max(distances))
     begins_near_middle = np.min(distances) <= largest_gap
     if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
@@ -367,8 +377,9 @@ class _ScaledFit:
         """Fitted h of the levelled trace at any places x (n,) [length].
 
         The dimensionless fit `fit` is h = offset + tilt (x - middle) + sum of basis functions of
-        |x - middle| with weights. `origin` is the place at which its x is 0; `length_unit` and
-        `height_unit` are its units; its h is counted from the first measured h.
+        |x - middle| with weights (`basis_weights`). `origin` is the place at which its x is 0;
+        `length_unit` and `height_unit` are its units; its h is counted from the first measured h.
+        `fit.rows` holds the kind of profile, and the half-length of its flat is 0 without one.
         """
         fit = self.fit
         scaled_places = (places - self.origin) / self.length_unit
@@ -398,6 +409,7 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
     """
     # Equal neighbours in x are allowed: a trace with few digits has several points at one x.
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
+    # _MOST_ROWS: 20,000 points
     if len(x) > _MOST_ROWS:
         raise RowError(
             _MOST_ROWS,
@@ -438,6 +450,7 @@ def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledF
     """
     extent = request.extent or math.inf
     assumed_middle = trace.first_middle
+    # _MOST_REPEATS_OF_FIT: 5 repeats
     for _ in range(_MOST_REPEATS_OF_FIT):
         scaled_fit = _fit_about(x, trace, request, assumed_middle)
         is_within_extent = np.abs(x - assumed_middle) <= extent
@@ -501,6 +514,8 @@ def _fit_about(
         first_half_length = half_length / length_unit
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
     # A straight line through the points bends by round-off alone.
+    # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `shape_heights` are the fitted
+    # heights without offset and tilt
     if (
         np.ptp(fit.shape_heights) < _LEAST_HEIGHT_RANGE_SHARE
         or abs(fit.middle) > _LONGEST_HALF_LENGTH
@@ -527,7 +542,7 @@ def _record_of_fit(
         (n,) places of all measured points [length]
     trace
         `tilt` that was removed before the fit; `known_middle`, None where it was fitted;
-        `is_one_sided`: all points lie on one side of the middle
+        `tilt_is_fitted`: whether more was fitted; `is_one_sided`: all points lie on one side
     scaled_fit
         `x`, `h` of the fitted points and `middle` [length]; the dimensionless `fit`, with its units
         `length_unit` and `height_unit` [length]
@@ -583,6 +598,7 @@ def _is_tilted_as_a_whole(x: Array, h: Array, kind: str) -> bool:
     mid_length = float(x[0] + x[-1]) / 2
     half_length = float(x[-1] - x[0]) / 2
     relative_offset = abs(_lowest_place(x, h) - mid_length) / half_length
+    # _LARGEST_OFFSET_OF_LEVEL_TRACE: 0.3 of the half-length
     return relative_offset >= (1.0 if kind == "hertz" else _LARGEST_OFFSET_OF_LEVEL_TRACE)
 
 
@@ -608,7 +624,8 @@ def fitted_again(
     ----------
     profile
         a profile of a scene that was fitted: `height` is its gap h(x), and `fitted` the record of
-        the fit: measured rows, centre, tilt, noise, and which of these were fitted
+        the fit: measured rows, centre, offset (h at the centre), tilt, noise; `centre_fitted` and
+        `tilt_fitted` say whether these two were fitted or stated
     noise
         (n,) random heights of standard deviation 1, one for each fitted point: the simulated points
         are the first fit plus its own noise times these; None: the measured points
@@ -643,8 +660,8 @@ def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
     """Fit a smoothing spline to the measured points of a fitted profile, noise and tilt fitted
     again: the keys of the spline; None where no convex one fits.
 
-    `profile.fitted` is the record of the first fit: its measured rows, the middle `centre`, and
-    whether that was fitted.
+    `profile.fitted` is the record of the first fit: its measured rows, the middle `centre`, and in
+    `centre_fitted` whether that was fitted.
     """
     record = profile.fitted
     x, h = record.rows.values[record.used_rows()].T
@@ -692,6 +709,7 @@ def _noise_variance(x: Array, h: Array) -> float:
     weights = 1 / np.prod(distances, axis=2)
     third_differences = np.sum(weights * heights[is_distinct], axis=1)
     scaled_squares = third_differences**2 / np.sum(weights**2, axis=1)
+    # _MEDIAN_OF_SQUARED_DEVIATE: 0.4549, that of a standard normal number
     return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARED_DEVIATE
 
 
@@ -761,6 +779,7 @@ class _ScaledRows:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
+                # _DIVISORS_OF_TWO_INTEGRATIONS: 1*2, 3*4, 5*6 and 7*8, of s^2, s^4, s^6 and s^8
                 integrated_powers = s[:, None] ** [2, 4, 6, 8] / _DIVISORS_OF_TWO_INTEGRATIONS
                 return integrated_powers @ _CURVATURE_POLYNOMIALS.T
         # A hat is the second difference of ramps (s - knot)_+; integrated twice, of these cubes.
@@ -919,6 +938,7 @@ class _ScaledRows:
         if self.kind == "flat_rounded":
             return self.fit_from(self._first_guess_with_flat(first_middle, flat_half_length), 0.0)
         if self.kind == "smoothing_spline":
+            # _TRIAL_WEIGHTS: from 1e-9 to 1e3
             trial_weights = (
                 _TRIAL_WEIGHTS.tolist() if smoothing_weight is None else [smoothing_weight]
             )
@@ -934,11 +954,13 @@ class _ScaledRows:
         `flat_half_length` is over the largest distance of a point from the middle; None: unknown.
         """
         if flat_half_length is not None:
+            # _TRIAL_HALF_LENGTHS: 24 from 0.02 to 0.94 of the largest distance from the middle
             return np.append(
                 first_middle,
                 np.clip(flat_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1]),
             )
         both_are_fitted = self.middle_is_fitted and self.tilt_is_fitted
+        # _TRIAL_MIDDLES: seven from -0.45 to 0.45 of it
         trial_middles = _TRIAL_MIDDLES if both_are_fitted else np.zeros(1)
         trial_guesses = [
             np.append(first_middle + middle, half_length)
@@ -1053,11 +1075,13 @@ class _Fit:
                 }
             case "even_polynomial":
                 # Coefficients of the curvature in powers of (s/L)^2; integrated twice below.
+                # _CURVATURE_POLYNOMIALS: coefficients of the basis curvatures
                 curvature_coefficients = self.basis_weights @ _CURVATURE_POLYNOMIALS
                 rises = height_unit * curvature_coefficients / _DIVISORS_OF_TWO_INTEGRATIONS
                 return {"kind": "polynomial", "length": length_unit, "rises": tuple(rises.tolist())}
 
         # A smoothing spline becomes a table of points on it.
+        # _N_SPLINE_ROWS: 61; `knots` are distances of the spline's knots from the middle
         x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
         heights = self.rows.basis_functions(x, 0.0) @ self.basis_weights
         return {

@@ -179,6 +179,7 @@ def _further_keys_in_words(keys: Sequence[str]) -> str:
     """
     if not keys:
         return ""
+    # _MOST_KEYS_NAMED: 4 keys
     names = ", ".join(keys[:_MOST_KEYS_NAMED])
     n_unnamed = len(keys) - _MOST_KEYS_NAMED
     remainder = f" and {n_unnamed} more, named once these are mended" if n_unnamed > 0 else ""
@@ -212,7 +213,7 @@ def reason_of_unknown_key(word: str) -> str:
 
 def did_you_mean(word: str, known_words: Iterable[str]) -> str:
     """Suggest the known key that a misspelt `word` probably stands for, as a question with a blank
-    before it; empty where none is near.
+    before it; empty where none of the `known_words` is near.
 
     >>> did_you_mean("radias", ["radius", "kind"]), did_you_mean("zzz", ["radius", "kind"])
     (' did you mean radius?', '')

@@ -138,10 +138,12 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         return height(x) - height_at_middle
 
     inner_polynomial = None
+    # _LARGEST_ROUNDOFF_OF_EXACT_HEIGHT: 1e-15 of the height
     if (
         _relative_roundoff_near_zero(height_above_middle, extent)
         > _LARGEST_ROUNDOFF_OF_EXACT_HEIGHT
     ):
+        # _LARGEST_HALVING_OF_END: 13; the polynomial ends at extent/2^13 or beyond
         possible_ends = edges[edges >= extent * 0.5**_LARGEST_HALVING_OF_END]
         inner_polynomial = _inner_polynomial(height_above_middle, possible_ends)
     if inner_polynomial is None:
@@ -152,6 +154,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     else:
         outer_edges = np.append(inner_polynomial.end, edges[edges > inner_polynomial.end])
         # The largest round-off that is expected outside counts as resolved.
+        # _GROWTH_OF_ROUNDOFF, _RESOLUTION_OF_FIT: 10 and 4e-15, of the scale that the fit is given
         scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
     outer_series, outer_errors = _series_of_height(
         height_above_middle,
@@ -220,6 +223,7 @@ class _Samples:
         of the round-off of the values to which the series was fitted. That of a coefficient is
         smaller by `coefficient_roundoff_ratio`, sqrt(2/n) for n values.
         """
+        # _DEVIATIONS_OF_SIGNIFICANT_TERM: 8 standard deviations
         is_significant = (
             np.abs(coefficients)
             > _DEVIATIONS_OF_SIGNIFICANT_TERM
@@ -246,7 +250,9 @@ def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -
     an array of x to an array of heights.
     """
     # Places on [-1, 1], and the least-squares series through values at them.
+    # _SAMPLES_OF_INTERVAL: 512 places on [-1, 1]
     samples = _samples(_SAMPLES_OF_INTERVAL)
+    # _PLACE_SHARE_NEAR_ZERO: 2^-20 of the extent
     heights = height_above_middle(extent * _PLACE_SHARE_NEAR_ZERO * (3 + samples.places) / 4)
     largest_height = float(np.max(np.abs(heights)))
     if not (largest_height > 0 and np.all(np.isfinite(heights))):
@@ -340,9 +346,11 @@ def _errors_of_loads(
     largest_slope_up_to_end = np.maximum.accumulate(largest_slope_in_interval)
     has_slope = largest_slope_up_to_end > 0
     # Lower bound of P/(E* a).
+    # _LEAST_LOAD_PER_SLOPE: 0.5, of the largest slope up to a
     least_load = _LEAST_LOAD_PER_SLOPE * largest_slope_up_to_end[has_slope]
     relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
 
+    # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_RELATIVE_LOAD_ERROR)
     if len(rough_intervals):
         first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
@@ -406,6 +414,7 @@ def _inner_polynomial(
     if not polynomials:
         return None
     least_load_error = min(polynomial.load_errors.load for polynomial in polynomials)
+    # _RATIO_OF_ALIKE_ERRORS: 2, of load errors
     widest_polynomial = next(
         polynomial
         for polynomial in polynomials
@@ -436,6 +445,7 @@ def _polynomial_up_to(
     coefficients, roundoff_array = samples.series_and_roundoff(heights)
     height_roundoff = float(roundoff_array)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
+    # _DEVIATIONS_OF_EXPLAINED_TERM: 6 standard deviations of a coefficient's round-off
     explained_size = (
         _DEVIATIONS_OF_EXPLAINED_TERM * samples.coefficient_roundoff_ratio * height_roundoff
     )
@@ -444,6 +454,7 @@ def _polynomial_up_to(
 
     # Degree of the last coefficient that exceeds its round-off.
     last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
+    # _LOWEST_POWERS: 1 to 4
     for lowest_power in _LOWEST_POWERS:
         coefficient_count = max(last_degree - lowest_power, 0) + 1
         polynomial = _polynomial_of_lowest_power(
@@ -510,6 +521,7 @@ def _polynomial_of_lowest_power(
     b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
     b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
     b_sizes = np.abs(b_at_ends @ g)
+    # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
         return None
 
@@ -517,6 +529,7 @@ def _polynomial_of_lowest_power(
     slope_series = sum(
         coefficient * term for coefficient, term in zip(g.tolist(), terms_of_b, strict=True)
     )
+    # _LEAST_LOAD_PER_SLOPE: 0.5, the least P/(E* a) over the largest slope
     load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
     # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/end^2) s^(m-1) 2 s dB/ds.
     rate_error = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE

@@ -257,6 +257,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             raise ValueError(f"{' and '.join(tilt_keys)} say the same thing: state one of them")
         # `is_driven`: a displacement is prescribed in the place of Q.
         if self.has_bulk_or_tilt and self.is_driven:
+            # BULK_AND_TILT_KEYS: keys of both bulk stresses, tilt, moment and line of action
             key = next(key for key in BULK_AND_TILT_KEYS if getattr(self, key) is not None)
             raise ValueError(
                 f"{key} does not go with tangential_displacement: leave one of the two out"
@@ -316,7 +317,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         InputError
             Where a displacement is prescribed: the loads follow from the contact.
         """
-        if self.is_driven:
+        if self.is_driven:  # a displacement is prescribed in the place of Q
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
         path = self.path_of_loads()
         # `has_bulk_or_tilt`: whether the load states a bulk stress, tilt or moment.
@@ -326,6 +327,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         # Companions: two quantities beside P and Q, as a segment over the same time. The attribute
         # "bulk" holds both bulk stresses, "tilt_and_moment" tilt and moment.
         companions: dict[str, Sequence[LoadSegment]] = {}
+        # `line_of_action`: the line along which P acts, x, and the height at which Q acts; or None.
         if (line := self.line_of_action) is not None:
             # Loads along a line: the tilt is 0, and the moment M = x P + height Q.
             moment_of_loads = Combination(line.x, line.height)
@@ -333,6 +335,7 @@ class BulkAndTilt(Frozen, Generic[V]):
                 segment.companion_of(moment_of_loads) for segment in load_segments
             ]
         # The other companions follow from the values of the keys, None where a key is not stated.
+        # _KEYS_OF_SEGMENT_ATTRIBUTES: attribute of a load segment -> keys of its two quantities
         for attribute, (first_key, second_key) in _KEYS_OF_SEGMENT_ATTRIBUTES.items():
             key_values = getattr(self, first_key), getattr(self, second_key)
             if key_values != (None, None):
@@ -346,6 +349,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             )
         ]
         initial_count = len(path.initial_loading)
+        # `moment_is_given`: the moment is stated, and the tilt follows from it.
         return LoadPath(
             tuple(complete_segments[:initial_count]),
             tuple(complete_segments[initial_count:]),
@@ -455,7 +459,7 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
 
     def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         """Two quantities beside P and Q, such as both bulk stresses, as sums of cosines over the
-        segments of the cycle.
+        segments of the cycle of the load `path`.
 
         `pair` holds what the scene states for the two: a wave or sum of waves, a number, or None
         for 0.
@@ -515,6 +519,7 @@ class EllipseLoad(CyclicLoad[Wave]):
         and a normal load that is neither stated nor replaced by an approach.
         """
         load_keys = (self.mean_tangential_load, self.tangential_amplitude, self.phase_degrees)
+        # `is_driven`: a displacement is prescribed; these are the values of keys left out.
         if self.is_driven and load_keys != (0.0, 0.0, 90.0):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load,"
@@ -717,6 +722,7 @@ class PolygonLoad(StraightLoad):
                 for end_values in end_values_of_pairs
                 for value_at_begin, value_at_end in end_values
             ):
+                # BULK_AND_TILT_KEYS: keys of both bulk stresses, tilt, moment and line of action
                 has_lists = any(isinstance(getattr(self, key), tuple) for key in BULK_AND_TILT_KEYS)
                 remark = " with the same bulk stress and tilt" if has_lists else ""
                 point = [float(load) for load in segment.loads(segment.start)]
@@ -846,6 +852,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         """Return this load; refuse (ValueError) tangential loads beside a prescribed displacement,
         and a normal load that is neither stated nor replaced by an approach.
         """
+        # `is_driven`: a displacement is prescribed in the place of Q.
         if self.is_driven and (self.mean_tangential_load or self.tangential_harmonics):
             raise ValueError(
                 "tangential_displacement stands in the place of mean_tangential_load and"
@@ -1053,6 +1060,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """
         from scenes.text_tables import MissingColumnError  # only a load from a file needs it
 
+        # `approach`: true where the file has a normal actuator's approach in the place of P.
         if self.approach and self.constant_normal_load is not None:
             raise InputError(
                 "approach stands in the place of P: leave out constant_normal_load, or approach"
@@ -1070,6 +1078,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         file. `approach` is true where a normal actuator's approach is prescribed in the place of P.
         """
         missing_names = set(fault.columns)
+        # `column_kinds`: the columns that the file must have.
         if missing_names == set(self.column_kinds):
             return ""
         # Headings under which files state a tangential displacement U, in a common spelling.
@@ -1091,7 +1100,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
         """(quantity, sentence part on its value) for the time and P where the scene states them in
-        place of columns.
+        place of columns: `interval` is the time from row to row, `constant_normal_load` P of all
+        rows.
         """
         descriptions: list[tuple[str, str]] = []
         if self.interval is not None:
@@ -1131,7 +1141,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
         `average` is the number of neighbouring rows of one mean, `reduce` how rows are chosen,
         `threshold` the swing or tolerance (P, Q) of that choice. `least_normal_load` is the P below
-        which rows are noise. `repeats`: the rows are one cycle.
+        which rows are noise. `repeats`: the rows are one cycle; `has_bulk_or_tilt`: bulk stress,
+        tilt or moment are stated.
         """
         if self.threshold is not None and self.reduce is None:
             raise ValueError(
@@ -1398,6 +1409,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         """
         # Successive pieces of the load history, each smooth; of a cycle also the first one again.
         segments = self._segments()
+        # duration: `duration`: time that the functions cover
         next_segments = [
             *segments[1:],
             *([segments[0].shifted(self.duration)] if self.repeats else []),
@@ -1436,6 +1448,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             "normal_load": function_of_arrays(self.normal_load),
             "tangential_load": function_of_arrays(self.tangential_load),
         }
+        # BULK_AND_TILT_KEYS: keys of both bulk stresses, tilt, moment and line of action
         for key in BULK_AND_TILT_KEYS:
             key_value = getattr(self, key)
             if callable(key_value):

@@ -227,8 +227,9 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
     decimal sign, encoding, lines that were left out.
 
-    `table` holds the number of each row's line, the separator, decimal sign and encoding in words,
-    the number of lines above the headings, and, in words, the lines that are no rows.
+    The file lies at `path`. `table` holds the number of each row's line, the separator, decimal
+    sign and encoding in words, the number of lines above the headings, and, in words, the lines
+    that are no rows.
     """
     layout = [
         (
@@ -298,15 +299,18 @@ class FromFile(Frozen):
         them: each column is converted into the scene's units. Return this part of the scene.
 
         Columns of bulk stress, tilt or moment become the keys of these names. The key `read_as`
-        then describes, for the user, how each column was read. `self.table` is the name of the key
-        that holds the rows; `validation.context` holds the folder of the scene file and the units
-        of the scene.
+        then describes, for the user, how each column was read.
+
+        `self.table` is the name of the key that holds the rows. `column_kinds` holds quantity and
+        kind of unit of each column, `optional_column_kinds` those of bulk stress, tilt or moment.
+        `validation.context` holds the folder of the scene file and the units of the scene.
 
         Raises
         ------
         InputError
             For a file or a unit that is not understood, and for a quantity stated twice.
         """
+        # pydantic's `model_fields_set`: the keys that were given.
         if self.table in self.model_fields_set:
             return self
         if self.file is None:
@@ -318,6 +322,7 @@ class FromFile(Frozen):
         path = _folder(validation) / self.file
         units = (validation.context or {}).get("units")
         if not isinstance(units, str):
+            # _DEFAULT_UNITS: "N, mm, MPa"
             units = _DEFAULT_UNITS
         stated_columns = getattr(self, "columns", None)
         optional_names = self._optional_columns_in(stated_columns)
@@ -508,6 +513,7 @@ class FromFile(Frozen):
                 advice_for_loads = (
                     ": to loads per unit thickness, or to forces beside the key thickness"
                 )
+            # LIKELY_UNITS: a usual unit of each kind
             raise InputError(
                 f"{path}: the heading {table.headings[column]!r} of {name} has {unit.word!r} where"
                 f" a unit stands: {unit.fault}; state the unit of the numbers, such as units ="
@@ -533,6 +539,7 @@ class FromFile(Frozen):
         # Keys that were filled in from the file.
         keys_from_file = {"read_as"} | (set(optional_names) - changes.keys())
         rows_change = self.table in changes
+        # READING_KEYS: keys on how a file is read, such as "columns" and "units"
         reading_changes = not changes.keys().isdisjoint(("file", *READING_KEYS))
         outdated_keys: set[str] = set()
         if rows_change and "file" not in changes:
@@ -568,6 +575,7 @@ class FromFile(Frozen):
                 table = text_table(path, tuple(self.column_kinds), columns)
                 place = f"{path}, line {table.line_numbers[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
+        # READING_KEYS: keys on how a file is read, such as "columns" and "units"
         unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]
         if self.file is None and unused_keys:
             raise ValueError(

@@ -122,6 +122,7 @@ def read_netcdf(
     hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
+        # LARGEST_SOLUTION_BYTES: 2 GB; `_ROLE` is "the solution", for messages
         require_readable_size(path, _ROLE, LARGEST_SOLUTION_BYTES)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         # Arrays take the limit at most; as much again is left to buffers of the library.
@@ -134,6 +135,7 @@ def read_netcdf(
             attributes = {str(key): _single_value(file.attrs[key]) for key in file.attrs}
             _require_format(path, attributes, newest_format)
             _require_arrays(path, file, axes_of_arrays)
+            # Arrays with their dimensions, values and attributes.
             arrays = {
                 str(name): _stored_array_of(variable) for name, variable in file.variables.items()
             }
@@ -156,6 +158,7 @@ def _require_room(path: Path, file: Any) -> None:
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
         for variable in file.variables.values()
     )
+    # LARGEST_SOLUTION_BYTES: 2 GB; `_ROLE` is "the solution"
     if unpacked_bytes > LARGEST_SOLUTION_BYTES:
         raise InputError(
             f"{path}: {_ROLE} takes {in_words(unpacked_bytes)} once unpacked, and at most"

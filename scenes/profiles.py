@@ -151,6 +151,7 @@ class TwoCurvatures(Gap):
         """Gap h(x) [length] of the untouched faces, in the shape of x: zero with zero slope at
         x = 0, with one curvature up to a distance from there, another beyond.
         """
+        # `curvatures`: h'' up to the distance b, b, and h'' beyond.
         inner_curvature, inner_half_length, outer_curvature = self.curvatures
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, inner_half_length)
@@ -585,6 +586,7 @@ class CallableProfile(Gap):
         # Height or slope as a function of arrays of places.
         values_at = function_of_arrays(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
+        # _N_HALVINGS: 53; intervals end at extent/2^53, ..., extent/2, extent
         edges = np.union1d(
             self.extent * 0.5 ** np.arange(_N_HALVINGS, -1.0, -1.0),
             [place for place in self.breaks if place < self.extent],
@@ -696,6 +698,9 @@ class CallableProfile(Gap):
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, self.extent)
         height_beyond = (distance - inner_distance) * float(self.slope(self.extent))
+
+        # Below the first edge h' goes as x to the power `exponent`; `_height` is the integral
+        # beyond.
         tip_distance = np.minimum(inner_distance, self._slope.edges[0])
         tip_height = tip_distance * self.slope(tip_distance) / (self.exponent + 1)
         return (
@@ -781,6 +786,7 @@ class Tabulated(FromFile):
         RowError
             For the first row that is no valid profile, counted in the whole table.
         """
+        # `points`: the measured rows (x, h); a fault holds its row, from 0, and the broken rule.
         rows = self.points.values
         if self.symmetric:
             return (one_side_of_profile(rows, self.asymmetry),)
@@ -859,9 +865,11 @@ class Tabulated(FromFile):
         """
         rises = np.abs(np.diff(self._rows_of_sides()[-1][1]))
         least_rise = float(np.min(rises[rises > 0]))
+        # _ROUNDING_OF_STEPS: 1e-3 of a step, by which a rise may miss a whole number of steps
         are_whole_steps = (
             np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _ROUNDING_OF_STEPS
         )
+        # _COARSE_STEPS: 1,000; the median rise is of fewer steps
         return (
             least_rise
             if are_whole_steps and np.median(rises) < _COARSE_STEPS * least_rise
@@ -875,7 +883,11 @@ class Tabulated(FromFile):
         x_array = np.asarray(x, dtype=float)
 
         def height_by(spline: Spline) -> Array:
-            """Gap at |x| on one side, by its spline; straight beyond the last knot."""
+            """Gap at |x| on one side, by its spline; straight beyond the last knot.
+
+            The spline holds distance, height and slope at its knots, and the curvature between
+            them.
+            """
             last_knot_before = np.clip(
                 np.searchsorted(spline.x, np.abs(x_array), side="right") - 1, 0, len(spline.x) - 1
             )
@@ -912,6 +924,7 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     # `RowError.refuse` raises for the first row at which a condition holds.
     x, h = points.T
     RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
+    # _CLOSEST_DISTANCE: 1e-9 of x
     RowError.refuse(
         np.diff(x) < _CLOSEST_DISTANCE * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
         lambda row: (
@@ -951,6 +964,7 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
         right_h = (right_h + left_h) / 2
 
     # The half that remains must be short enough, and rise.
+    # _MOST_ROWS: 2,000 rows of one side
     fault_of_size = (
         f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST_ROWS:,} are taken:"
         " leave out all but every n-th"
@@ -987,6 +1001,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     # Slopes at the rows. An interval is on a line where its secant is that of a neighbour.
     left_secants = secant_slopes[:-1]
     right_secants = secant_slopes[1:]
+    # _SECANT_ROUNDOFF: 1e-9 of the slope
     is_row_in_line = np.concatenate(
         [
             [False],
@@ -1011,6 +1026,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     # Intervals that one parabola does not fit: the mean of both slopes is not the secant's.
     excess_at_begin = slopes[:-1] - secant_slopes
     excess_at_end = slopes[1:] - secant_slopes
+    # _ALIKE_SLOPES: 1e-12 of both slopes
     split_intervals = np.flatnonzero(
         np.abs(excess_at_begin + excess_at_end) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
     )
@@ -1020,6 +1036,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     bends_one_way = excess_at_begin * excess_at_end < 0
     difference_of_excess = np.where(bends_one_way, excess_at_end - excess_at_begin, 1.0)
     knot_place = np.where(bends_one_way, excess_at_end / difference_of_excess, 0.5)[split_intervals]
+    # _SHORTEST_PART: 1e-6 of the interval
     knot_place = np.clip(knot_place, _SHORTEST_PART, 1 - _SHORTEST_PART)
     slope_at_knot = (
         2 * secant_slopes[split_intervals]

@@ -303,6 +303,7 @@ class Scene(Frozen):
         # Relative radius of the cylinders; None where no body is one.
         cylinder_radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
+        # LARGEST_NUMBER: 1e100, whose square is still a number
         if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
             raise ValueError(
                 f"profile has a length of {datum_length:g}, which is not between"
@@ -333,7 +334,8 @@ class Scene(Frozen):
         Springs, or the distance from the contact at which a displacement is prescribed
         (`datum_length`), need a prescribed displacement (`load.is_driven`). This in turn needs
         bodies, or for half-planes that distance, and a profile with two equal sides. A spring in
-        the normal direction needs a prescribed approach (`states_approach`).
+        the normal direction needs a prescribed approach (`states_approach`). `rig.is_stated`: any
+        key of the rig is stated.
         """
         rig = self.rig
         load = self.load
@@ -437,6 +439,8 @@ class Scene(Frozen):
           load: polygon, P from 0 to 90.6229, Q from -27.1869 to 27.1869, |Q|/P up to 0.3
           units: N, mm, MPa
         """
+        # `is_driven`: a displacement is prescribed in the place of Q; `states_approach`: an
+        # approach in the place of P.
         upper_material = self.material.upper
         lower_material = self.material.lower
         # Least and largest P (or approach) and Q (or U of the actuator) on the load path.
@@ -489,6 +493,7 @@ class Scene(Frozen):
         normal_loads: list[float] = []
         tangential_loads: list[float] = []
         for segment in (*path.initial_loading, *path.cycle):
+            # NORMAL_LOAD, TANGENTIAL_LOAD: P and Q, as combinations of the two
             normal_turns = segment.turning_points(NORMAL_LOAD)
             tangential_turns = segment.turning_points(TANGENTIAL_LOAD)
             # Ends of the segment, and times at which P or Q turns.
@@ -504,7 +509,7 @@ class Scene(Frozen):
         return None if forms is None else forms.scene_html(self)
 
     def save(self, path: str | Path) -> None:
-        """Write the scene to a .toml or .json file from which it can be loaded again.
+        """Write the scene to the .toml or .json file at `path`, from which it can be loaded again.
 
         Rows that were read from text files are written into it, and the keys on how these were read
         are left out.
@@ -512,11 +517,12 @@ class Scene(Frozen):
         Raises
         ------
         InputError
-            For a scene that holds a Python function, for rows that are too many for a .toml
-            file, where it can't be written.
+            For a scene that holds a Python function, for rows that are too many for a .toml file,
+            where it can't be written.
         """
         scene_keys = json.loads(self.model_dump_json(exclude_none=True))
         for table in (scene_keys["profile"], scene_keys["load"]):
+            # READING_KEYS: keys on how a text file is read, such as "columns" and "units"
             for key in ("file", *READING_KEYS):
                 table.pop(key, None)
         write_keys(Path(path), scene_keys)

@@ -312,9 +312,11 @@ class LoadSegment(abc.ABC):
             n_idle_steps = (n_idle_steps + 1) * ~is_improved
             # Short steps without a smaller error are round-off. After a long one, which halves a
             # bracket, steps with a smaller error follow.
+            # _MOST_IDLE_STEPS, _SHORT_STEP_SHARE: 3 steps, and 1e-9 of the time since `begin`
             has_stalled = (n_idle_steps >= _MOST_IDLE_STEPS) & (
                 last_step_length <= _SHORT_STEP_SHARE * np.abs(best_time - begin)
             )
+            # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
             is_round_off = last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.
             is_converged |= (least_error == 0) | has_stalled | is_round_off
@@ -370,14 +372,17 @@ class LoadSegment(abc.ABC):
         """
         time = guess
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            # _MOST_PLAIN_STEPS: 12 Newton steps
             for _ in range(_MOST_PLAIN_STEPS):
                 # Change of the combination since `begin`, and its time derivative.
                 change_so_far, rate = self._change_and_rate(combination, time, begin)
                 step = (wanted_change - change_so_far) / rate
                 time = time + step
+                # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
                 time_roundoff = _ROUND_OFF_SHARE_OF_TIME * np.abs(time)
                 distance_to_turning_point = np.minimum(np.abs(time - begin), np.abs(end - time))
                 # Step length whose square over the distance leaves an error below round-off.
+                # _ERROR_OVER_SQUARED_STEP: 4, of step^2 over the distance
                 longest_final_step = np.sqrt(
                     time_roundoff
                     * np.maximum(
@@ -750,8 +755,10 @@ class HarmonicSegment(LoadSegment):
         """Change of a combination c_P P + c_Q Q of the loads since `time_before`, and its rate by
         time, at `time` (n,) [rad]: (n,) each.
         """
-        if self.ellipse:
+        if self.ellipse:  # one harmonic: closed forms
             return super()._change_and_rate(combination, time, time_before)
+        # Several harmonics, in z = exp(i t): exp(i t_0) before, and the rotation over half the
+        # time.
         z_before = _unit_vector(time_before)
         half_rotation = np.exp(0.5j * (time - time_before))
         _, rate_terms = self._series_of(combination)
@@ -785,11 +792,13 @@ class HarmonicSegment(LoadSegment):
         [0.5804, 1.0, 1.4196]
         """
         # Upper bounds of the amplitudes of the combination's harmonics, k = 0, 1, ...
+        # `_fourier_coefficients` (2, m + 1): those of P and of Q.
         largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
 
         # An ellipse: each load has one harmonic.
         if self.ellipse:
             amplitude, lead = self.amplitude_and_lead(combination)
+            # _ROUND_OFF_SHARE: 1e-14 of the largest term
             if (
                 abs(amplitude) <= _ROUND_OFF_SHARE * largest_amplitudes[1]
             ):  # constant but for round-off
@@ -803,6 +812,7 @@ class HarmonicSegment(LoadSegment):
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
+        # LEAST_LOAD_CHANGE: 1e-290; smaller loads count as constant
         if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
             return []
 
@@ -812,6 +822,7 @@ class HarmonicSegment(LoadSegment):
         roots = polynomial.polyroots(
             np.concatenate([coefficients_below_zero, rate_coefficients[: highest_harmonic + 1]])
         )
+        # _DISTANCE_OF_DOUBLE_ROOTS: 1e-5, by which round-off parts a double root
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
         period = 2 * math.pi
 
@@ -1005,6 +1016,7 @@ class ChebyshevSegment(LoadSegment):
         _, rate_series = self._series_of(combination)
         # `_series` (2, m): Chebyshev coefficients of P and of Q.
         largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
+        # _ROUND_OFF_SHARE: 1e-14 of the largest term
         significant_orders = np.flatnonzero(
             np.abs(rate_series) > _ROUND_OFF_SHARE * largest_coefficient
         )
@@ -1203,6 +1215,7 @@ def _refined_turning_points(
     """
     times = guessed_times
     time_increment = 1e-6 * (segment.end - segment.start)
+    # _DISTANCE_OF_DOUBLE_ROOTS: 1e-5, by which round-off parts a double root
     longest_step = _DISTANCE_OF_DOUBLE_ROOTS * (segment.end - segment.start) / 2
     for _ in range(2):
         # Rate of the combination at the times, and an increment later.
@@ -1308,6 +1321,7 @@ def largest_ratio(segments: Iterable[LoadSegment]) -> float:
     # `turning_points`: times inside a segment at which a combination stops growing or falling.
     ratio = 0.0
     for segment in segments:
+        # NORMAL_LOAD: P alone, as a combination
         fixed_times = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
             times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))
@@ -1323,11 +1337,12 @@ def largest_ratio(segments: Iterable[LoadSegment]) -> float:
 
 
 def largest_ratio_of(normal_load: Array, tangential_load: Array) -> float:
-    """Largest |Q|/P of n instants, P and Q (n,) [force per thickness]: 0 where both are zero,
+    """Largest |Q|/P of n instants, P and Q (n,) each [force per thickness]: 0 where both are zero,
     infinite where P is negative, or zero while Q is not.
 
     Loads below 1e-12 of the largest P count as zero.
     """
+    # _ZERO_LOAD: 1e-12 of the largest |P|
     negligible_load = _ZERO_LOAD * np.max(np.abs(normal_load))
     shear_force = np.abs(tangential_load)
     shear_force = np.where(shear_force <= negligible_load, 0.0, shear_force)

@@ -288,6 +288,7 @@ class ContactSolution:
         """Five lines of text on the solution: scene and engine, how the run ended, numbers of
         instants and points, largest contact and permanent stick, friction work.
         """
+        # Names of the units of force and length.
         force_unit, length_unit, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
 
@@ -339,6 +340,7 @@ class ContactSolution:
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
                 continue
+            # "iterations" belongs to the record of the run, all else to the solution itself.
             dimensions = array_field.metadata["over"]
             if dimensions == ("time",):
                 columns[name] = values
@@ -414,6 +416,7 @@ class ContactSolution:
             "energy": f"{force_unit}·{length_unit}/{length_unit}",
             "": "1",
         }
+        # _SIDE_COORDINATE: "side", the coordinate of arrays with a left and a right side
         arrays = {_SIDE_COORDINATE: StoredArray((_SIDE_COORDINATE,), np.array(["left", "right"]))}
         # Fields and time series; None for those of other kinds of scenes. The metadata of each hold
         # its description ("words"), its dimensions ("over") and the kind of its unit.
@@ -457,6 +460,7 @@ class ContactSolution:
             }
 
         # Arrays of the solution itself; those in `_AXES_OF_ARRAYS` every solution has.
+        # _ARRAY_FIELDS: all arrays of a solution, by name
         names_present = [
             name
             for name in _ARRAY_FIELDS
@@ -467,6 +471,7 @@ class ContactSolution:
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
+        # _NAMES_OF_NUMBERS: dissipation, its uncertainty, loop work, permanent stick half-width
         for name in _NAMES_OF_NUMBERS:
             field_values[name] = float(
                 attributes.get(name, "nan")
@@ -475,6 +480,7 @@ class ContactSolution:
             )
 
         # A `steady_from` below 0 means that no cycle is steady.
+        # _CERTIFICATE_PREFIX, _ENERGY_PREFIX: beginnings of the names of checks and of energies
         return cls(
             engine=attributes["engine"],
             scene=Scene.model_validate_json(attributes["scene"]),
@@ -509,6 +515,7 @@ class ContactSolution:
             For a file that can't be read, is too large, or holds something else.
         """
         # Arrays with their dimensions checked, and attributes of the file.
+        # _AXES_OF_ARRAYS, FILE_FORMAT: axes of each array that has to be there; the newest format
         content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FILE_FORMAT)
         try:
             return cls._from_file_content(content)

@@ -67,6 +67,7 @@ def _rows_with_same_window(row: int, n_rows: int) -> list[int]:
     >>> _rows_with_same_window(1, 40), _rows_with_same_window(5, 40)
     ([0, 1, 2], [5])
     """
+    # _N_NEIGHBOURS: 4 rows nearest to a row
     n_before = _N_NEIGHBOURS // 2
     if row <= n_before:
         return list(range(n_before + 1))
@@ -84,6 +85,7 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     (n,).
     """
     n_rows = len(x)
+    # _N_NEIGHBOURS: 4 rows nearest to a row
     n_before = _N_NEIGHBOURS // 2
     # Rows of each window of five: the row itself, and its four neighbours.
     first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _N_NEIGHBOURS - 1)

@@ -240,10 +240,10 @@ def text_table(
     stated_columns
         quantity -> heading of its column, or column number (from 1), where the user names it
     kind
-        what the table is to the user, for messages; and which headings to expect where `columns` is
-        empty
+        what the table is to the user, and what to do about one that is too large (`role_of_file`,
+        `advice_on_size`), for messages; and which headings to expect where `columns` is empty
 
-    Raises
+        Raises
     ------
     InputError
         One sentence that names file, line, column, value and rule.
@@ -257,8 +257,11 @@ def text_table(
                 " numbered from 1 on"
             )
 
+    # _MOST_CHARACTERS_OF_LINE, _MOST_CHARACTERS_WITH_ALL_COLUMNS: 100,000, and 10,000,000 for
+    # tables of all columns
     longest_line = _MOST_CHARACTERS_OF_LINE if columns else _MOST_CHARACTERS_WITH_ALL_COLUMNS
     try:
+        # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
         with path.open("rb") as binary:
             first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
@@ -313,6 +316,8 @@ def _table_in_lines(
     headings = tuple(layout.names[k] for k in layout.columns_read)
     if not layout.heading_line:
         headings = tuple(f"column {k + 1}" for k in layout.columns_read)
+    # SEPARATORS_IN_WORDS: name of each separator
+    # `n_lines_above`: how many lines stand above the headings.
     return TextTable(
         names=request.quantities or headings,
         values=rows.values,
@@ -331,7 +336,7 @@ def _table_in_lines(
 
 
 def _encodings_of(first_bytes: bytes) -> list[str]:
-    """Character encodings, likeliest first, that a text file with these first bytes may have.
+    """Character encodings, likeliest first, that a text file with these `first_bytes` may have.
 
     UTF-16 has a byte-order mark at its start, or a zero in more than 80 % of every second byte.
     Other bytes with zeros are tried as UTF-8 alone.
@@ -339,11 +344,13 @@ def _encodings_of(first_bytes: bytes) -> list[str]:
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
     """
+    # _BYTE_ORDER_MARKS_OF_UTF_16: FF FE and FE FF
     if first_bytes.startswith(_BYTE_ORDER_MARKS_OF_UTF_16):
         return ["utf-16"]
     if b"\0" not in first_bytes:
         return ["utf-8-sig", "cp1252", "cp932", "latin-1"]
     n_pairs_of_bytes = max(len(first_bytes) // 2, 1)
+    # _LEAST_ZERO_SHARE_OF_UTF_16: 0.8 of every second byte
     if first_bytes[1::2].count(0) > _LEAST_ZERO_SHARE_OF_UTF_16 * n_pairs_of_bytes:
         return ["utf-16-le"]
     if first_bytes[0::2].count(0) > _LEAST_ZERO_SHARE_OF_UTF_16 * n_pairs_of_bytes:
@@ -436,6 +443,7 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
 
     `lines` are (number, text) of the first lines of the file. Comments among them are skipped.
     """
+    # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_without_comments = [
         (number, text) for number, text in lines if not text.startswith(_COMMENT_MARKS)
     ]
@@ -480,12 +488,14 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
     """
     path = request.path
     quantities = request.quantities
+    # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_without_comments = [line for line in lines if not line[1].startswith(_COMMENT_MARKS)]
     needed_text = "a line of names and rows of numbers"
     if quantities:
         needed_text = f"{len(quantities)} columns {', '.join(quantities)}"
     if not lines_without_comments:
         raise InputError(f"{path}: the file is empty; {needed_text} are needed")
+    # _MARKUP_START: pattern of the beginning of JSON, XML or HTML
     if _MARKUP_START.match(lines_without_comments[0][1]):
         raise InputError(
             f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
@@ -549,10 +559,12 @@ def _layouts_with_headings_at(
         where every column is read: how many of the line's headings must be expected ones
     """
     line_number, text = lines[index]
+    # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     is_comment = text.startswith(_COMMENT_MARKS)
     heading_text = text.lstrip("#*%/ ") if is_comment else text
     # Whether lines without numbers may stand between headings and rows.
     may_skip_lines = bool(request.quantities) or fewest_expected_headings > 0
+    # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     for separator in SEPARATORS_IN_WORDS:
         for headings in _possible_headings(heading_text, separator):
             # Numbers (from 0) of the columns that are read; None where a quantity has no column.
@@ -560,6 +572,7 @@ def _layouts_with_headings_at(
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
             else:
+                # How many headings are ones that this kind of table expects.
                 n_expected_headings = sum(map(request.kind.is_expected_heading, headings))
                 if (
                     is_comment
@@ -628,6 +641,7 @@ def _layout_with_headings(
         whether lines without numbers may stand between headings and rows
     """
     heading_line = lines[index][0]
+    # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_COMMENT_MARKS)]
     lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
     # Units of the columns by lines above and below, "" where none; `rows`: (number, text) of the
@@ -721,7 +735,8 @@ def _lines_below_headings(
 
 def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) -> list[str]:
     """Units (n_columns,) of the columns from a line above the rows whose first cell says "units",
-    as oscilloscopes and LabVIEW write it; empty texts without such a line.
+    as oscilloscopes and LabVIEW write it; empty texts without such a line. `lines` are (number,
+    text).
 
     The line holds a unit for each column but the first. Or it begins with the raw unit of an
     instrument, such as volts, which then is that of all columns.
@@ -736,6 +751,7 @@ def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) ->
     most_cells_of_units = 0
     for _, text in lines:
         label, *cells = _cells_of_line(text, separator)
+        # _WORDS_FOR_UNITS: pattern of "units" in several languages
         if not _WORDS_FOR_UNITS.search(normalised_name(label).lower()) or not cells:
             continue
         has_numbers = any(_is_number_or_time(cell, separator) for cell in cells)
@@ -760,6 +776,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
     if in_brackets and all(in_brackets):
         return True
+    # _RAW_UNITS: V, mV, counts and the like
     return any(is_unit(word) or word.lower() in _RAW_UNITS for word in words)
 
 
@@ -800,6 +817,7 @@ def _time_column(
         return columns_read[request.quantities.index("time")]
     if request.quantities:
         return None
+    # ALIASES: usual headings of each quantity
     names_of_time = {normalised_name(alias) for alias in ALIASES["time"]}
     return next(
         (k for k, heading in enumerate(headings) if normalised_name(heading) in names_of_time), None
@@ -849,9 +867,9 @@ def _candidate_columns(
 ) -> list[int]:
     """Numbers (from 0) of the columns that may hold a quantity, such as "time", by their headings.
 
-    Where the user states a heading or a column number (from 1), that one alone; none where it does
-    not exist. Else the columns under the first of the quantity's usual headings that occurs here.
-    Capitals and units within headings do not count.
+    Where the user states a heading or a column number (from 1) as `stated_column`, that one alone;
+    none where it does not exist. Else the columns under the first of the quantity's usual headings
+    that occurs here. Capitals and units within headings do not count.
     """
     if isinstance(stated_column, int):
         return [stated_column - 1] if stated_column <= len(headings) else []
@@ -900,6 +918,7 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
     """
     quantities = request.quantities
     first_text = lines[0][1]
+    # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     begins_with_rows = any(
         len(_cells_of_line(first_text, separator)) > 1 and _is_numeric(first_text, separator)
         for separator in SEPARATORS_IN_WORDS
@@ -1025,7 +1044,8 @@ def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputE
     """Error for a text table of numbers alone whose rows have `n_cells` cells, another number than
     that of the quantities to be read.
 
-    `first_line` is its number and text, for the message.
+    `request` holds the path of the file and the quantities; `first_line` is its number and text,
+    for the message.
     """
     line_number, text = first_line
     quantities = request.quantities
@@ -1089,7 +1109,7 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
 
     It is the line above the rows with headings for most of the quantities. Where no line has one,
     it is the line above the first row of numbers, or above its units, else the first line. `lines`
-    are (number, text) of the first ones of the file.
+    are (number, text) of the first ones of the file; `request` holds the quantities to be read.
     """
     # The first row of numbers with a cell for each quantity, else with fewer: index, separator,
     # cells.
@@ -1097,6 +1117,7 @@ def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line,
         row_index, separator_of_rows, cells_of_row = _first_numeric_row(lines, fewest_cells)
         if cells_of_row:
             break
+    # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS_IN_WORDS)
 
     # The line above that row, or above its units, cut in the way that gives most cells.
@@ -1134,6 +1155,7 @@ def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
     `lines` are (number, text).
     """
     for k, (_, text) in enumerate(lines):
+        # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
         for separator in SEPARATORS_IN_WORDS:
             cells = _cells_of_line(text, separator)
             if _is_numeric(text, separator) and len(cells) >= fewest_cells:
@@ -1158,6 +1180,7 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
             _is_number_or_time(cells[column], separator) for column in columns
         )
 
+    # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     for separator in SEPARATORS_IN_WORDS:
         for index, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
             if has_numbers(row, separator) and has_numbers(next_row, separator):
@@ -1171,9 +1194,9 @@ def _headings_above_rows(
     """Headings that stand above the first row of a text table whose columns are taken by number:
     number (from 1) of their line, headings (n_columns,) and units (n_columns,).
 
-    `lines` are (number, text) of those above the row. Of the lines with `n_columns` cells the last
-    one holds the headings; if its cells are units, the one before does. 0 and empty tuples where
-    other lines stand between headings and row.
+    `lines` are (number, text) of those above the row, `separator` stands between cells (None for
+    blanks). Of the lines with `n_columns` cells the last one holds the headings; if its cells are
+    units, the one before does. 0 and empty tuples where other lines stand between headings and row.
     """
     lines_with_all_cells = [
         (number, cells_of_line)
@@ -1279,8 +1302,10 @@ class _RowReader:
         first_row_line = self.layout.first_row_line
         del line_numbers[:]
         for number, text in self.read_lines():
+            # _COMMENT_MARKS: beginnings of comments: #, **, % and //
             if number < first_row_line or text.startswith(_COMMENT_MARKS):
                 continue
+            # MOST_ROWS: 2,000,000 rows are read
             if len(line_numbers) == MOST_ROWS:
                 raise InputError(
                     f"{self.request.path}: {self.request.kind.role_of_file} has more than"
@@ -1301,6 +1326,7 @@ class _RowReader:
         `layout` holds the separator (None for blanks), the headings, and the numbers (from 0) of
         the columns that are read.
         """
+        # `has_decimal_comma`: the decimal sign of the file is a comma.
         separator = self.layout.separator
         has_decimal_comma = self.has_decimal_comma
         # Between separators that are no blanks, cells behind the last column read may be left out.
@@ -1360,6 +1386,7 @@ def _read_rows(
     except ValueError:
         values = None
     # A cell that is nan or beyond the largest number is a fault too, which needs its line.
+    # LARGEST_NUMBER: 1e100, the largest number that is read
     if values is not None and (np.abs(values) <= LARGEST_NUMBER).all():
         return _Rows(values, np.array(reader.line_numbers, dtype=np.int64))
     return _read_rows_cell_by_cell(request.path, reader.lines(), layout, has_decimal_comma)
@@ -1496,8 +1523,10 @@ def _values_of_row(
                 number = clock.seconds(cell)
             except ValueError as reason:
                 reason_of_clock = f": {reason}"
+        # LARGEST_NUMBER: 1e100, the largest number that is read
         if number is None or not abs(number) <= LARGEST_NUMBER:
             advice = reason_of_clock
+            # _GROUPED_DIGITS: pattern of a number with marks between thousands
             if _GROUPED_DIGITS.match(cell):
                 decimal_sign = "comma" if has_decimal_comma else "point"
                 advice = (

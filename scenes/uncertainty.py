@@ -80,6 +80,7 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
         With what to write: for a bare number, for text of another form, for an amount where a
         percentage alone is taken, and for more than half of the value.
     """
+    # _EXAMPLES_BY_KIND: examples of what to write
     what_to_write = f"write {_EXAMPLES_BY_KIND[kind]}, in quotation marks"
     if not isinstance(value, str):
         raise ValueError(
@@ -302,6 +303,7 @@ class Uncertainty(Frozen):
                     f"correlations: {first_key} and {second_key} have two entries: leave one out"
                 )
             pairs_so_far.add(pair)
+        # _ROUND_OFF_OF_CORRELATION: 1e-9, by which round-off makes an eigenvalue negative
         if (
             uncertain_keys
             and np.linalg.eigvalsh(self.correlation_matrix())[0] < -_ROUND_OFF_OF_CORRELATION
@@ -813,8 +815,8 @@ def _changed_record(
     scaled by the two factors.
 
     The rows are those that the load path goes through (`kept_rows`), or all `rows` where bulk
-    stress or tilt has an entry for each. The keys that chose them (start and end, averaging,
-    thresholds) are reset: on scaled loads a threshold would choose other rows.
+    stress or tilt (`has_bulk_or_tilt`) has an entry for each. The keys that chose them (start and
+    end, averaging, thresholds) are reset: on scaled loads a threshold would choose other rows.
     """
     factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # their lists have an entry for each row: no row may go
@@ -833,7 +835,9 @@ def _changed_record(
 def _changed_functions(
     load: CallableLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
-    """Changed entries of a load by functions of time: P and Q scaled by the two factors."""
+    """Changed entries of a load by functions of time: its P and Q, `normal_load` and
+    `tangential_load`, scaled by the two factors.
+    """
 
     def scaled(function: Callable[[Any], Any], factor: float) -> Callable[[Any], Any]:
         return lambda time: factor * function(time)

@@ -121,6 +121,7 @@ def fault_of_units(units: str) -> str:
         )
     force_word, length_word, stress_word = words
     stress_size = UNITS["force"][force_word] / UNITS["length"][length_word] ** 2
+    # _ROUND_OFF_OF_UNITS: 1e-6 of a size
     right_words = [
         word
         for word, size in UNITS["stress"].items()
@@ -176,6 +177,7 @@ def unit_in(heading: str) -> tuple[str, str]:
     if name_and_unit and is_unit(name_and_unit[2]):
         return name_and_unit[1], name_and_unit[2]
     name, word = _last_word(text)
+    # _SHORT_UNITS: "m", "s", "h", "N" and the like
     return (name, word) if is_unit(word) and word not in _SHORT_UNITS else (text, "")
 
 
@@ -197,6 +199,7 @@ def short_unit_in(heading: str, kind: Kind) -> str:
     ('s', 'N', '')
     """
     word = _last_word(heading.strip())[1]
+    # _SHORT_UNITS: "m", "s", "h", "N" and the like
     return word if word in _SHORT_UNITS and _si_size(word, kind) is not None else ""
 
 
@@ -234,6 +237,7 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     denominator = _unit_symbol(denominator)
     per_length = bool(slash)
     # SI sizes of the units that files may have, by their symbols.
+    # _UNITS_OF_FILES: for each kind, the sizes of its units by their symbols
     sizes = _UNITS_OF_FILES[kind]
     lengths = _UNITS_OF_FILES["length"]
     if numerator not in sizes or (per_length and denominator not in lengths):
@@ -252,6 +256,7 @@ def _unit_symbol(word: str) -> str:
     """
     letters = unicodedata.normalize("NFKD", word.strip().rstrip("."))
     word_alone = "".join(letter for letter in letters if not unicodedata.combining(letter)).lower()
+    # _SPELLED_UNITS: unit written out -> symbol
     return (
         _SPELLED_UNITS.get(word_alone) or _SPELLED_UNITS.get(word_alone.removesuffix("s")) or word
     )
@@ -289,6 +294,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     size_and_form = _si_size(unit, kind)
     if size_and_form is None:
         quantity = "force, or of force per length," if kind == "load" else kind
+        # _UNITS_OF_FILES: for each kind, its units
         raise ValueError(
             f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_UNITS_OF_FILES[kind]) or 'none'}"
