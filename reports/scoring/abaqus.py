@@ -121,6 +121,7 @@ def read_field_report(
                 f"{path}, line {block.line}: its values are reported at {block.location}; report"
                 " them at unique nodal positions"
             )
+    # the one part or surface that carries pressure
     region = _region_with_pressure(path, blocks, mapping)
     blocks_of_region = [block for block in blocks if block.region == region]
     frames = {(block.step, block.frame) for block in blocks_of_region}
@@ -180,7 +181,7 @@ def _surface_columns(
         list to which sentences are added, on what was left out
     """
     frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
-    # data frame: a row for each frame and node with a pressure; "frame": index of the frame
+    # pandas table: a row for each frame and node with a pressure; "frame": index of the frame
     rows = _rows_of_nodes(path, blocks, mapping, frames)
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     is_on_surface = _is_on_contact_surface(rows)

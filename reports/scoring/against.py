@@ -109,6 +109,7 @@ def score(
     report = score_surface(
         result, mapping or Mapping(), valid_scene, against=against, tolerances=tolerances
     )
+    # with likely causes of the difference
     return report_with_diagnoses(report)
 
 
@@ -249,6 +250,7 @@ def score_solution(
         reference_by_rule, notes_on_rule = reference_by_same_rule(reference, solution, half_width)
     # Without a rule that both follow the reference stands for itself.
     plain_reference = None if reference_by_rule is reference else reference
+    # metrics; plain_reference: the reference with its own states and edges
     comparison = compare(
         reference_by_rule,
         solution,

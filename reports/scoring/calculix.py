@@ -123,6 +123,7 @@ class CalculixMesh:
         above it along y [length]. Element and face have CalculiX's numbers; InputError where the
         mesh has no such element or face.
         """
+        # kind: number of its shape; nodes: CalculiX's numbers
         element = self._elements.get(element_number)
         fault = ""
         corners: tuple[int, ...] = ()
@@ -165,6 +166,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         File and what is wrong: broken off, not in CalculiX's format, larger than half a GB; no
         contact results and no stress; nodes without coordinates.
     """
+    # nodes, elements, and result blocks: values at nodes at one time
     file = read_frd(path, ("CONTACT",), substitutes=("STRESS",))
     if not file.blocks:
         raise InputError(
@@ -291,11 +293,9 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         contact stress in it; no .frd beside it; a node or element that is not there.
     """
     printed_file = read_dat(path)
+    # tables by time; ids: (n_rows, 1) numbers of nodes, or (n_rows, 2) of elements and their faces
     stress_at = {
-        # ids: (n_rows, 1) numbers of nodes, or (n_rows, 2) of elements and their faces
-        table.time: table
-        for table in printed_file.tables
-        if table.quantity == "contact stress"
+        table.time: table for table in printed_file.tables if table.quantity == "contact stress"
     }
     slip_at = {
         table.time: table

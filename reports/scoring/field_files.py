@@ -126,6 +126,7 @@ def _times_and_files(path: Path) -> list[tuple[float, Path]]:
     """
     _check_size(path)
     try:
+        # stops, with an InputError, where the process grows by more than 2 GB
         with within_memory(path, MOST_UNPACKED_BYTES):
             root = ElementTree.parse(path).getroot()
         if root.get("type") != "Collection":
@@ -173,7 +174,9 @@ def _parts_of_files(paths: Sequence[Path]) -> list[FieldPart]:
     # the files are read in another process, which returns an NPZ archive
     with np.load(io.BytesIO(_read_in_process(paths)), allow_pickle=False) as content:
         arrays = {name: content[name] for name in content.files}
-    return [_part_of_file(path, f"{number}.", arrays) for number, path in enumerate(paths)]
+    return [
+        _part_of_file(path, f"{file_number}.", arrays) for file_number, path in enumerate(paths)
+    ]
 
 
 def _read_in_process(paths: Sequence[Path]) -> bytes:

@@ -76,6 +76,7 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     _require_one_mesh(path, frames)
     kind, field_names, source_in_words = _find_tractions(path, frames[0], mapping)
     names_of_tractions = [name for quantity, name in field_names.items() if quantity != "slip"]
+    # the parts of an instant that hold all fields, joined as one mesh
     part_numbers, mesh, notes_on_parts = _parts_with_fields(
         path, frames[0], mapping, names_of_tractions
     )
@@ -217,6 +218,7 @@ def _find_tractions(
     ):
         names = list(names_of_scalars)
         if mapping_states_names:
+            # normalised: spellings of one name compare equal
             for name, values in tensor_fields.items():
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)

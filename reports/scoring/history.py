@@ -130,7 +130,8 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     instants, is subtracted, and they are found again, twice. Returns times and loads of the path,
     and whether the shear would fit the path with its other sign too.
 
-    InputError where the resultants do not follow the path with either sign of the shear.
+    InputError where the resultants do not follow the path, to 5 % of the largest P, with either
+    sign of the shear.
     """
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.has_shear and not has_no_tangential_load(scene):
@@ -164,7 +165,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     try:
         history = _history_by_loads(surface, scene, loads, _LARGEST_MISFIT_OF_SUMS, source_in_words)
     except InputError:
-        # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
+        # Shear on the other body: matched all the same, and scored as it is, with a sentence.
         shear_sign = -1.0
         turned_history = history_with_sign(shear_sign, f"{source_in_words}, the latter turned")
         if turned_history is None:
@@ -173,6 +174,7 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     # subtract the error of the rule on these points
     corrected_in_words = f"{source_in_words}, less what that misses of theory"
     for _ in range(_N_CORRECTIONS):
+        # error of the trapezoidal rule on these points, by theory at these times
         normal_error, tangential_error = _errors_of_rule(surface, scene, history)
         corrected_normal = normal_force
         if surface.normal_load is None:
@@ -249,8 +251,8 @@ def _history_by_time(
             " there by the key times of a mapping"
         )
     normal_load, tangential_load = path.at(time)
-    # At the times stated, loads stated must be the scene's, and so must the integral of the
-    # pressure.
+    # At the times stated, loads stated must be the scene's, to 0.5 % of the largest P. So must the
+    # integral of the pressure: to 200 %, or to 20 % where the times are not sure.
     largest_load = float(np.max(normal_load)) or 1.0
     # of the pressure over x, at each instant
     integral, _ = resultants(surface)
@@ -341,6 +343,7 @@ def _history_by_loads(
             " thickness and factors of the mapping, or state the times"
         )
     best_match: tuple[float, Array] | None = None
+    # trial times of the path: of its last cycle, then of all
     for times in _times_to_search(path, scene):
         # ascending times near to the loads, by dynamic programming over the trial times
         candidate = _times_in_order(times, path, scene, loads, largest_load)
@@ -406,11 +409,11 @@ def _with_closed_cycle(time: Array, scene: Scene, loads: Loads, distance: float)
     )
     # a hundred-thousandth of the largest load
     print_error = _ERROR_OF_PRINTED_LOAD * float(np.max(np.abs(loads)))
-    step = time[-1] - time[-2]
+    last_interval = time[-1] - time[-2]
     end_of_path = path.cycle_start + scene.cycles * path.period
     has_same_loads = load_change <= max(2 * distance, print_error)
     is_on_path = time[-2] < period_later <= end_of_path
-    is_close = abs(time[-1] - period_later) <= step / 2
+    is_close = abs(time[-1] - period_later) <= last_interval / 2
     if has_same_loads and is_on_path and is_close:
         return np.append(time[:-1], period_later)
     return time
@@ -446,11 +449,11 @@ def _times_in_order(
     times (n_steps,), near to the loads, and with even steps where several places are as near.
 
     Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
-    all. A place costs `_COST_OF_DISTANCE` times the square of its distance from the instant's loads
-    over that of the instant that lies farthest from the path. A step of time costs the square of
-    its length over the mean one. So of places that are equally near, to and fro on one line or in
-    one revolution after another, the evenest are taken. Noise next to a turning point may put an
-    instant before the last one, by a small part of a revolution.
+    all. A place is the index of a sample. It costs 1000 times (`_COST_OF_DISTANCE`) the square of
+    its distance from the instant's loads over that of the instant that lies farthest from the path.
+    A step of time costs the square of its length over the mean one. So of places that are equally
+    near, to and fro on one line or in one revolution after another, the evenest are taken. Noise
+    next to a turning point may put an instant before the last one, by a small part of a revolution.
 
     Parameters
     ----------
@@ -471,22 +474,27 @@ def _times_in_order(
         _squared_distances(normal_load - instant_p, tangential_load - instant_q) / largest_load**2
         for instant_p, instant_q in zip(*loads, strict=True)
     ]
-    least_squares = [float(squares_of_instant.min()) for squares_of_instant in squared_distances]
-    largest_misfit = max(least_squares) + _EQUAL_DISTANCE**2
+    least_squared_distances = [
+        float(squares_of_instant.min()) for squares_of_instant in squared_distances
+    ]
+    largest_misfit = max(least_squared_distances) + _EQUAL_DISTANCE**2
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
 
     # cost of each place of an instant: of the way to it, and of its distance from the loads
-    # places: for each instant, samples at which the path is nearest to its loads
+    # for each instant, samples at which the path is nearest to its loads
     places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
+    # of equal matches the earlier one counts
     cost = _COST_OF_A_CYCLE_AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for number_of_instant, places_of_instant in enumerate(places):
         # from each place of the instant before to each place of this one
         if number_of_instant:
-            step = times[places_of_instant] - times[places[number_of_instant - 1]][:, None]
-            cost_of_pair = cost[:, None] + (step / np.where(step < 0, step_back, mean_step)) ** 2
+            time_step = times[places_of_instant] - times[places[number_of_instant - 1]][:, None]
+            cost_of_pair = (
+                cost[:, None] + (time_step / np.where(time_step < 0, step_back, mean_step)) ** 2
+            )
             predecessors.append(np.argmin(cost_of_pair, axis=0))
             cost = np.min(cost_of_pair, axis=0)
         cost = (
@@ -497,16 +505,17 @@ def _times_in_order(
         )
 
     # back from the cheapest place of the last instant
-    best_from_end = [int(np.argmin(cost))]
+    best_numbers_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
-        best_from_end.append(int(predecessor[best_from_end[-1]]))
-    best_places = reversed(best_from_end)
+        best_numbers_from_end.append(int(predecessor[best_numbers_from_end[-1]]))
+    numbers_of_best = reversed(best_numbers_from_end)
     chosen_places = np.array(
         [
             places_of_instant[place_number]
-            for places_of_instant, place_number in zip(places, best_places, strict=True)
+            for places_of_instant, place_number in zip(places, numbers_of_best, strict=True)
         ]
     )
+    # exact times near the samples; those that miss a turning point by round-off are put on it
     return np.maximum.accumulate(
         _times_on_ends_of_segments(_refined_times(times, chosen_places, path, loads), path, scene)
     )
@@ -521,9 +530,9 @@ def _nearest_samples(squares: Array) -> Places:
     """
     square_before = np.append(np.inf, squares[:-1])
     square_after = np.append(squares[1:], np.inf)
-    minima = np.flatnonzero((squares < square_before) & (squares <= square_after))
-    nearest_first = np.argsort(squares[minima], kind="stable")
-    return np.sort(minima[nearest_first[:_MOST_PLACES]])
+    indices_of_minima = np.flatnonzero((squares < square_before) & (squares <= square_after))
+    nearest_first = np.argsort(squares[indices_of_minima], kind="stable")
+    return np.sort(indices_of_minima[nearest_first[:_MOST_PLACES]])
 
 
 def _nearest_on_chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
@@ -579,7 +588,7 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
     alone are flat to 1e-8 of a cycle around it.
     """
     time = times[chosen_places]
-    rows = np.arange(len(chosen_places))
+    instant_indices = np.arange(len(chosen_places))
     time_below = times[np.maximum(chosen_places - 1, 0)]
     time_above = times[np.minimum(chosen_places + 1, len(times) - 1)]
     for _ in range(6):
@@ -590,8 +599,11 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
         share, squared_distance = _nearest_on_chords(
             normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
         )
-        nearest_place = np.argmin(squared_distance, axis=1)
-        time = fine_times[rows, nearest_place] + share[rows, nearest_place] * step
+        nearest_chord = np.argmin(squared_distance, axis=1)
+        time = (
+            fine_times[instant_indices, nearest_chord]
+            + share[instant_indices, nearest_chord] * step
+        )
         time_below = np.maximum(time - step, times[0])
         time_above = np.minimum(time + step, times[-1])
     return time

@@ -84,6 +84,7 @@ def read_result(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: no reader for {path.suffix or 'a file without suffix'!r}; it reads"
             f" {', '.join(sorted(READER_BY_SUFFIX))}, .nc"
         )
+    # such as "calculix:read_results"
     module, function = reader_name.split(":")
     reader = getattr(import_module(f"reports.scoring.{module}"), function)
     return cast(SurfaceResult, reader(path, mapping))
@@ -104,12 +105,14 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     source = str(path)
     if path.suffix.lower() == ".rpt" and path.is_file() and is_field_report(path):
         return _surface_of_rows(source, mapping, *read_field_report(path, mapping))
+    # names of the columns, and values (n_rows, n_columns)
     table = text_table(
         path,
         kind=TableKind(
             role_of_file="the result",
             advice_on_size="write the contact surface alone, and fewer instants",
             is_expected_heading=lambda name: (
+                # quantity, or None; number of a frame
                 _read_heading(name, mapping).quantity is not None
                 or normalised_name(name) in _KNOWN_HEADINGS
             ),

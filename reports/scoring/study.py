@@ -178,7 +178,7 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshS
     """A mesh study: the order of convergence and the limit at element size zero of each metric that
     has a value on all meshes, from results of one problem on meshes of different size.
 
-    Two meshes show no order: it is taken for two, which a note says.
+    Two meshes show no order: second order is assumed, and a note says so.
 
     Parameters
     ----------
