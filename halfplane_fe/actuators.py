@@ -65,12 +65,16 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
     It is the compliance of the rig's spring plus that of half-planes between two distances from the
     contact. One is `datum` [length], where the finite elements count displacement from. The other
     is where the actuator's movement counts from. Where loads are given, no movement is prescribed.
+    A normal actuator is there only where the loads state an approach, not P.
+
+    `scene` has the loads (`is_driven` where they are movements), the rig with the stiffnesses of
+    its springs and the distance that movements count from, bodies and materials.
     """
     load = scene.load
     if not load.is_driven:
         return LOADS_ARE_GIVEN
     rig = scene.rig
-    modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)
+    modulus = 1 / _sum_of_compliances(scene, half_planes_alone=False)  # E*
     # Where the rig states no distance, displacement counts from where it does in every answer.
     datum_of_motion = rig.datum_length or scene.profile.datum_length
     compliance_outside = compliance_beyond(scene, datum_of_motion / datum) * modulus

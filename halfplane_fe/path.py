@@ -115,7 +115,9 @@ def is_straight(segment: LoadSegment) -> bool:
 
 
 def loads_of(segment: LoadSegment, time: float) -> tuple[float, ...]:
-    """The two or five loads of a segment at an instant."""
+    """The loads of a segment of the load path at an instant: P and Q; where it has bulk stress or
+    tilt also the bulk stresses of lower and upper body, and tilt or moment.
+    """
     p, q = segment.loads(time)
     if segment.bulk is None and segment.tilt_and_moment is None:
         return float(p), float(q)
@@ -141,20 +143,24 @@ def turning_points_of_combination(
     Parameters
     ----------
     segment
-        segment of the load path
+        segment of the load path: `rates` are dP/dt and dQ/dt at instants; P and Q may be another
+        pair of loads, such as the two bulk stresses
     normal_weight, tangential_weight
         w_P and w_Q
     """
+    # Rates at 721 samples of the segment or more; below 1e-12 of the largest they count as zero.
     times = sampled_times(segment, _N_SAMPLES)
 
     def rate(t: Array | float) -> Array:
-        """w_P dP/dt + w_Q dQ/dt."""
+        """Rate of the combination at instants t: w_P dP/dt + w_Q dQ/dt."""
         rate_of_p, rate_of_q = segment.rates(t)
         return np.asarray(normal_weight * rate_of_p + tangential_weight * rate_of_q)
 
     rates = rate(times)
     largest_rate = np.abs(rates).max(initial=0.0)
     rates[np.abs(rates) < 1e-12 * largest_rate] = 0.0
+
+    # Instants at which the rate changes its sign.
     sign_changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
 
     def scaled_rate(time: float) -> float:
@@ -167,6 +173,8 @@ def turning_points_of_combination(
         fraction = float(rates[k] / (rates[k] - rates[k + 1]))
         begin, end = times[k : k + 2].tolist()
         instants.add(time_of_zero(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
+
+    # Begins and ends of times without change.
     is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
     return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
 
@@ -198,6 +206,8 @@ def time_of_zero(
     value_before = value_at_begin
     time = begin + first_fraction * (end - begin)
     value = function(time)
+
+    # Secants: at most 16; a value up to 1e-15 counts as zero.
     for _ in range(_MOST_SECANTS):
         if abs(value) <= _ZERO_ROUND_OFF:
             return time
@@ -205,15 +215,17 @@ def time_of_zero(
             return time  # only round-off is left
         if value == value_before:
             break  # flat from the begin on: no secant
-        step = -value * (time - time_before) / (value - value_before)
-        if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
+        time_change = -value * (time - time_before) / (value - value_before)
+        if abs(time_change) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
             return time
         time_before = time
         value_before = value
-        time += step
+        time += time_change
         if not begin <= time <= end:
             break
         value = function(time)
+
+    # Bracketing.
     if not value_at_begin * function(end) < 0:
         return end
     # scipy.optimize is loaded here: a tenth of a second, which few solves need
@@ -224,18 +236,22 @@ def turning_points(segment: LoadSegment, friction: float) -> list[float]:
     """Instants inside one segment of a load path at which P, Q - f P, Q + f P, a bulk stress, tilt
     or moment turns round, ascending: there increments end, since slip starts or ends.
 
-    `friction` is f. Instants closer than round-off to one another count once, those as close to an
-    end of the segment not at all.
+    `friction` is f. Instants closer than round-off to one another, 1e-9 of the segment's duration,
+    count once; those as close to an end of the segment do not count.
     """
+    # Turning points of P, Q - f P and Q + f P, by the weights of P and Q.
     all_times = turning_points_of_combination(segment, 1.0, 0.0)
     all_times |= turning_points_of_combination(segment, -friction, 1.0)
     all_times |= turning_points_of_combination(segment, friction, 1.0)
     if segment.bulk is not None or segment.tilt_and_moment is not None:
+        # Each of these loads is a linear combination of a pair of loads that is stored like P and
+        # Q, as a segment of its own; None where it is 0.
         for stress_or_tilt in _bulk_and_tilt_loads(segment):  # bulk stresses, and tilt or moment
             if stress_or_tilt.segment is not None:
                 all_times |= turning_points_of_combination(
                     stress_or_tilt.segment, *stress_or_tilt.combination
                 )
+
     rounding = 1e-9 * (segment.end - segment.start)
     separate_times: list[float] = []
     for time in sorted(all_times):
@@ -258,6 +274,11 @@ def stretches(segment: LoadSegment, friction: float, n_increments: float) -> lis
     n_increments
         of the whole segment; a stretch has a number in proportion to its duration, rounded up, and
         two at least
+
+    Returns
+    -------
+    list of Stretch
+        Each with the segment, its start, and the instants at which its increments end.
     """
     stretches_of_segment = []
     cut_times = [segment.start, *turning_points(segment, friction), segment.end]
@@ -280,7 +301,7 @@ def areas_between_path_and_chords(segment: LoadSegment, times: Array) -> Array |
 
     An area is the integral of F_i dF_j along the path minus that along the chord. It changes sign
     when i and j are exchanged, since the integral of d(F_i F_j) is equal along both. Integrated
-    over time by Gauss points. None of a straight path.
+    over time by eight Gauss points an increment. None of a straight path.
 
     # notation: F_i the i-th load (P, Q; with bulk stress or tilt also these)
 
@@ -293,12 +314,18 @@ def areas_between_path_and_chords(segment: LoadSegment, times: Array) -> Array |
     """
     if is_straight(segment):
         return None
+    # Each load is a linear combination of a pair of loads that a segment stores; it is 0 where that
+    # segment is None.
     loads = _loads_of_segment(segment)
+
+    # Gauss points and weights of the increments, (m, 8).
     start = times[:-1, None]
     end = times[1:, None]
     half_duration = (end - start) / 2
     instants = (start + end) / 2 + half_duration * _POINTS
     weights = _WEIGHTS * (end - start) / 2
+
+    # `change_of` is the change of a load between two instants, `rate_of` its rate at instants.
     areas = np.zeros((len(loads), len(loads), len(start)))
     for i, load_i in enumerate(loads):
         if load_i.segment is None:
@@ -341,11 +368,13 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     InputError
         For separation of a driven path.
     """
-    for segment in path.segments(1):
+    for segment in path.segments(1):  # initial loading and one cycle
+        # Loads where they may be worst: at turning points and ends.
         times = np.array([segment.start, *turning_points(segment, friction), segment.end])
         normal_load, tangential_load = segment.loads(times)
         is_after_start = times > path.start
         largest_load = float(np.abs(normal_load).max())
+
         is_separated = is_after_start & (normal_load <= _LEAST_LOAD_RATIO * largest_load)
         if is_separated.any():
             k = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
@@ -353,6 +382,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             raise _separation_error(worst_instant, largest_load, friction, is_driven)
         if is_driven:
             continue
+
         force_beyond_limit = np.abs(tangential_load) - friction * normal_load
         is_sliding = (
             is_after_start
@@ -374,7 +404,8 @@ def _separation_error(
     InputError where actuators drive the path, else an InadmissibleLoadError.
 
     `worst_instant` has the least normal load (or approach, where actuators drive the path);
-    `largest_load` is the largest |P| of that segment.
+    `largest_load` is the largest |P| of that segment. The advice depends on whether there is a
+    little load left (P > 0), or none at all: up to 1e-14 of the largest the bodies are unloaded.
     """
     normal_load = worst_instant.normal_load
     if is_driven:

@@ -57,11 +57,14 @@ class SolverSettings:
     def __post_init__(self) -> None:
         """Refuse settings of the contact solver outside their ranges.
 
+        Stiffnesses are those of a penalty layer, or of trial tractions, over E*/h (E* contact
+        modulus, h surface element at the contact edges); None for the method's default.
+
         Raises
         ------
         InputError
-            With what is allowed, for the first at fault: method, stiffnesses of trial tractions
-            (over E*/h), steps per cycle, step tolerance, iterations of an increment.
+            With what is allowed, for the first at fault: method, stiffnesses, steps per cycle, step
+            tolerance, iterations of an increment.
         """
         if self.method not in get_args(Method):
             raise InputError(
@@ -100,10 +103,12 @@ class SolverSettings:
         >>> SolverSettings("augmented_lagrangian", tangential_stiffness=3.0).stiffnesses
         (300.0, 3.0)
         """
-        default = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
-        normal_stiffness = default if self.normal_stiffness is None else self.normal_stiffness
+        default_stiffness = _PENALTY if self.method == "augmented_lagrangian" else _STIFFNESS
+        normal_stiffness = (
+            default_stiffness if self.normal_stiffness is None else self.normal_stiffness
+        )
         tangential_stiffness = (
-            default if self.tangential_stiffness is None else self.tangential_stiffness
+            default_stiffness if self.tangential_stiffness is None else self.tangential_stiffness
         )
         return normal_stiffness, tangential_stiffness
 

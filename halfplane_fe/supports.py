@@ -23,6 +23,9 @@ def check_bulk_stress(scene: Scene) -> None:
     stress is the mean of both ends. The sides of a guided block are held by walls. A pad or a
     cylinder is part of an indenter, whose stress along x comes from contact and base.
 
+    `scene` has the shapes of both bodies and the load path, of loads or of movements in their
+    place. A segment of the path may have a pair of bulk stresses, of the lower and the upper body.
+
     Raises
     ------
     InputError
@@ -33,6 +36,7 @@ def check_bulk_stress(scene: Scene) -> None:
     ]
     for body_number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
+        # Is the bulk stress other than 0 at any of 25 instants of a segment?
         is_pulled = any(
             np.any(history.loads(sampled_times(history, _N_INSTANTS))[body_number])
             for history in stress_histories
@@ -56,7 +60,8 @@ def check_supports(scene: Scene) -> None:
     """Refuse bodies that a tangential load would push off their supports: blocks and pads on
     rollers with free sides.
 
-    A block whose ends are pulled by a bulk stress is held there.
+    A block whose ends are pulled by a bulk stress is held there. `base` and `sides` of a block or
+    pad state how it is supported.
 
     Raises
     ------

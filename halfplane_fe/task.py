@@ -79,8 +79,8 @@ def surface_grading(
     ratio
         factor on all sizes, of the upper body's elements over the lower one's
     """
-    # notation: a contact half-width at the largest load; the coarse run knows edges to a few
-    # hundredths of it
+    # a: contact half-width at the largest load. The coarse run gives edges to a few hundredths of
+    # it: `scales.inner` and `scales.reach` are their innermost and outermost place.
     a = scales.half_width
     inner_end = scales.inner - 0.06 * a
     outer_end = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
@@ -98,7 +98,8 @@ def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
     """Estimate of how far the contact reaches on the faces of bodies of finite size, by a run on a
     coarse mesh, and a check that the bodies can be meshed finely enough for it.
 
-    `mesh` are the settings of that fine mesh, None for the default ones.
+    `mesh` are the settings of that fine mesh, None for the default ones. The estimate has the
+    scales of the contact: half-width, load, and how far its edges reach.
 
     Raises
     ------
@@ -109,7 +110,8 @@ def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
     """
     settings = mesh or MeshSettings()
     with threadpool_limits(limits=1, user_api="blas"):
-        estimate = estimate_room(scene, Counter())
+        estimate = estimate_room(scene, Counter())  # counts of the work are not reported
+    # sizes of the elements along the face, as a function of a factor on them
     grading = partial(surface_grading, settings, estimate.scales, scene.profile)
     check("lower", scene.bodies.lower, scene.profile, grading(1.0), settings)
     check("upper", scene.bodies.upper, scene.profile, grading(settings.upper_ratio), settings)
