@@ -95,11 +95,13 @@ class OneCurve:
         stress_of_lower, stress_of_upper = np.zeros((2, len(time)))
         if self.bulk is not None:
             stress_of_lower, stress_of_upper = self.bulk.at(path_time)
+        # moment_is_given: whether the moment is prescribed, in the place of the tilt.
         tilt, moment = np.zeros((2, len(time)))
         if self.tilt_and_moment is not None:
             tilt, moment = self.tilt_and_moment.at(path_time)
         if self.moment_is_given:
             tilt = contact.tilt_under(load, moment)
+        # Centre and half-length of the contact under P and the tilt.
         m, c = contact.centre_and_half_width_under(load, tilt)
         return {
             "bulk_stress_lower": stress_of_lower,
@@ -162,6 +164,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     path = path or scene.load.path()
     segments = (*path.initial_loading, *path.cycle)
     loading_count = len(path.initial_loading)
+    # A = 2/E*; strain_per_stress: bulk strain by a unit stress in the lower and the upper body.
     convex_shape = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
     datum_length = scene.profile.datum_length
@@ -216,6 +219,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     if not relation.holds:
         return None
     neglected_loads |= relation.neglected_loads
+    # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
     intervals = NestedIntervals(
         convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
     )
@@ -244,6 +248,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         if segment_of_curve is None:
             return None
         segments_of_curve.append(segment_of_curve)
+    # The initial loading, then the cycle.
     path_of_curve = LoadPath(
         tuple(segments_of_curve[:loading_count]), tuple(segments_of_curve[loading_count:])
     )
@@ -522,6 +527,7 @@ def cycle_samples(scene: Scene) -> Array:
         )
     # Bulk strain by a unit of bulk stress in the lower and in the upper body.
     strain_per_stress = strain_per_stress_of(scene.material)
+    # P, Q, bulk strain and tilt of each segment, (4, n), one after another.
     return np.concatenate(
         [
             _load_samples_of_segment(segment, contact_under_moment, strain_per_stress)
@@ -542,6 +548,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     permanent stick zone depends on it.
     """
     path = scene.load.path()
+    # Bulk strain by a unit of bulk stress in the lower and in the upper body.
     strain_per_stress = strain_per_stress_of(scene.material)
     if not path.cycle:
         return None
@@ -568,6 +575,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         (normal_load, 0.0),
         (normal_load, tangential_load),
     )
+    # bulk: stresses of the lower and the upper body as a segment over the same time; None for none.
     if first_segment.bulk is not None:
         stress_of_lower, stress_of_upper = map(float, first_segment.bulk.loads(cycle_start))
         # While P alone grows, bulk strain has the value of Q = 0 on its line over Q in the cycle.
@@ -641,6 +649,7 @@ def _segment_with_strain_for_shear(
         return StraightSegment(
             segment.start, segment.end, (normal_load, constant_load), (normal_load, constant_load)
         )
+    # Linear in time.
     if bulk.is_straight:
         first_load = load_of([float(stress) for stress in bulk.loads(segment.start)])
         last_load = load_of([float(stress) for stress in bulk.loads(segment.end)])
@@ -659,6 +668,7 @@ def _segment_with_strain_for_shear(
             amplitude * cmath.exp(-1j * phase) for amplitude, phase in harmonics
         ]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
+    # Constant P; mean and harmonics (amplitude, phase) of the load that stands for Q.
     return HarmonicSegment(
         segment.start,
         segment.end,
@@ -731,6 +741,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     # Half-width a at the largest P.
     modulus = composite_modulus(scene.material)
     largest_load = float(np.max(p))
+    # Contact half-width of a symmetric profile, or of any convex one, without tilt.
     if profile.symmetric:
         half_width = float(contact_of(profile, scene.material).half_width(largest_load))
     else:
@@ -762,6 +773,7 @@ def followed_path(scene: Scene) -> LoadPath:
     path = scene.load.path()
     if not path.has_bulk_or_tilt:
         return path
+    # None where more than one memory curve is needed.
     curve = one_curve(scene)
     # Where bulk strain alone shears, the curve is not one of Q: its `tangential_fraction` is 0.
     if curve is None or not curve.contact.tangential_fraction:
@@ -823,7 +835,7 @@ class PathLoads:
         lower_strain_per_stress, upper_strain_per_stress = self.strain_per_stress
         eps = lower_strain_per_stress * stress_of_lower + upper_strain_per_stress * stress_of_upper
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
-        if self.path.moment_is_given:
+        if self.path.moment_is_given:  # in the place of the tilt
             tilt = self.contact.tilt_under(p, moment)
         return np.stack([p, q, eps, tilt])
 
@@ -903,6 +915,7 @@ def _load_samples_of_segment(
     if segment.bulk is not None:
         turning_times += segment.bulk.turning_points(Combination(*strain_per_stress))
     time = np.unique(np.append(even_times, turning_times))
+    # Loads at these times; tilt and moment, one of them prescribed; bulk stresses of both bodies.
     p, q = segment.loads(time)
     stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time)
     tilt, moment = _companion_loads(segment.tilt_and_moment, time)
@@ -953,6 +966,7 @@ def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
             normal_load, _ = segment.loads(time)
             largest_load = max(largest_load, float(normal_load))
     compliance = 2 / composite_modulus(scene.material)
+    # A contact without tilt of its own; A = 2/E*.
     intervals = NestedIntervals(
         shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
     )

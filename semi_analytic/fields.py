@@ -171,6 +171,7 @@ class ArcIntegrals:
         self._x = np.zeros(1) if kernel == "shift" else x
         # P_x of the points. The displacement takes all loads, whether x = 0 is in contact or not.
         self._edge_loads = np.zeros(1) if kernel == "shift" else contact.load(x)
+        # dp/dP has the factor 1/pi before the inverse root.
         self._kernel_factor = 1 / math.pi if kernel == "shear" else 1.0
         # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
@@ -251,6 +252,7 @@ class ArcIntegrals:
         )
         # Primitive of the Chebyshev series on the panel, at each time.
         polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
+        # Numbers of the first time in each panel.
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
         for first_number, end_number in pairwise(
             [*first_time_in_panel.tolist(), len(different_times)]
@@ -396,6 +398,7 @@ class ArcIntegrals:
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
         """
+        # _turn_at_begin and _turn_at_end: turning points of P at both ends of the arc.
         integrals = np.empty(len(begins))
         is_behind_middle = begins >= self._middle_time
         for turning_point, is_on_side in (
@@ -430,6 +433,7 @@ class ArcIntegrals:
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
         margin = _RANGES_TO_FAR * (largest_load - least_load)
+        # margin: twice the range of the panel's loads; edge_loads: P_x of each point.
         # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
         # where P > P_x.
         if self._kernel == "slip":
@@ -828,6 +832,7 @@ class KernelIntegrals:
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
         # The piece of the curve that holds the stick edge, and the instants at which it does.
+        # straight_slope: of its straight part; bottom_load: eta at its lower end.
         for piece, instants in snapshot.pieces_with_instants:
             slope_of_piece[instants] = piece.straight_slope
             load_at_piece_bottom[instants] = piece.bottom_load
@@ -892,6 +897,7 @@ class KernelIntegrals:
         curved_integrals = self._curved_integrals(
             [(piece, np.array([piece.top_load])) for piece in new_pieces.values()]
         )
+        # curve_below: the piece below, None at eta = 0.
         for piece, straight_integral, curved_integral in zip(
             new_pieces.values(), straight_integrals, curved_integrals, strict=True
         ):
@@ -1006,6 +1012,7 @@ class KernelIntegrals:
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, stick_edge_load) in enumerate(pieces_and_edge_loads):
+            # anchor: instant at the end of the arc; arc: times of its ends on the load segment.
             if isinstance(piece, Piece) and piece.arc is not None:
                 arc_key = (id(piece.anchor.segment), piece.arc[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))

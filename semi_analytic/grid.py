@@ -339,7 +339,7 @@ class Grid:
         relative_distances_of_ends = (
             distance + self.cell_width * np.array([-0.5, 0.5])
         ) / self._length
-        # Integral of ln|d| up to both ends of a cell, d distance over L; 0 at d = 0.
+        # Integral of ln|d| up to both ends of a cell, d distance over L = `_length`; 0 at d = 0.
         with np.errstate(divide="ignore", invalid="ignore"):
             log_integrals_to_ends = np.where(
                 relative_distances_of_ends == 0,
@@ -357,6 +357,7 @@ class Grid:
         of that of all cells of a grid.
         """
         if n_cells not in self._stiffness_by_size:
+            # The part of M for all cells that belongs to the first `n_cells`.
             root = self._root_of_stiffness[:n_cells, :n_cells]
             # Tractions that displace all cells by 1: row sums of C^-1.
             traction_per_shift = root.T @ np.sum(root, axis=1)
@@ -393,12 +394,14 @@ class Grid:
         ArithmeticError
             Where the active set does not converge, or the contact meets the end of the grid.
         """
+        # x (g, k): middles of the cells of g grids.
         height = gap_without_tilt + tilt * self.x
         # Cells in contact before: number of the first, and how many, (g,) each.
         contact = self._contact
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
+        # At most 200 iterations; begin: number of the first cell in contact on each grid.
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
@@ -423,6 +426,7 @@ class Grid:
                     approach[grids_of_size, None] * cell_stiffness.traction_per_shift
                     - pressure_by_height
                 )
+            # _compliance: C (k, k) of all cells.
             is_inside = self._contact_mask(contact)
             gap = height - approach[:, None] + pressure @ self._compliance
             is_touching = np.where(is_inside, pressure > 0, gap < 0)
@@ -483,6 +487,7 @@ class Grid:
                 else:
                     self.increments_without_early_slip += 1
                 continue
+            # Newly touched cells get a third of the slip that they would have made without contact.
             is_new = self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
             slip_at_begin[group] += np.where(
                 is_new, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
@@ -536,6 +541,7 @@ class Grid:
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
         is_touching_in_columns = is_inside[grid_rows, columns]
         limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
+        # 1e-12 of the largest f p, for round-off.
         tolerance = _ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max()
         # Of the stiffness: traction_per_shift are the tractions that displace all cells by 1,
         # total_per_shift is their sum, matrix is G.
@@ -555,6 +561,7 @@ class Grid:
         directions_in_columns[
             np.all((directions_in_columns != 0) | ~is_touching_in_columns, axis=1)
         ] = 0
+        # Active set: directions of slip, shear, and slip in the increment.
         directions_in_columns, shear_in_columns, slip_in_columns = _sliding_cells(
             cell_stiffness,
             shear_in_full_stick,
@@ -598,6 +605,7 @@ class Grid:
             eps and alpha there
         """
         displacement_by_strain: Array = -strain * self.x  # of the faces, without shear, (g, k)
+        # Solutions: pressure, cells in contact and approach; shear, slip, its directions and U.
         if load <= 0:
             normal_solution, tangential_solution = self._solution_without_contact(
                 displacement_by_strain
@@ -690,6 +698,7 @@ class Grid:
         ArithmeticError
             Where the shear still changes after 200 turns.
         """
+        # Cells in contact, and shear, before the increment.
         cells_before = self._contact
         shear_of_last_turn = self._shear
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
@@ -706,6 +715,7 @@ class Grid:
                 friction_limit,
                 cells_before,
             )
+            # Until the shear changes by 1e-12 of the largest f p, at most 200 turns.
             shear_change = float(np.max(np.abs(tangential_solution.shear - shear_of_last_turn)))
             shear_of_last_turn = tangential_solution.shear
             if (
@@ -722,11 +732,13 @@ class Grid:
 
             s = U - eps x - sum over cells of compliance times q,    eps bulk strain
         """
+        # State of the grids: q (g, k), U (g,) against a datum at the grid's length, and eps.
         shear = self._shear
         mean_displacement = float(np.mean(self._displacement))
         strain = self._strain
 
         def slip(x: Array) -> Array:
+            """Slip at points x (m,), (m,) [length]."""
             displacements_by_shear = [
                 self.displacement_per_traction_at(x, grid_number) @ shear_of_grid
                 for grid_number, shear_of_grid in enumerate(shear)
@@ -747,6 +759,7 @@ class Grid:
         load, force, strain, tilt = loads.tolist()
         # The cells of each grid take the slip at their middles.
         self.slip = np.stack([slip(x) for x in self.x])
+        # Cells in contact under these loads; _height: gap between the unloaded faces.
         self._contact = self._solve_normal(load, tilt, self._height).contact
         self._step_to_loads(load, force, strain, tilt)
 
@@ -816,6 +829,7 @@ def _sliding_cells(
     ArithmeticError
         Where all cells slide, or the active set does not converge.
     """
+    # At most 200 iterations, each with all cells that now slide.
     for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
         is_sliding = (direction != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
@@ -989,6 +1003,7 @@ class _PathInIncrements:
         # P, Q, bulk strain and tilt at these times, (n, 4) for each segment.
         loads_of_segments = []
         for times_of_segment in times_of_segments:
+            # Loads at times that were met before are taken from the store.
             key_of_times = times_of_segment.tobytes()
             if key_of_times not in self._loads_by_times:
                 self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times_of_segment).T
@@ -1038,6 +1053,7 @@ class _PathInIncrements:
         fewest_increments = _FEWEST_INCREMENTS
         if is_initial and (path.cycle or not segment_number):
             fewest_increments = self.increments_per_cycle // 4
+        # Duration of the segment over that of the cycle; 0 for the initial loading of a cycle.
         share_of_cycle = duration / (segments_of_cycle[-1].end - segments_of_cycle[0].start)
         if is_initial and path.cycle:
             share_of_cycle = 0.0
@@ -1178,6 +1194,8 @@ class _Answers:
         for instant_number, increment_number in zip(
             increments.instant_numbers.tolist(), increments.increment_numbers.tolist(), strict=True
         ):
+            # By each grid: q/(f p) and slip at the points, stick edges, and the number of stick
+            # zones.
             state_of_grids = _state_at(grid, fields, increment_number, x, compliance)
             self.friction_ratio[instant_number] = np.mean(state_of_grids.friction_ratio, axis=0)
             self.slip[instant_number] = np.mean(state_of_grids.slip, axis=0)
@@ -1221,8 +1239,10 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
         the g grids; x (g, k) are the middles of their cells
     """
     n_grids = len(grid.x)
+    # Of an increment: Q and bulk strain.
     _, force, strain, _ = fields.loads[instant]
-    # U against the datum of the compliance, at the grid's length.
+    # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
+    # Q if the datum moves there from 1.
     displacement = fields.displacement[instant] + grid.datum_compliance * force
     # By the shear of all cells, (g, m).
     displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
@@ -1297,6 +1317,7 @@ def _follow_cycles(
         Where an increment does not converge.
     """
     n_grids = len(grid.x)
+    # Storage for means over the grids at the instants and points, and for what each grid finds.
     answers = _Answers.empty_storage(n_grids, len(time), len(x), stride)
     # (g,) friction work of each cycle on each grid; of the whole path where it has no cycles.
     works_of_cycles: list[Array] = []
@@ -1308,7 +1329,10 @@ def _follow_cycles(
         )
     for cycle_number in cycle_numbers:
         if cycle_number >= 0:
+            # Mean slip over x at the start of each cycle, from which finer grids may resume.
             answers.slip_at_starts.append(grid.slip_field())
+        # Loads at the ends of the increments, and which of them end at the instants that are
+        # wanted.
         increments = path.increments_of_cycle(cycle_number, time)
         slip_before = grid.slip
         try:
@@ -1371,6 +1395,7 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
     contact
         the profile, whose half-width and centre of contact follow from P and tilt
     """
+    # The path in 320 increments a cycle, which has P, Q, bulk strain and tilt at their ends.
     path = _PathInIncrements(loads, INCREMENTS_PER_CYCLE)
     # -1 is the initial loading, 0 the first cycle.
     cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
@@ -1381,6 +1406,7 @@ def contact_edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
         ]
     )
     loads_in_contact = loads_of_increments[loads_of_increments[:, 0] > 0]
+    # Exact centre and half-width of contact at each of them.
     load, _, _, tilt = loads_in_contact.T
     middle, half_width = contact.centre_and_half_width_under(load, tilt)
     return np.stack([middle - half_width, middle + half_width], axis=-1)
@@ -1594,6 +1620,7 @@ def follow_on_grid(
     pressure = contact.pressure_over(x, contact_middle, half_width)
     is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
     friction_limit = friction * pressure
+    # Shear, slip and state at the points; NaN and open where they are not wanted.
     fields = _FieldsAtPoints.nowhere_known(is_in_contact.shape)
     if request.pointwise:
         fields = _FieldsAtPoints.of_means(fine_answers, friction_limit, is_in_contact)
@@ -1604,6 +1631,8 @@ def follow_on_grid(
     errors = _errors_of_work(runs, density_of_grids, x)
     if request.pointwise and not runs.is_last_cycle_alone:
         errors |= _errors_of_fields(runs, friction_limit)
+    # Values of the fine grids; `unsteady_work` is an estimate of how far the last cycle's work is
+    # from the steady one.
     return PathOnGrids(
         time=runs.time,
         loads=fine_answers.loads,
@@ -1768,6 +1797,7 @@ def _run_coarse_and_fine(
     first_answers = _follow_cycles(
         first_grids, coarse_path, x, no_instants, range(-1, most_cycles), fewest_cycles
     )
+    # works (g, c): friction work of each cycle on each grid.
     n_cycles = first_answers.works.shape[1]
 
     # The fine grids follow all these cycles, or the last ones from the coarse grids' slip.
@@ -1775,6 +1805,7 @@ def _run_coarse_and_fine(
     cycle_numbers = range(-1, n_cycles if path.cycle else 0)
     if is_resumed:
         cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
+    # Instants of the answer, if none are given: about every second increment.
     if time is None:
         time = _default_times(path, n_cycles, increments, is_last_cycle_alone)
     time = np.asarray(time, dtype=float)
@@ -1847,6 +1878,7 @@ def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str,
     is W(x) by the fine ones.
     """
     coarse_density = _work_density_at(runs.coarse_grids, runs.coarse_answers, x)
+    # convergence_order: power of the cell width with which the error falls.
     return {
         "dissipation": _relative_error(
             runs.fine_answers.work, runs.coarse_answers.work, convergence_order=1.5
@@ -1867,6 +1899,7 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     limit_at_instants = friction_limit[:: runs.stride]
     fine_answers = runs.fine_answers
     coarse_answers = runs.coarse_answers
+    # convergence_order: power of the cell width with which the error falls.
     return {
         "shear": _relative_error(
             limit_at_instants * fine_answers.friction_ratio_by_grid,
@@ -2026,6 +2059,7 @@ def _relative_error(fine_values: Array, coarse_values: Array, convergence_order:
             for first_grid in range(_COUNT_OF_GRID_GROUPS)
         ]
     )
+    # Squared standard error of the mean; the root of its mean over all values is taken below.
     variance = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
     error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**convergence_order - 1)
     error = 2 * np.sqrt(np.mean(variance)) + error_by_change

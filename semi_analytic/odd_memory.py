@@ -131,6 +131,7 @@ class SecondOrderWork:
         if self.reason_declined:
             raise DeclinedError(self.reason_declined)
         o = np.asarray(tilt_and_strain_per_load, dtype=float)
+        # r; above 0.8 the second order is refused.
         one_sided_ratio = self.largest_one_sided_ratio(o)
         if one_sided_ratio > _LARGEST_ONE_SIDED_RATIO:
             raise DeclinedError(
@@ -197,6 +198,7 @@ class SecondOrderAnswer:
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
         start = spans[0].begin.time + spans[0].delay
+        # Times within the followed path; slack: what round-off may leave beyond its ends.
         path_time, slack = time_in_followed_path(
             time, float(start), float(ends_of_spans[-1]), self.history.period
         )
@@ -248,6 +250,7 @@ def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer
         raise DeclinedError(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
     # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
+    # E*.
     modulus = composite_modulus(scene.material)
     # TILT_AND_STRAIN_NAMES: alpha_P, alpha_Q, e_P, e_Q among the attributes of the effects.
     estimates = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
@@ -392,6 +395,7 @@ class _Strokes:
         DeclinedError
             Where no matrix holds.
         """
+        # Each span with the one before and the one after it.
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
         for span_before, span, next_span in zip(
@@ -400,11 +404,13 @@ class _Strokes:
             # +1 forward slip, -1 reverse slip, 0 full stick.
             if not span.direction:
                 continue
+            # DeclinedError where slip comes back to an earlier limit under other loads.
             if span_before is not None:
                 _refuse_return_to_limit(span_before, span, self.radius)
                 work_matrix += _work_at_kink(span_before, span, self.radius)
             work_matrix += _work_in_span(span, self.radius, n_points)
             work_matrix += _work_at_passed_end(span, self.radius, n_panels)
+            # The stroke of slip ends with this span.
             if next_span is None or next_span.direction != span.direction:
                 work_matrix += _work_at_stroke_end(span, self.radius, n_panels)
         return work_matrix
@@ -418,8 +424,10 @@ class _Strokes:
         """
         for span in self.spans:
             piece = span.sticking_piece
+            # begin and end: instants at the ends of the span, with their loads.
             if span.direction or piece is None or span.begin.normal_load == span.end.normal_load:
                 continue
+            # Whether the slope of the memory curve on this piece is f or -f.
             if _is_set_by_slip(piece, span.friction):
                 raise DeclinedError("P and Q go along the limit of friction, where one side slips")
 
@@ -507,6 +515,7 @@ def _stick_edge_at(
     Since then tilt and strain shift the centre of stick by v = -R (a_s - a_s,m)/mu. a_s = f alpha -
     s eps, mu = f - s M' is the steepness, s the direction of slip, R the `radius` of the parabola.
     """
+    # P at these times, M' at P_c, and mu.
     load = span.segment.loads(time)[0]
     memory_slope = piece.slope_at(load - slip_zone_load)
     steepness = span.friction - span.direction * memory_slope
@@ -557,6 +566,7 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
         return np.full(np.shape(eta), 2 * piece.bend)
     # The load segment that was passed in stick; arc: times of both ends of the arc on it.
     segment = piece.anchor.segment
+    # Times at which P was eta on the arc, and Q'/P' a little before and after them.
     time = time_of_load_on_arc(piece, eta)
     time_step = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
@@ -611,6 +621,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     work_matrix = work_matrix - _quadratic_form(
         friction_weights * slip_zone_load, equivalent_tilt_rate, distance
     )
+    # Memory that slip set has no second integral.
     if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
     eta = stick_edge.load - slip_zone_load
@@ -666,6 +677,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     stick_centres = []
     steepness_of_sides = []
     for piece in (outer_piece, inner_piece):
+        # Shift of the centre since the memory was set there, and the centre at that time.
         stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
         centre_when_set = -radius * _tilt_coefficients(*_loads_when_set(piece, span.friction, eta))
         stick_centres.append(centre_when_set + stick_edge.centre_shift)
@@ -784,6 +796,7 @@ def _smooth_end(
         1 - _EQUALITY_TOLERANCE
     ):
         return None
+    # Second rate by a difference of rates around the end, with 1e-4 of the segment's duration.
     time_step = _DERIVATIVE_STEP * (segment.end - segment.start)
     rate_after = float(segment.rate_of(slip_load, time + time_step))
     rate_before = float(segment.rate_of(slip_load, time - time_step))
@@ -807,6 +820,7 @@ def _smooth_end_at_anchor(
     stroke ended, `piece.bottom_load` the load at its stick edge; `direction` is that of its slip.
     """
     anchor = piece.anchor
+    # That stroke, as a span of slip from the start of the load segment to its end.
     start = instant(anchor.segment, anchor.segment.start)
     stroke = Span(start, anchor, 0.0, direction, None, friction)
     return _smooth_end(stroke, anchor.time, piece.bottom_load, radius)
@@ -823,6 +837,7 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     `radius` is R of the parabola.
     """
     stick_edge_load = span.end.normal_load - float(span.slip_zone_load(span.end.time))
+    # None where the stroke ends at a vertex of the load path.
     smooth_end = _smooth_end(span, span.end.time, stick_edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
@@ -851,6 +866,7 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     stick_edge_load_at_end = span.end.normal_load - float(span.slip_zone_load(span.end.time))
     stick_edge_load_at_begin = span.begin.normal_load - float(span.slip_zone_load(span.begin.time))
+    # Only the punches that the stick edge passes in this span.
     is_passed = (eta < stick_edge_load_at_begin) & (eta >= stick_edge_load_at_end)
     eta = eta[is_passed]
     # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
@@ -883,6 +899,7 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     stick. `radius` is R of the parabola, `modulus` E*.
     """
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
+    # P and the rates of P and Q.
     load = span.segment.loads(time)[0]
     load_rates = span.segment.rates(time)
     if not span.direction and np.all(load_rates[0] <= 0):
@@ -900,12 +917,14 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
         ratio_of_edge_functions = (
             half_width * np.sqrt(1 - stick_ratio**2) / np.arccosh(1 / stick_ratio)
         )
+        # Ratio 1; D of the stick edge, as coefficients (n, 4).
         stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
         centre_distance = stick_edge.centre_distance(radius)
         yield centre_distance / (half_width * (1 - stick_ratio))[:, None]
     for direction in directions:
         slip_load = slip_combination(direction, span.friction)
         slip_load_rate = np.abs(span.segment.rate_of(slip_load, time))  # |N'|
+        # Ratio 2; a_s' as coefficients (n, 4).
         edge_function_over_rate = ratio_of_edge_functions / np.maximum(
             slip_load_rate, np.finfo(float).tiny
         )

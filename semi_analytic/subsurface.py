@@ -401,6 +401,7 @@ def _answers_with_tractions(
         scene = scene_of(source)
     missing_times = np.array(sorted(set(times.tolist()) - answers.keys()))
     if len(missing_times):
+        # At most 20 instants in one solution.
         block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
         for times_at_once in np.array_split(missing_times, block_count):
             # First without fields, for the edges of contact; then with points that are placed by
@@ -558,6 +559,7 @@ def _edge_tensions_of_answer(
         return np.mean(weighted_pressures * shear_ratio, axis=1)
 
     tension = tensions_by(answer.shear[row], points_in_contact)
+    # Uncertainty: 1e-3 of the largest f p, then changes by points and grids.
     largest_friction = answer.scene.friction.coefficient * float(pressure_at_points.max())
     uncertainty = np.full(2, _TENSION_ERROR_SHARE_BETWEEN_PLACES * largest_friction)
     changes_by_points = [

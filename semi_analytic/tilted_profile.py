@@ -281,6 +281,7 @@ class ConvexProfile(abc.ABC):
         """
         # Start wider than the contact: then the residual of either end is nearly a convex function
         # of that end, and hardly depends on the other.
+        # knots: places where h'' is not smooth; typical_half_length: of a contact of this profile.
         leftmost = first_touch - self.typical_half_length
         rightmost = first_touch + self.typical_half_length
         if len(self.knots):
@@ -294,7 +295,7 @@ class ConvexProfile(abc.ABC):
         widening = 0 * first_touch  # step of c
         # |slope of the potential along the step| where the step begins
         slope_along_step = np.full(first_touch.shape, np.inf)
-        for _ in range(_MOST_NEWTON_STEPS):
+        for _ in range(_MOST_NEWTON_STEPS):  # 120
             # Residuals of both equations for the trial contact.
             trial_m = m + shift
             trial_c = c + widening
@@ -558,6 +559,7 @@ class PiecewiseParabola(ConvexProfile):
         if self.is_parabola:
             squared_root = np.maximum((c - x + m) * (c + x - m), 0.0)
             return np.asarray(np.pi * self.curvature[0] * np.sqrt(squared_root))
+        # Angle theta_b of each knot, with sine and cosine, (..., knots).
         knot_angles = self.angles(m, c)
         root = np.sqrt(np.maximum((c - distance_from_centre) * (c + distance_from_centre), 0.0))[
             ..., None
@@ -635,6 +637,7 @@ class PiecewiseParabola(ConvexProfile):
         """
         # Of each knot: 0 beyond the right end of the contact, pi beyond the left.
         theta, sine, cosine = self.angles(m, c)
+        # Left of all knots h is a parabola: height, slope and curvature at the first knot.
         distance_from_first_knot = m - self.knots[0]
         distance_to_knot = self.knots - m[..., None]
         angle_functions = theta / 2 - 1.5 * sine * cosine
@@ -664,6 +667,7 @@ class PiecewiseParabola(ConvexProfile):
         distance_to_knot = self.knots - m[..., None]
         angle_functions = sine - sine**3 / 3 - sine * cosine * cosine / 2
         sum_over_knots = (half_width * angle_functions - theta * distance_to_knot / 2) @ self.jumps
+        # h' + alpha at m, of the parabola left of all knots.
         slope_at_middle = (
             np.asarray(tilt) + self.slope_at_first_knot + self.curvature[0] * (m - self.knots[0])
         )
@@ -836,8 +840,8 @@ class CurvedProfile(ConvexProfile):
         weights = angle_spans * self.rule.weight / np.pi
         if len(self.knots):
             # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
-            # 0, where h'' is like |x|^(n - 2), the tail is a geometric series: the outermost
-            # weight takes it too.
+            # 0, where h'' is like |x|^(n - 2), n = `exponent`, the tail is a geometric series: the
+            # outermost weight takes it too.
             tail_exponent = (
                 (self.exponent - 1) * self.rule.weight[0] / self.rule.distance_from_begin[0]
             )
@@ -1040,6 +1044,7 @@ class NestedIntervals:
         cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
         series_of_centre = []
         series_of_half_width = []
+        # Between two cuts: series of m and of c over v.
         for lower_load, upper_load in pairwise(cut_loads.tolist()):
             centre_between_cuts, half_width_between_cuts = self._series_between(
                 lower_load, upper_load
@@ -1191,6 +1196,7 @@ class NestedIntervals:
             # Of a trial contact: mean of h', A times the carried load, and integrals of h'' over
             # the angle.
             balance = self.shape.balance(reached_x - side * c, c)
+            # Sum of mean slope and tilt, times side: positive while c is too small.
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
             # -d slope_excess/dc while x stays an end
@@ -1457,6 +1463,7 @@ class TiltedProfile:
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
         # corner_loads: loads at which an end of contact meets a knot of the profile.
+        # Without such loads one rule that is graded towards both ends; else one on each panel.
         if not len(self.corner_loads):
             return graded_nodes(begin, end)
         nodes_of_panels = panel_nodes(begin, end, self.corner_loads)
@@ -1474,6 +1481,7 @@ class TiltedProfile:
         under the load is 0.
         """
         x = np.asarray(x, dtype=float)
+        # Gap without load, and under each load; both from centre and half-width of the contact.
         gap_before = self.shape.gap(x, *self.intervals.unloaded_centre_and_half_width)
         gap_after = self.shape.gap(x, *self.intervals.centre_and_half_width(load))
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
