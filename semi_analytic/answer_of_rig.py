@@ -290,10 +290,12 @@ def findings_of_rig(question: Question) -> Findings:
             "straight_steps: it goes with given loads; leave it out where a displacement is"
             " prescribed"
         )
+
     # Follow the actuators; `corrected_path` has half-widths and displacements under the loads
     # found.
     rig = rigged_scene(question.scene, question.effects)
     fine_path, coarse_path, steady_from = _fine_and_coarse_paths(rig, question.time)
+
     # Rows of the steady cycle, or of the whole path, and P and Q at all rows up to its end.
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
@@ -307,6 +309,7 @@ def findings_of_rig(question: Question) -> Findings:
     time, row_numbers = instants_and_row_numbers(question, loads_up_to_end, last_cycle)
     point_fields = PointFields(corrected_path, distance)
     fields = fields_at(question, point_fields, distance, row_numbers)
+
     # Friction work of the last cycle, the closed integral of Q dU + P d(approach), and errors by
     # name.
     cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
@@ -316,6 +319,7 @@ def findings_of_rig(question: Question) -> Findings:
         density = point_fields.work_density(last_cycle)
     wants_work = question.wants("dissipation")
     values_over_time = values_over_time_at(question, corrected_path, row_numbers)
+
     # The rig prescribes displacements at its own datum length, the answer counts from another.
     compliance_to_datum = _compliance_to_answer_datum(rig)
     for displacement, load in (
@@ -324,6 +328,7 @@ def findings_of_rig(question: Question) -> Findings:
     ):
         datum_shift = compliance_to_datum * values_over_time[load]
         values_over_time[displacement] = values_over_time[displacement] + datum_shift
+
     # Values that were not asked for are NaN.
     work = cycle_energy.work if wants_work else math.nan
     values: dict[str, Any] = {
@@ -395,19 +400,20 @@ def _energy_of(
 
     Parameters
     ----------
+    rig
+        scene with its rig, contact and the effects of its bodies
     fine_path, coarse_path
         loads that were found, by steps and by steps twice as long; the difference gives the errors
     corrected_path
         half-widths and displacements of the fine path, with the curvatures of the bodies
     steady_from
         index of the first steady cycle, None without one
-    rig
-        scene with its rig, contact and the effects of its bodies
     """
     # Rows of the last cycle, and P and Q at all rows up to its end.
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, rig.scene, steady_from)
     change_by_bodies = _ChangeByBodies.of_driven_path(rig, fine_path, last_cycle)
     tilt_and_strain = _tilt_and_strain_of(rig, fine_path, last_cycle, steady_from, change_by_bodies)
+
     # In the steady cycle, index 1 of a path that repeats it.
     work_of_tilt_and_strain = tilt_and_strain.work(_INDEX_OF_STEADY_CYCLE)
     work = (
@@ -415,6 +421,7 @@ def _energy_of(
         + work_of_tilt_and_strain.value
         + change_by_bodies.work_of_next_order
     )
+
     # By name: change of values from coarse to fine steps; the uncertainty by the bodies is added.
     errors = _errors_of_steps(fine_path, coarse_path, steady_from)
     if work > 0:
@@ -422,6 +429,7 @@ def _energy_of(
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
+
     # left_out: why that work is not known, if it is not.
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
@@ -493,7 +501,8 @@ class _ChangeByBodies(NamedTuple):
         )
         path_with_bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
         work_of_bodies = path_with_bodies.work(rows)
-        # The first of the rows ends the step before them.
+
+        # slip_work: of the step that ends at each row; that of the first row is before the cycle.
         work_with_curvatures_alone = float(np.sum(driven_path.slip_work[rows][1:]))
         relative_uncertainty = work_uncertainty_by_bodies(
             path_with_bodies, path_of_half_planes, rows, rig.effects
@@ -521,6 +530,8 @@ def _tilt_and_strain_of(
 
     Parameters
     ----------
+    rig
+        scene with its rig, contact and the effects of its bodies
     driven_path
         loads and displacements that were found, step by step
     last_cycle
@@ -529,8 +540,6 @@ def _tilt_and_strain_of(
         index of the first steady cycle, None without one
     change_by_bodies
         what curvatures change of the work, which makes that of tilt and strain uncertain
-    rig
-        scene with its rig, contact and the effects of its bodies
     """
     # TILT_AND_STRAIN_NAMES: attributes of the effects with tilt and strain per P and per Q.
     if not any(getattr(rig.effects, name).value for name in TILT_AND_STRAIN_NAMES):
@@ -832,6 +841,8 @@ def _notes(
 
     Parameters
     ----------
+    rig
+        scene with its rig, contact and the effects of its bodies
     driven_path
         loads and displacements that were found, step by step
     last_cycle
@@ -840,8 +851,6 @@ def _notes(
         relative errors by the name of the value
     tilt_and_strain
         what tilt and bulk strain of the bodies add to the work
-    rig
-        scene with its rig, contact and the effects of its bodies
     """
     scene = rig.scene
     force_unit, length_unit, _ = scene.unit_words
@@ -864,6 +873,7 @@ def _notes(
         yield from notes_of_effects(
             rig.effects, half_width, modulus, tilt_and_strain, WORDS_UNDER_RIG
         )
+
     # Tangential spring between actuator and contact, 0 if the rig is stiff; ranges of U over the
     # cycle.
     spring_compliance = rig.compliance.tangential_spring_compliance
@@ -899,6 +909,7 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     without_tangential_load = 0 * normal_load
     any_friction = 1.0  # without Q nothing slips
     effects_without = without_next_order(rig.effects)
+
     # Largest pressure and half-width with the next order, then without it.
     pressures = []
     half_widths = []

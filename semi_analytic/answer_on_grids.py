@@ -101,6 +101,7 @@ class GridAnswer:
         path_on_grids = self.path_on_grids
         path = question.scene.load.path()
         is_steady = path_on_grids.steady_from is not None
+
         # path_on_grids: works of all cycles, index of the first steady one (None if none is),
         # errors.
         values = self._values()
@@ -117,6 +118,7 @@ class GridAnswer:
             errors |= dict.fromkeys(question.fields & WORK_FIELDS, 0.0)
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
+
         # period: duration of a cycle, None for a path that does not repeat.
         if path.period is not None and not is_steady:
             # `unsteady_work` estimates how far the last cycle's work is from the steady one.
@@ -220,6 +222,7 @@ class GridAnswer:
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
         stress_of_lower, stress_of_upper = self._path_loads.bulk_stresses(time)
+
         # A/pi of half-planes, and what the other datum length adds to U.
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
@@ -250,6 +253,7 @@ class GridAnswer:
             values["dissipation"] = math.nan
             values["loop_work"] = math.nan
             values["cycle_dissipation"] = np.full_like(works, np.nan)
+
         # A path without cycles begins unloaded, where nothing sticks.
         permanent_stick_edges = np.full(2, math.nan)
         uncertainties = {}

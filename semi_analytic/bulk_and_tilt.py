@@ -164,12 +164,14 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     path = path or scene.load.path()
     segments = (*path.initial_loading, *path.cycle)
     loading_count = len(path.initial_loading)
+
     # A = 2/E*; strain_per_stress: bulk strain by a unit stress in the lower and the upper body.
     convex_shape = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
     datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
     strain_per_stress = strain_per_stress_of(scene.material)
+
     # Samples of P, Q, eps, alpha, (4, n) of each segment; the contact gives the tilt under a
     # moment.
     contact_under_moment = None
@@ -194,11 +196,13 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     )
     largest_load = float(np.max(p))
     neglected_loads: dict[str, float] = {}
+
     # At constant P the stick zones of a parabola are nested where contacts are not.
     is_parabola = convex_shape.radius is not None
     may_slip_opposite_ways = bool(
         is_parabola and friction > 0 and np.ptp(p) <= _ROUND_OFF_SHARE * largest_load
     )
+
     # Round-off sizes: smaller changes of strain and shear count as none.
     strain_changes = np.ptp(eps) > load_sizes.strain_roundoff
     has_shear_force = np.max(np.abs(q)) > load_sizes.shear_roundoff
@@ -219,6 +223,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     if not relation.holds:
         return None
     neglected_loads |= relation.neglected_loads
+
     # Contact intervals under tilts alpha_0 + kappa P up to the largest P of the samples.
     intervals = NestedIntervals(
         convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
@@ -248,6 +253,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         if segment_of_curve is None:
             return None
         segments_of_curve.append(segment_of_curve)
+
     # The initial loading, then the cycle.
     path_of_curve = LoadPath(
         tuple(segments_of_curve[:loading_count]), tuple(segments_of_curve[loading_count:])
@@ -388,6 +394,7 @@ class _AffineRelation(NamedTuple):
         tilt_without_load = 0.0
         if np.any(is_tilt_known):
             tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
+
         # Largest deviations from both lines, and what round-off allows.
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
@@ -552,6 +559,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     strain_per_stress = strain_per_stress_of(scene.material)
     if not path.cycle:
         return None
+
     # Q and bulk strain over the cycle; tilt and moment are not needed for their relation.
     _, tangential_loads, bulk_strains, _ = np.concatenate(
         [
@@ -562,6 +570,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         ],
         axis=1,
     )
+
     # First press to P within half of the time before the cycle, then shear to Q.
     path_start = path.start
     cycle_start = path.cycle_start
@@ -575,6 +584,7 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         (normal_load, 0.0),
         (normal_load, tangential_load),
     )
+
     # bulk: stresses of the lower and the upper body as a segment over the same time; None for none.
     if first_segment.bulk is not None:
         stress_of_lower, stress_of_upper = map(float, first_segment.bulk.loads(cycle_start))
@@ -649,6 +659,7 @@ def _segment_with_strain_for_shear(
         return StraightSegment(
             segment.start, segment.end, (normal_load, constant_load), (normal_load, constant_load)
         )
+
     # Linear in time.
     if bulk.is_straight:
         first_load = load_of([float(stress) for stress in bulk.loads(segment.start)])
@@ -658,6 +669,7 @@ def _segment_with_strain_for_shear(
         )
     if not isinstance(bulk, HarmonicSegment):
         return None
+
     # A segment of bulk stresses stores that of the lower body where others have P, that of the
     # upper body where they have Q.
     harmonics_of_bodies = (bulk.normal, bulk.tangential)
@@ -668,6 +680,7 @@ def _segment_with_strain_for_shear(
             amplitude * cmath.exp(-1j * phase) for amplitude, phase in harmonics
         ]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
+
     # Constant P; mean and harmonics (amplitude, phase) of the load that stands for Q.
     return HarmonicSegment(
         segment.start,
@@ -727,6 +740,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     segments = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
+
     # Bulk strain by a unit of bulk stress in the lower and in the upper body.
     strain_per_stress = strain_per_stress_of(scene.material)
     p, q, eps, _ = np.concatenate(
@@ -738,6 +752,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
         ],
         axis=1,
     )
+
     # Half-width a at the largest P.
     modulus = composite_modulus(scene.material)
     largest_load = float(np.max(p))
@@ -884,18 +899,18 @@ def _load_samples_of_segment(
     strain_per_stress: tuple[float, float],
 ) -> Array:
     """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at ascending instants of a
-    segment of the load path, (4, n): enough to tell two segments apart, turning points included.
+    segment of the load path, (4, n): enough to test relations between them, with turning points.
 
     Parameters
     ----------
+    segment
+        segment of P and Q, with those of bulk stresses, `bulk`, and of tilt and moment, None each
+        without any
     contact_under_moment
         gives the tilt where the moment is prescribed: NaN under a moment at P = 0; None where the
         tilt is prescribed
     strain_per_stress
         eps by a unit bulk stress of the lower and of the upper body [1/stress]
-    segment
-        segment of P and Q, with those of bulk stresses, `bulk`, and of tilt and moment, None each
-        without any
 
     # notation: p, q values of P and Q
     """

@@ -301,6 +301,7 @@ def notes_of_effects(
     odd_sizes = dimensionless_tilt_and_strain(effects, half_width, modulus)
     if not any(odd_sizes):
         return
+
     # alpha: tilt, e: bulk strain; of each P and Q cause a part.
     numbers_text = ", ".join(f"{odd_size:.3g}" for odd_size in odd_sizes)
     sizes_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({numbers_text})"
@@ -315,6 +316,7 @@ def notes_of_effects(
         )
         return
     consequence = "which change the dissipation in the second order"
+
     # Dundurs' beta is 0 for like materials.
     if effects.dundurs_beta:
         consequence = "which change the dissipation in the first order: the materials are unlike"
@@ -457,12 +459,14 @@ class _HalfPlanePath:
         times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
         instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
         instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
+
         # _MOST_ROWS: 200,000.
         if len(instants) > _MOST_ROWS:
             raise InputError(
                 f"effects: the load path has {len(instants):,} rows and corrected theory follows"
                 f" {_MOST_ROWS:,} at most: take a part of the path, or half-planes without effects"
             )
+
         # A series is linear between given rows of loads; any other path is a smooth curve over
         # time.
         if isinstance(self.path, LoadSeries):
@@ -470,6 +474,7 @@ class _HalfPlanePath:
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
         rows_of_ends = tuple(int(np.argmin(np.abs(instants - end))) for end in cycle_ends)
+
         # Without a cycle the path has its last row as the only end.
         if self.period is None:
             rows_of_ends = rows_of_ends[1:]
@@ -531,12 +536,14 @@ class _HalfPlanePath:
             return rows
         normal_load = rows.normal_load
         tangential_load = rows.tangential_load
+
         # kn and kt at the rows.
         gap_curvature = curvatures.gap_curvature_under(normal_load, tangential_load)
         face_curvature = curvatures.face_curvature_under(normal_load, tangential_load)
         # Turning points of the bound in both directions, by punch; G of a punch is a fraction of
         # the largest.
         turning_times_of_punches = []
+
         # _PARABOLA_FRACTIONS: G of six punches over that of the largest, from 0 to 1.
         for direction in (1, -1):
             load_term = tangential_load - direction * friction * normal_load
@@ -547,6 +554,7 @@ class _HalfPlanePath:
                 )
                 turning_times_of_punches.append(_turning_points(rows.time, bound_of_punch))
         turning_times = np.concatenate(turning_times_of_punches)
+
         # Turning points next to the end of a step, within 2 % of it, are left out.
         row_after = np.clip(np.searchsorted(rows.time, turning_times), 1, len(rows.time) - 1)
         step_duration = rows.time[row_after] - rows.time[row_after - 1]
@@ -674,10 +682,12 @@ class PathSeries:
             displacement = displacement + self.rigid_displacement
         if self.effects is None:
             return displacement
+
         # Of the curvatures: `tangential` is T, `normal_under_shear` N_Q, `tangential_fourth` T_4.
         curvatures = curvatures_of(self.effects)
         # followed_path: friction memory, loads, edges of contact and stick at all instants.
         followed_path = self.followed_path
+
         # T q_2 + N_Q p_2 + T_4 q_4/12
         # shear_second_moment: q_2, pressure_second_moment: p_2, shear_fourth_moment: q_4, (n,)
         # each.
@@ -908,10 +918,12 @@ class PathSeries:
         half_widths_at_zone_ends = followed_path.table.half_width(
             [followed_path.stick_edge_s[row], *followed_path.inner_zone_s[row]]
         )
+
         # direction: that of slip at the edge, 0 where it sticks: then all of the contact sticks.
         stick_half_width = (
             half_widths_at_zone_ends[0] if followed_path.direction[row] else half_width
         )
+
         # Sign of q where it exceeds f p: slip has that direction.
         direction_of_extra_slip = int(self._shear_signs_beyond_limit[row])
         return inner_slip(
@@ -1355,12 +1367,14 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(path_with_bodies.half_width)))
+
     # Fields are even or odd in x: they are evaluated once at each |x|.
     distance, index_of_distance = distances_and_indices(x)
     # `last_cycle`: rows of the last cycle of the answer; row_numbers: row nearest to each instant.
     time, row_numbers = instants_and_row_numbers(question, paths.rows, paths.last_cycle)
     point_fields = PointFields(path_with_bodies, distance)
     fields_at_distances = fields_at(question, point_fields, distance, row_numbers)
+
     # What tilt and bulk strain do: `centres` are the centres x of contact and stick zone.
     tilt_and_strain = _tilt_and_strain_of(paths)
     values_over_time = values_over_time_at(question, path_with_bodies, row_numbers)
@@ -1386,6 +1400,7 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     stick_half_width = permanent_stick_half_width(
         path_with_bodies, paths.last_cycle, stick_centres[paths.last_cycle]
     )
+
     # Names are those of the values in a ContactSolution.
     values: dict[str, Any] = {
         **values_over_time,
@@ -1432,6 +1447,7 @@ def _followed_paths(question: Question) -> _Paths:
     modulus = composite_modulus(scene.material)
     contact = contact_of(scene.profile, scene.material)
     curvatures = curvatures_of(effects)
+
     # Flat punches that make up the contact, with the loads that they carry.
     table = punch_table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
@@ -1440,10 +1456,12 @@ def _followed_paths(question: Question) -> _Paths:
     rows = half_plane_path.rows_with_turning_points(
         rows, friction, curvatures, largest_parabola_load
     )
+
     # `follow` gives friction memory and slip zones at the rows.
     loads = (rows.normal_load, rows.tangential_load)
     # Curvatures(): all zero.
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
+
     # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
     memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
     steady_from = _first_steady_cycle(memory_of_bodies, rows)
@@ -1504,6 +1522,7 @@ def punch_table_of(
     largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
     gap_curvature = curvatures.gap_curvature_under(rows.normal_load, rows.tangential_load)
     gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
+
     # _MOST_WIDENINGS: 60, each by _TABLE_WIDTH_FACTOR = 1.02; extent: largest half-width of the
     # profile. largest_s: coordinate s of the widest punch of the table.
     for _ in range(_MOST_WIDENINGS):
@@ -1669,12 +1688,12 @@ def values_over_time_at(
 
     Parameters
     ----------
+    question
+        which displacements are wanted
     path_with_bodies
         the followed path with the finite bodies
     row_numbers
         (n,) numbers of its instants
-    question
-        which displacements are wanted
     """
     not_a_number = np.full(len(row_numbers), np.nan)
     tangential_displacement = not_a_number
@@ -1708,14 +1727,14 @@ def fields_at(
 
     Parameters
     ----------
+    question
+        which fields are wanted
     point_fields
         fields of the followed path at `distance`
     distance
         (k,) |x| [length] from the middle of contact
     row_numbers
         (n,) numbers of the instants of the path
-    question
-        which fields are wanted
 
     Raises
     ------
@@ -1766,6 +1785,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
         :, None
     ]
     inner_zone_ends = followed_path.table.half_width(followed_path.inner_zone_s[row_numbers])
+
     # direction: of slip at the edge, 0 where it sticks; inner_zone_direction: likewise.
     # By the direction of slip, -1, 0 or +1, plus 1.
     states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
@@ -1773,6 +1793,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     state_in_inner_zone = states_by_direction[
         followed_path.inner_zone_direction[row_numbers, None] + 1
     ]
+
     # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
     is_within_stick_edges = is_between_edges(stick_half_width * signs_of_sides, distance) & (
         stick_half_width > 0
@@ -1780,6 +1801,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     states_without_inner_zone = np.where(is_within_stick_edges, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
+
     # At these instants points inside the contact slip further than the memory curve says.
     for index, extra_slip in point_fields.inner_slips(row_numbers):
         state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
@@ -1814,16 +1836,16 @@ def _works_and_density(
 
     Parameters
     ----------
+    paths
+        load path with the bodies and with half-planes, by equal steps; the question with its wanted
+        fields; `covered_cycles`: for each cycle of the answer the index of the followed cycle that
+        it equals
     point_fields
         fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
     tilt_and_strain
         work that tilt and bulk strain of the bodies add
-    paths
-        load path with the bodies and with half-planes, by equal steps; the question with its wanted
-        fields; `covered_cycles`: for each cycle of the answer the index of the followed cycle that
-        it equals
 
     Returns
     -------
@@ -1835,11 +1857,13 @@ def _works_and_density(
     work_of_cycles = np.full(len(paths.covered_cycles), np.nan)
     loop_work = math.nan
     density = np.full(len(distance), np.nan)
+
     # Of dissipation and dissipation density, those that are asked for.
     wanted_fields = question.fields & _FIELDS_OF_WORK
     errors: dict[str, float] = {}
     if not wanted_fields:
         return _WorkOfAnswer(work_of_cycles, loop_work, density, errors)
+
     # end_rows: rows at which the initial loading and each cycle end.
     end_times = paths.rows.time[list(paths.rows.end_rows)]
     question_of_half_planes = replace(
@@ -1850,6 +1874,7 @@ def _works_and_density(
         time=end_times,
         cycles="all",
     )
+
     # Exact half-plane theory of the same scene, at the same points.
     exact_theory = findings_by_memory(question_of_half_planes, None)
     if question.wants("dissipation"):
@@ -1879,15 +1904,15 @@ def _density_and_error(
 
     Parameters
     ----------
+    paths
+        load path with the bodies and with half-planes, by equal steps; `last_cycle`: rows of the
+        last cycle of the answer
     point_fields
         fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
     exact_density
         (k,) W(x) of half-planes by exact theory
-    paths
-        load path with the bodies and with half-planes, by equal steps; `last_cycle`: rows of the
-        last cycle of the answer
     """
     path_of_half_planes = paths.path_of_half_planes
     last_cycle = paths.last_cycle
@@ -1924,13 +1949,13 @@ def _works_and_errors(
 
     Parameters
     ----------
+    paths
+        load path with the bodies and with half-planes, by equal steps; `covered_cycles`: for each
+        of the c cycles of the answer the index of the followed cycle that it equals
     exact_works
         (c,) work of these cycles by exact half-plane theory [energy per thickness]
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
-    paths
-        load path with the bodies and with half-planes, by equal steps; `covered_cycles`: for each
-        of the c cycles of the answer the index of the followed cycle that it equals
     """
     path_of_half_planes = paths.path_of_half_planes
     path_with_bodies = paths.path_with_bodies
@@ -1939,6 +1964,7 @@ def _works_and_errors(
     works_of_half_planes = np.array([path_of_half_planes.work(rows) for rows in rows_of_cycles])
     works_of_bodies = np.array([path_with_bodies.work(rows) for rows in rows_of_cycles])
     works_of_tilt_and_strain = [tilt_and_strain.work(cycle) for cycle in paths.covered_cycles]
+
     # Both paths by the same steps: their errors nearly cancel.
     friction_works = exact_works + (works_of_bodies - works_of_half_planes)
     friction_works = friction_works + np.array([work.value for work in works_of_tilt_and_strain])
@@ -1954,6 +1980,7 @@ def _works_and_errors(
     last_work = float(exact_works[-1])
     if last_work <= 0:
         return friction_works, loop_work, {}
+
     # Errors of the steps: half of that of half-planes, and twice the change by halved steps.
     step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / last_work - 1)
     change_by_halving = abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1]))
@@ -1961,6 +1988,7 @@ def _works_and_errors(
     error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
+
     # Uncertainty that the numbers of the bodies leave, relative.
     uncertainty_by_bodies = work_uncertainty_by_bodies(
         path_with_bodies, path_of_half_planes, paths.last_cycle, effects
@@ -2002,6 +2030,7 @@ def work_uncertainty_by_bodies(
     work_of_half_planes = path_of_half_planes.work(rows)
     change_by_bodies = path_with_bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
+
     # are_of_mirrored_bodies: no gap curvature under Q and no face curvature under P. normal: N, gap
     # under P; tangential: T, faces under Q.
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
@@ -2010,6 +2039,7 @@ def work_uncertainty_by_bodies(
     followed_path = path_with_bodies.followed_path
     loads = (followed_path.normal_load, followed_path.tangential_load)
     uncertainty = LEAST_UNCERTAIN_FRACTION
+
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
     # CURVATURES: names of the two kinds. `follow` gives the friction memory along the same path;
@@ -2089,6 +2119,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     n_rows = len(followed_path.normal_load)
+
     # edge_s: coordinate of the edge of contact, grows with it; direction: of slip at the edge in
     # the step that ends at the row, 0 where it sticks.
     grows_in_stick = (np.diff(followed_path.edge_s) > 0) & (followed_path.direction[1:] == 0)
@@ -2096,6 +2127,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD_LOAD_SHARE))
     if not len(long_chords):
         return paths.path_with_bodies.work(paths.last_cycle)
+
     # Whole numbers are rows, halves are the middles of steps.
     row_numbers = np.union1d(np.arange(n_rows), long_chords + 0.5)
     # The same path again, with the additional rows in the middle of long chords.
@@ -2106,6 +2138,7 @@ def _work_of_halved_steps(paths: _Paths) -> float:
         np.interp(row_numbers, np.arange(n_rows), followed_path.tangential_load),
         curvatures_of(effects),
     )
+
     # The first row of a cycle ends a step before it. step_work: of the step that ends at each row,
     # without the factor A/pi.
     first_row, row_after_last, _ = paths.last_cycle.indices(n_rows)
@@ -2217,6 +2250,7 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     if not field_names or not friction:
         return {}
     last_cycle = paths.last_cycle
+
     # 9 instants of the last cycle, and 35 places from near the middle to the edge of contact.
     row_numbers = np.unique(
         np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
@@ -2232,11 +2266,13 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         time=paths.rows.time[row_numbers],
         cycles="all",
     )
+
     # Exact theory and steps at the same instants and places.
     exact_theory = findings_by_memory(question_of_half_planes, None)
     point_fields = PointFields(path_of_half_planes, places)
     pressure = point_fields.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+
     # Points near an edge of contact or stick are not compared: the fields have roots there.
     half_width = path_of_half_planes.half_width[row_numbers, None]
     stick_half_width = np.nan_to_num(path_of_half_planes.stick_half_width[row_numbers, None])
@@ -2316,7 +2352,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     ----------
     paths
         load path followed with the bodies; `last_cycle`: rows of the last cycle of the answer;
-        whether that cycle is steady
+        whether that cycle is steady; `rows.period`: duration of a cycle, None without one
     tilt_and_strain
         work that tilt and bulk strain of the bodies add, or why none is added
     """
@@ -2325,8 +2361,7 @@ def _notes_of(paths: _Paths, tilt_and_strain: TiltAndStrainPart) -> Iterator[str
     assert question.effects is not None  # for the type checker
     # A note if Dundurs' beta is not 0: normal and tangential problem are solved uncoupled.
     yield from neglected_coupling(scene.material)
-    # The load at which tilt and strain are made dimensionless: mean P of an ellipse, else largest
-    # P.
+    # Load at which tilt and strain are made dimensionless: mean P of an ellipse, else its largest.
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.path_with_bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)

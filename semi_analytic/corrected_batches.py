@@ -403,6 +403,7 @@ def _roots_between(
     has_no_root = value_at_upper < -_ROUND_OFF_VALUE_SHARE * value_scale
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
+
     # 40 secants at most; residual 1e-13 of the larger value at the bounds.
     for _ in range(_MOST_SECANTS):
         # Secant through both bounds, kept between them.
@@ -450,6 +451,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     )
     opening_angle = np.arccos(cosine_of_opening)
     never_opens = load_outside.mean >= load_outside.amplitude
+
     # F is known at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
     begin_angle = np.where(never_opens, forward_bound.phase, load_outside.phase - opening_angle)
     contact_angle = np.where(never_opens, full_turn, 2 * opening_angle)
@@ -466,6 +468,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     angles_since_begin.sort(axis=0)
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
+
     # From angle to angle, until contact ends: f int L dB over the part of the bound beyond F.
     for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
         for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):

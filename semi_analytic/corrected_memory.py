@@ -180,11 +180,13 @@ class PunchTable:
         # where its slope or curvature jumps.
         kinks = [contact.least_half_width, *contact.corner_half_widths]
         inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
+
         # Half-widths c of the kinks; s of each is its index.
         self._interval_ends = np.array([0.0, *inner_kinks, largest_half_width])
         self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
         self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
         n_intervals = len(self._interval_lengths)
+
         # At most 512 cells an interval and 4096 in all, but at least 64 an interval.
         self._cells_per_interval = max(
             min(_CELLS_PER_INTERVAL, _MOST_CELLS // n_intervals), _FEWEST_CELLS_PER_INTERVAL
@@ -194,6 +196,7 @@ class PunchTable:
         sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
         begin_of_interval = self._interval_ends[:-1, None]
         interval_length = np.diff(self._interval_ends)[:, None]
+
         # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
         half_width = begin_of_interval + interval_length * sigma**2
         half_width_rate_in_s = 2 * interval_length * sigma
@@ -203,12 +206,14 @@ class PunchTable:
         is_flat = half_width < contact.least_half_width * (1 - 1e-14)
         load = np.where(is_flat, 0.0, load)
         load_rate_in_s = np.where(is_flat | (half_width_rate_in_s == 0), 0.0, load_rate_in_s)
+
         # Coefficients of a cubic in each cell, constant first; as lists too, which are faster for
         # one s.
         self._load_cubics = self._hermite_cubics(
             load[:, :-1], load[:, 1:], load_rate_in_s[:, :-1], load_rate_in_s[:, 1:]
         )
         self._load_coefficients: list[list[float]] = self._load_cubics.tolist()
+
         # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
         self._load_integral_cubics = self._integral_cubics(power=0)
         self._load_parabola_integral_cubics = self._integral_cubics(power=1)
@@ -280,6 +285,7 @@ class PunchTable:
         integrals_of_cells = integrand(s_of_nodes) @ gauss_weights * (cell_length / 2)
         integral_at_cell_ends = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
         begin_s = np.asarray(np.arange(n_cells) * cell_length, dtype=float)
+
         # Just within the cell: at a kink of the profile dc/ds jumps.
         end_s = begin_s + cell_length * (1 - 1e-12)
         return self._hermite_cubics(
@@ -415,6 +421,7 @@ class PunchTable:
         squared_width = half_width * half_width
         load = tabulated(self._load_coefficients)
         parabola_load = self.parabola_stiffness * squared_width
+
         # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         least_half_width = _LEAST_HALF_WIDTH_SHARE * float(self._interval_ends[-1])
         log_datum_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
@@ -563,6 +570,7 @@ class PunchTable:
                 upper_s = np.where(carries_less_or_equal, upper_s, middle_s)
             edge_s = (lower_s + upper_s) / 2
             newton_steps = _NEWTON_STEPS_AFTER_BISECTION
+
         # Newton's method: the load that the edge still misses, over its rate d/ds.
         for _ in range(newton_steps):
             missing_load = normal_load - carried_load(edge_s)
@@ -879,7 +887,7 @@ class FollowedPath:
         0 at the first one.
 
         Work is done in three places: the slip zone at the edge of contact, an inner slip zone, and
-        the annulus that the receding contact leaves, which slips until it separates.
+        the strip that the receding contact leaves, which slips until it separates.
         """
         # Zones by direction of slip, inner and outer end; _s: coordinate s in the table of punches.
         edge_before = np.append(self.edge_s[:1], self.edge_s[:-1])
@@ -918,6 +926,7 @@ class FollowedPath:
         )  # of the punches, (m, k)
         table = self.table
         punches = _PunchArrays(table.profile_load(s), table.parabola_load(s), table.fourth_load(s))
+
         # Normal load that is carried beyond each punch, and its Coulomb bound, before and after the
         # step.
         row = intervals.row
@@ -927,6 +936,7 @@ class FollowedPath:
         bound_before = self._coulomb_bound(punches, row - 1, direction, load_before)
         bound_after = self._coulomb_bound(punches, row, direction, load_after)
         locked_in_force = self._locked_in_forces(punches, intervals.piece_number)
+
         # F before the step.
         # Both positive along the slip. In gross sliding the curvature of the faces may move a punch
         # against the slide.
@@ -937,6 +947,7 @@ class FollowedPath:
         slip_fraction = np.clip(
             force_change / np.where(bound_rise != 0, bound_rise, np.inf), 0.0, 1.0
         )
+
         # A punch that comes into contact within the step slips from there to its end.
         is_new_contact = intervals.piece_number[:, None] == 0
         load_gain = np.where(
@@ -1041,6 +1052,7 @@ class FollowedPath:
         # top_s: outer end of each piece; parents: number of the piece below it; uppermost_pieces:
         # number of the outermost piece of the memory curve at each instant.
         top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
+
         # The zones that are not empty; a step has the number of the instant at which it ends.
         zones_of_steps = [
             (row, int(directions[row]), float(inner_ends[row]), float(outer_ends[row]))
@@ -1098,8 +1110,8 @@ class FollowedPath:
         """
         # s is the coordinate of the half-width in the table of punches.
         s_of_punches = np.linspace(0.0, self.table.largest_s, _PUNCHES_COMPARED)
-        # F of these punches at each end of a cycle.
         force_tolerance = _STEADY_FORCE_SHARE * self.friction * float(np.max(self.normal_load))
+        # F of these punches at the end of the initial loading and of each cycle.
         forces_at_ends = [self.locked_in_force(row, s_of_punches) for row in ends]
         for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
             if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
@@ -1320,12 +1332,13 @@ def _estimated_shear_second_moment(
 
     Parameters
     ----------
-    rows
-        (10, n) loads, curvatures and edge of contact at the instants, a `Row` each
-    path_of_half_planes
-        the same path without curvatures
     table
         loads and moments of the flat punches, by the coordinate s of their half-width
+    rows
+        (10, n) loads, curvatures and edge of contact at the instants: ten quantities, in the order
+        of the fields of a `Row`
+    path_of_half_planes
+        the same path without curvatures
     """
     # Row._fields: names of the ten quantities, among them kn, n4 and s of the edge of contact.
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
@@ -1367,8 +1380,8 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient
 def _columns_of_path(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """The quantities of a `Row` at each of the n instants of a load path, (10, n): loads,
-    curvatures and edge of contact.
+    """Loads, curvatures of gap and faces under them, and edge of contact at each of the n instants
+    of a load path: ten quantities, (10, n).
 
     They are P and Q; kn and kt, the factors of x^2/2 that the bodies add to the gap and to the
     tangential displacement of the faces; those of x^4/24; the punch coordinate s of the edge of
@@ -1409,7 +1422,6 @@ def _columns_of_path(
             )
             if load_change <= _LOAD_SHARE_MOVED_BY_MOMENT * np.max(normal_load):
                 break
-    # In the order of the fields of a `Row`.
     columns = [
         normal_load,
         tangential_load,
@@ -1426,16 +1438,18 @@ def _columns_of_path(
 
 
 def _followed_rows(table: PunchTable, friction: float, columns: Array) -> FollowedPath:
-    """Memory of friction along a path from the unloaded state; its n instants are `columns` (10,
-    n), a `Row` each: loads, curvatures and edge of contact.
+    """Memory of friction, stick edges and slip zones along a load path from the unloaded state, at
+    its n instants.
 
     Parameters
     ----------
     table
         loads of the flat punches, by the coordinate s of their half-width
+    friction
+        f
     columns
-        (10, n) the quantities of a `Row` at each instant: P first, then Q, curvatures and edge of
-        contact
+        (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
+        s of the edge of contact; the loads eta, G and G_4 of the punches up to it
     """
     # Step by step from the unloaded state; a step gives the new state of the memory.
     memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
@@ -1461,9 +1475,11 @@ def path_of_steps(
         holds the pieces of the memory curves of all steps: locked-in tangential force over the
         half-width of the flat punches
     columns
-        (10, n) loads, curvatures and edge of contact, in the order of the fields of a `Row`
+        (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
+        s of the edge of contact; the loads eta, G and G_4 of the punches up to it
     steps
-        n: uppermost piece of the memory curve, stick edge and slip zones at the end of each
+        n steps: at the end of each the number of the outermost piece of the memory curve, the stick
+        edge and the slip zones
     """
     pieces = memory.pieces
     # The fields of all pieces, one piece after another.
@@ -1580,21 +1596,24 @@ class FrictionMemory:
         state
             memory before the step: uppermost piece of the curve, direction of the last slip
         row
-            loads, curvatures and edge of contact at the end of the step
+            P, Q, curvatures of gap and faces, and edge of contact at the end of the step
         """
         if self.is_unloaded(row.normal_load):
             return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
         pieces = self.pieces
         # 1e-11 of f times the largest P of the path.
         round_off = _ROUND_OFF_FORCE_SHARE * self.friction * self.largest_load
+
         # number_of_top: number of the outermost piece, None as long as it is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
         # _s: coordinate s in the table of flat punches.
         stick_edge_s = row.edge_s
+
         # +1 or -1; 0 where the edge of contact sticks.
         direction = _slip_direction_at_edge(
             outermost_piece, pieces[outermost_piece.number_below], self.friction, row, round_off
         )
+
         # Slip at the edge: the curve is cut where F meets its Coulomb bound.
         bound = None
         if direction:
@@ -1669,6 +1688,7 @@ class FrictionMemory:
             # The profile is still flat here: only the curvature of the bodies carries load.
             slopes = (0.0, force_rise / (row.edge_parabola_load - piece.parabola_load), 0.0)
             return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
+
         # The contact recedes: pieces that lie outside the new edge go.
         while piece_number and pieces[piece.number_below].top_s >= row.edge_s:
             piece_number = piece.number_below
@@ -1849,6 +1869,7 @@ def _add_inner_slip_zone(
     top_number = pieces.add_piece(
         number_below_zone, outer_end_s, loads_at_outer_end.loads, bound.slopes
     )
+
     # On top of the zone again what sticks outside of it.
     for sticking_piece in (piece, *reversed(sticking_pieces_outside)):
         top_number = pieces.add_piece(
@@ -1874,6 +1895,8 @@ def _crossing_of_bound(
 
     Parameters
     ----------
+    table
+        loads of the flat punches by their coordinate s
     ends
         the piece below, and the piece itself
     excesses
@@ -1882,8 +1905,6 @@ def _crossing_of_bound(
         direction of slip, and derivatives of the bound with respect to eta, G and G_4
     round_off
         excess that counts as 0 [force per thickness]
-    table
-        loads of the flat punches by their coordinate s
     """
     # Bracket of s: outer ends of both pieces.
     piece_below, piece = ends
@@ -1891,10 +1912,12 @@ def _crossing_of_bound(
     high_s = piece.top_s
     excess_below, excess_above = excesses
     sign_of_rise = 1.0 if excess_above > excess_below else -1.0
+
     # Slopes of the excess of F over the bound, per d eta, dG and dG_4.
     profile_slope = bound.direction * (bound.profile_slope - piece.profile_slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
+
     # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
     fraction_of_piece = excess_below / (excess_below - excess_above)
     s = table.s_of_parabola_load(
@@ -1904,6 +1927,7 @@ def _crossing_of_bound(
     if not low_s < s < high_s:
         s = low_s + fraction_of_piece * (high_s - low_s)
     loads_at_s = table.punch_loads_at(s)
+
     # Newton's method; a step that would leave the bracket is replaced by a bisection.
     for _ in range(_MOST_NEWTON_STEPS):
         excess = excess_below + profile_slope * (loads_at_s.profile_load - piece_below.profile_load)

@@ -95,6 +95,7 @@ def hysteresis(
         )
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
+
     # Added to U per Q: change of the datum length, and c_t of finite bodies.
     compliance_to_datum = added_compliance(solution, "hysteresis", datum_length, effects)
     displacement = solution.tangential_displacement + compliance_to_datum * solution.tangential_load

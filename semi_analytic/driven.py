@@ -246,6 +246,7 @@ def actuator_rows(
     turning_times = np.array(_turning_times_of_actuators(path, cycles))
     n_turns = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
+
     # Equal steps between two turning times: 16 at least if there are few turning times.
     steps_between_turns = max(math.ceil(steps_per_cycle * n_cycles / n_turns), 1)
     if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
@@ -273,6 +274,7 @@ def actuator_rows(
         is_in_path = (extra_times > turning_times[0]) & (extra_times < turning_times[-1])
         time = np.append(time, extra_times[is_in_path])
     time = np.unique(time)
+
     # Instants nearer than 1e-12 of the duration become one.
     duration = turning_times[-1] - turning_times[0]
     time = time[np.diff(time, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
@@ -481,6 +483,7 @@ def _table_of_approach(
             f"load.approach: {largest_approach:.6g} is more than the profile can be pressed in:"
             " check units"
         )
+
     # The approach must grow with the half-width, and so with P.
     s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
@@ -611,17 +614,20 @@ def follow_actuator(
     memory = FrictionMemory(table, friction, largest_load, Pieces())
     step_solver = _StepSolver(memory, compliance)
     state = UNLOADED_STATE
+
     # The first instant is unloaded: P = Q = 0.
     instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
     # Part of U_act by gross sliding and separation so far: it causes no Q.
     free_displacement = instant_before.actuator_displacement
     times = [instant_before.time]
+
     # Of each instant: loads and edge of contact; memory of friction with its slip zones; slide.
     memory_rows = [step_solver.row_under_loads(0.0, 0.0)]
     steps = [memory.step(state, memory_rows[0])]
     slides = [0.0]
     free_displacements = [free_displacement]
     actuator_displacements = [instant_before.actuator_displacement]
+
     # Where each instant of `rows` is in these lists: begins of slides are in them too.
     index_of_row = [0] * len(rows.time)
     for row_number in range(1, len(rows.time)):
@@ -754,6 +760,7 @@ class _StepSolver:
         # is_unloaded: P is 0 but for round-off, the bodies are apart.
         if memory.is_unloaded(end.normal_load) or memory.is_unloaded(begin.normal_load):
             return (end,)
+
         # Pieces of memory curve before the trials, which are discarded after each.
         n_pieces = len(memory.pieces)
 
@@ -822,6 +829,7 @@ class _StepSolver:
             )
         target_displacement = end.actuator_displacement - free_displacement
         friction_limit = memory.friction * end.normal_load
+
         # Trial with the Q before: the actuator must push forward or back from there.
         # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
@@ -829,14 +837,17 @@ class _StepSolver:
         memory_step, displacement = self._step_and_displacement(state, end.normal_load, force)
         self._discard_pieces(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
+
         # Sliding as a whole, if U_act goes beyond U + Q/k_s at Q = +-f P.
         row_at_limit = self.row_under_loads(end.normal_load, direction * friction_limit)
         sliding_step = memory.step_of_gross_sliding(row_at_limit, direction)
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
+
         # At the begin of a slide nothing is left but round-off, of either sign.
         if direction * slide_distance >= -_ROUND_OFF_DISPLACEMENT_SHARE * abs(target_displacement):
             return _SolvedStep(row_at_limit, sliding_step, slide_distance=slide_distance)
         self._discard_pieces(n_pieces)
+
         # Newton's method: missing displacement over d(U + Q/k_s)/dQ, within the bracket.
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FORCE_TOLERANCE_SHARE * memory.friction * memory.largest_load
@@ -888,11 +899,13 @@ class _StepSolver:
         # Of `compliance`: unit_compliance is A/pi; curvatures.tangential is T, normal_under_shear
         # N_Q.
         curvatures = compliance.curvatures
+
         # Integrals of ln(2 L/c) and c^2/2 over the punches up to the edge, each over d eta and over
         # dG.
         sums_at_edge = self._table.punch_sums_at(row.edge_s, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
+
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
         logarithm_integral = (
             self._logarithm_integrals[uppermost_piece]
@@ -906,6 +919,7 @@ class _StepSolver:
             sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
         )
         displacement = compliance.unit_compliance * logarithm_integral
+
         # c_t and 1/k_s.
         added_compliance = (
             compliance.tangential_body_compliance + compliance.tangential_spring_compliance

@@ -169,10 +169,12 @@ class ArcIntegrals:
         self._kernel = kernel
         self._segment = piece.anchor.segment
         self._x = np.zeros(1) if kernel == "shift" else x
+
         # P_x of the points. The displacement takes all loads, whether x = 0 is in contact or not.
         self._edge_loads = np.zeros(1) if kernel == "shift" else contact.load(x)
         # dp/dP has the factor 1/pi before the inverse root.
         self._kernel_factor = 1 / math.pi if kernel == "shear" else 1.0
+
         # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
         last_time = piece.anchor.time
@@ -184,6 +186,7 @@ class ArcIntegrals:
         corner_times = (
             time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
         )
+
         # Turning point of P at, or just beyond, each end of the arc.
         self._turn_at_begin = _turning_point(self._segment, first_time, last_time)
         self._turn_at_end = _turning_point(self._segment, last_time, first_time)
@@ -201,6 +204,7 @@ class ArcIntegrals:
                 ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
             )
         ]
+
         # A smooth part that is hardly longer than round-off has no inner ends.
         panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
         # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
@@ -250,6 +254,7 @@ class ArcIntegrals:
             0.0,
             1.0,
         )
+
         # Primitive of the Chebyshev series on the panel, at each time.
         polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
         # Numbers of the first time in each panel.
@@ -261,6 +266,7 @@ class ArcIntegrals:
             integrals[in_panel] += (
                 polynomials[in_panel] @ self._primitives[panel_of_time[first_number]].T
             )
+
         # Where the edge of contact passes the point nearby: over ranges from one time to the next,
         # the first of a panel from the panel's begin.
         range_begins = np.append(panel_ends[0], different_times[:-1])
@@ -268,6 +274,7 @@ class ArcIntegrals:
         range_number, point = np.nonzero(
             self._is_near[panel_of_time] & (different_times > range_begins)[:, None]
         )
+
         # Points near the edge of contact: Gauss' rule over these ranges, at point number `point`.
         near_integrals = np.zeros(integrals.shape)
         near_integrals[range_number, point], error_of_near_integrals = (
@@ -275,10 +282,12 @@ class ArcIntegrals:
                 range_begins[range_number], different_times[range_number], point
             )
         )
+
         # These ranges have errors of their own: they are not the panels.
         self.error = max(
             self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
+
         # Sums from the begin of each panel to each time.
         sums = np.cumsum(near_integrals, axis=0)
         sums_before_panel = (sums - near_integrals)[first_time_in_panel]
@@ -295,6 +304,8 @@ class ArcIntegrals:
         a Chebyshev series on each panel; panels between `panel_ends` are halved until it is
         resolved. On a panel near P_x the integral is taken by Gauss' rule in a variable that makes
         it smooth.
+
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
         """
         # Of each panel: begin, end, Chebyshev coefficients and error, and which points are near.
         panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
@@ -321,6 +332,9 @@ class ArcIntegrals:
 
         The error comes from a sample of 40 ranges that are halved: 2.5 times the largest change,
         times the root of the largest number of ranges at one point.
+
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch. An arc is a
+        curved segment of the load path that was travelled in full stick.
 
         Parameters
         ----------
@@ -353,6 +367,9 @@ class ArcIntegrals:
 
         Panels between `begins` and `ends` (m,) are halved until the last coefficients of the series
         no longer count, or no number lies between their ends.
+
+        The integrand is the rate of Q times the kernel: the shear, slip or displacement at a point
+        by a unit of load on a flat punch.
         """
         # At most 9 halvings; resolved: errors of all series below 1e-14 of the largest integral.
         resolved_panels: list[_Panels] = []
@@ -397,6 +414,8 @@ class ArcIntegrals:
 
         The variable of integration depends on the turning point of P, before or behind the arc. A
         range lies before or behind the middle of the arc and takes the turning point on its side.
+
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
         """
         # _turn_at_begin and _turn_at_end: turning points of P at both ends of the arc.
         integrals = np.empty(len(begins))
@@ -423,6 +442,8 @@ class ArcIntegrals:
         lies outside the panel's loads by twice their range, on the side where the kernel K is not
         0. Where the kernel is 0 all over a panel the point is neither far nor near. Beside P = 0,
         where the slip kernel is singular, no point is far for it.
+
+        The kernel is the shear, slip or displacement by a unit of load on a flat punch.
         """
         contact = self._contact
         x = self._x
@@ -433,6 +454,7 @@ class ArcIntegrals:
         least_load = np.maximum(self._segment.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._segment.loads(ends)[0], 0.0)[:, None]
         margin = _RANGES_TO_FAR * (largest_load - least_load)
+
         # margin: twice the range of the panel's loads; edge_loads: P_x of each point.
         # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
         # where P > P_x.
@@ -446,6 +468,7 @@ class ArcIntegrals:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         far_panel, far_point = np.nonzero(is_far)
+
         # dQ/dt times the length of the panel; advance: what the kernels take for a(P).
         force_rate = self._segment.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.edge_advance(load)
@@ -531,12 +554,12 @@ def _punch_kernel(
 
     Parameters
     ----------
+    contact
+        normal contact of the profile, which gives the kernels
     load_above_edge
         P - P_x, P_x the load at which the edge of contact is at x
     load, advance
         P; a(P) - a(0) [length], which the kernels take for a(P); of a tilted contact P itself
-    contact
-        normal contact of the profile, which gives the kernels
     """
     if kernel == "shear":
         return contact.inverse_root(x, load_above_edge, advance)
@@ -570,6 +593,8 @@ class _NearIntegral:
     def over_times(self, begin_time: Array, end_time: Array, x: Array, edge_load: Array) -> Array:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
         the integrand is smooth, where the edge of contact passes the point or nearly.
+
+        K is the shear, slip or displacement at x by a unit of load on a flat punch.
 
         # notation: P_t load at the turning point of P, z^2 = |P - P_t|, P_x load at which the edge
         #           of contact is at x, e^2 = P_x - P_t beside a least P, P_t - P_x beside a largest
@@ -611,6 +636,8 @@ class _NearIntegral:
         for singular ends takes its place in rough ranges, close to a logarithm of the slip kernel.
         e^2 (`squared_e`) is the distance, with its sign, of P_x from the turning point of P. P_x is
         the load at which the edge of contact is at the point.
+
+        K is the shear, slip or displacement at x by a unit of load on a flat punch.
         """
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
         # All nodes of all ranges: s, weight, and the number of the range.
@@ -755,8 +782,8 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
 
 
 def _z_and_root(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array, Array]:
-    """z and sqrt(|z^2 - e^2|) at values s of the integration variable, (n,) each, with dz =
-    sqrt(...) ds: z > e where `acts_beyond_e`, else z < e.
+    """z and root = sqrt(|z^2 - e^2|) at values s of an integration variable, (n,) each, for which
+    dz = root ds: z > e if the kernel acts there (`acts_beyond_e`), else z < e.
 
     z^2 is the distance of P from its turning point, `squared_e` = e^2 that of P_x with its sign.
     P_x is the load at which the edge of contact is at the point.
@@ -831,12 +858,14 @@ class KernelIntegrals:
         stick_edge_load = snapshot.load - snapshot.slip_zone_load
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
+
         # The piece of the curve that holds the stick edge, and the instants at which it does.
         # straight_slope: of its straight part; bottom_load: eta at its lower end.
         for piece, instants in snapshot.pieces_with_instants:
             slope_of_piece[instants] = piece.straight_slope
             load_at_piece_bottom[instants] = piece.bottom_load
         slope_in_slip_zones = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
+
         # Slope +-f in the slip zones above the stick edge, the straight part of the piece below it.
         # In one call, since both need the kernel's integral up to the stick edge.
         straight_integrals = self._straight_integrals(
@@ -846,6 +875,7 @@ class KernelIntegrals:
         )
         integral_over_slip_zones, integral_over_piece = np.split(straight_integrals, 2)
         integrals = integral_over_slip_zones + integral_over_piece
+
         # The rest of the curve, below that piece, does not change while the piece stays.
         self._store_integrals([piece.curve_below for piece, _ in snapshot.pieces_with_instants])
         curved_integrals = self._curved_integrals(
@@ -887,6 +917,7 @@ class KernelIntegrals:
             new_pieces.update({id(piece): piece for piece in reversed(pieces_to_store)})
         if not new_pieces:
             return
+
         # A piece is a straight line plus a curved remainder, between its bottom and its top load.
         slope_of_pieces = np.array([piece.straight_slope for piece in new_pieces.values()])
         loads_at_bottom = np.array([piece.bottom_load for piece in new_pieces.values()])
@@ -897,6 +928,7 @@ class KernelIntegrals:
         curved_integrals = self._curved_integrals(
             [(piece, np.array([piece.top_load])) for piece in new_pieces.values()]
         )
+
         # curve_below: the piece below, None at eta = 0.
         for piece, straight_integral, curved_integral in zip(
             new_pieces.values(), straight_integrals, curved_integrals, strict=True

@@ -299,11 +299,13 @@ class Grid:
         self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
         self.cell_width = self._length / cells
         self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
+
         # Change of the displacement U per Q if the datum, where U is 0, moves from the grid's
         # length to 1.
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
+
         # Their compliance matrix C (k, k); coupling D (k, k) of unlike bodies; M with M^T M = C^-1;
         # and what was solved with them.
         self._compliance = self.displacement_per_traction_at(self.x[0], 0)
@@ -315,6 +317,7 @@ class Grid:
         )
         self._stiffness_by_size: dict[int, CellStiffness] = {}
         self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
+
         # Number of increments whose newly touched cells were given no slip before the touch.
         self.increments_without_early_slip = 0
         # The state they are in: cells in contact, q, s, U against a datum at the grid's length,
@@ -401,6 +404,7 @@ class Grid:
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
+
         # At most 200 iterations; begin: number of the first cell in contact on each grid.
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
             pressure = np.zeros(height.shape)
@@ -455,14 +459,14 @@ class Grid:
 
         Parameters
         ----------
+        force
+            Q at the end of the increment [force per thickness]
         displacement
             (g, k) tangential displacement of the faces that q does not cause [length]
         friction_limit
             (g, k) f p at the end of the increment [stress]
         cells_before
             cells in contact before the increment
-        force
-            Q at the end of the increment [force per thickness]
         """
         # Cells in contact after the increment, and those in contact both before and after: the
         # number of the first cell, and how many, of each grid.
@@ -471,6 +475,7 @@ class Grid:
         has_grown = (cells_in_both.begin > contact.begin) | (cells_in_both.end < contact.end)
         grown_grids = np.flatnonzero((cells_in_both.n_cells > 0) & has_grown)
         slip_at_begin = self.slip.copy()
+
         # Slip without contact of the new cells: the same increment with the earlier cells alone.
         groups_to_solve = [grown_grids] if len(grown_grids) else []
         # Groups of grids; one in which a grid fails is split into its single grids.
@@ -537,10 +542,12 @@ class Grid:
         columns = first_column[:, None] + np.arange(n_cells)
         grid_rows = np.arange(len(grids))[:, None]
         grids_and_columns = (grids[:, None], columns)
+
         # Slip of the increment if there were no shear.
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
         is_touching_in_columns = is_inside[grid_rows, columns]
         limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
+
         # 1e-12 of the largest f p, for round-off.
         tolerance = _ROUND_OFF_SHARE_OF_LIMIT * friction_limit.max()
         # Of the stiffness: traction_per_shift are the tractions that displace all cells by 1,
@@ -554,6 +561,7 @@ class Grid:
             * cell_stiffness.traction_per_shift
             + free_slip @ cell_stiffness.matrix
         )
+
         # First guess: cells slip as in the increment before, unless that leaves none that stick.
         directions_in_columns = np.where(
             is_touching_in_columns, self._directions[grids_and_columns], 0
@@ -561,6 +569,7 @@ class Grid:
         directions_in_columns[
             np.all((directions_in_columns != 0) | ~is_touching_in_columns, axis=1)
         ] = 0
+
         # Active set: directions of slip, shear, and slip in the increment.
         directions_in_columns, shear_in_columns, slip_in_columns = _sliding_cells(
             cell_stiffness,
@@ -570,11 +579,13 @@ class Grid:
             directions_in_columns,
             tolerance,
         )
+
         # From these columns to all cells of the grids.
         all_shear = np.zeros(is_inside.shape)
         all_directions = np.zeros(is_inside.shape, dtype=int)
         all_shear[grid_rows, columns] = shear_in_columns
         all_directions[grid_rows, columns] = directions_in_columns
+
         # U from equilibrium: the sum of q is Q over the cell width.
         rigid_displacement = (
             force / self.cell_width
@@ -629,6 +640,7 @@ class Grid:
                 load, force, tilt, displacement_by_strain
             )
         shear, slip, slip_directions, displacement_in_grid = tangential_solution
+
         # Mean shear times the slip of the increment.
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
         state_in_contact = _STATES_BY_DIRECTION[slip_directions]
@@ -646,6 +658,7 @@ class Grid:
             "density": work_per_area,
             "work": self.cell_width * np.sum(work_per_area, axis=1),
         }
+
         # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
         fields["work_of_loads"] = _work_of_loads_between(self._last_fields or fields, fields)
         self._shear = shear
@@ -991,15 +1004,18 @@ class _PathInIncrements:
         is_initial_loading = cycle_number < 0
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
         segments = path.initial_loading if is_initial_loading else path.cycle
+
         # By round-off an instant at the end of a cycle would lie in none, or in the next.
         for boundary in (segments[0].start, segments[-1].end):
             is_at_boundary = np.isclose(time_in_cycle, boundary, rtol=_ROUND_OFF_OF_TIME, atol=0)
             time_in_cycle = np.where(is_at_boundary, boundary, time_in_cycle)
+
         # Times of the ends of the increments, (n,) for each segment.
         times_of_segments = [
             self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
             for segment_number, segment in enumerate(segments)
         ]
+
         # P, Q, bulk strain and tilt at these times, (n, 4) for each segment.
         loads_of_segments = []
         for times_of_segment in times_of_segments:
@@ -1009,6 +1025,7 @@ class _PathInIncrements:
                 self._loads_by_times[key_of_times] = self.loads.loads_in_segment(times_of_segment).T
             loads_of_segments.append(self._loads_by_times[key_of_times])
         all_times = np.concatenate(times_of_segments)
+
         # The start of a cycle is the end of the one before.
         is_after_start = (time_in_cycle > segments[0].start) | is_initial_loading
         instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
@@ -1047,17 +1064,20 @@ class _PathInIncrements:
         is_first_touch = segment is path.initial_loading[0]
         duration = segment.end - segment.start
         segments_of_cycle = path.cycle or path.initial_loading
+
         # Number of increments: by the share of the cycle's duration, but at least 4. A segment of
         # the initial loading before cycles, or the first segment of a path without cycles, has at
         # least a quarter of those of a cycle.
         fewest_increments = _FEWEST_INCREMENTS
         if is_initial and (path.cycle or not segment_number):
             fewest_increments = self.increments_per_cycle // 4
+
         # Duration of the segment over that of the cycle; 0 for the initial loading of a cycle.
         share_of_cycle = duration / (segments_of_cycle[-1].end - segments_of_cycle[0].start)
         if is_initial and path.cycle:
             share_of_cycle = 0.0
         n_increments = max(fewest_increments, math.ceil(self.increments_per_cycle * share_of_cycle))
+
         # From first touch P grows as the square of the contact's size.
         shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
         even_times = segment.start + duration * shares_of_segment
@@ -1068,6 +1088,7 @@ class _PathInIncrements:
         ]
         if is_first_touch and np.any(time_in_cycle <= path.start):
             asked_times = np.append(asked_times, path.start)
+
         # Even times within half an increment of an instant asked for are left out; instants asked
         # for at a turning point too.
         time_to_asked_instant = np.min(
@@ -1169,6 +1190,8 @@ class _Answers:
 
         Parameters
         ----------
+        grid
+            the g grids
         fields
             tractions and slip of the cells at each increment of the cycle
         increments
@@ -1179,8 +1202,6 @@ class _Answers:
             (m,) points; (g, m, k) displacements there by unit tractions on the cells
         stride
             what each grid finds by itself is stored at every so many instants
-        grid
-            the g grids
         """
         # Numbers of solved increments; then means over the grids at these instants.
         self.increments += len(increments.loads)
@@ -1229,14 +1250,14 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
 
     Parameters
     ----------
+    grid
+        the g grids; x (g, k) are the middles of their cells
     fields
         tractions and state of the cells, at all increments
     instant
         number of the increment
     compliance
         (g, m, k) displacements at the points by unit tractions on the cells
-    grid
-        the g grids; x (g, k) are the middles of their cells
     """
     n_grids = len(grid.x)
     # Of an increment: Q and bulk strain.
@@ -1244,6 +1265,7 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
     # U against the datum of the compliance, at the grid's length; datum_compliance: change of U per
     # Q if the datum moves there from 1.
     displacement = fields.displacement[instant] + grid.datum_compliance * force
+
     # By the shear of all cells, (g, m).
     displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
     slip = displacement[:, None] - strain * x - displacement_by_shear
@@ -1297,6 +1319,11 @@ def _follow_cycles(
 
     Parameters
     ----------
+    grid
+        the g grids, which start from their present state
+    path
+        loads at the ends of the increments of each cycle; `loads.path.cycle`: segments of a cycle,
+        empty for a path without cycles
     x, time
         (m,) points and (n,) instants at which means over the grids are wanted
     cycle_numbers
@@ -1305,11 +1332,6 @@ def _follow_cycles(
         cycles to follow in any case
     stride
         what each grid finds by itself is stored at every so many instants
-    grid
-        the g grids, which start from their present state
-    path
-        loads at the ends of the increments of each cycle; `loads.path.cycle`: segments of a cycle,
-        empty for a path without cycles
 
     Raises
     ------
@@ -1321,6 +1343,7 @@ def _follow_cycles(
     answers = _Answers.empty_storage(n_grids, len(time), len(x), stride)
     # (g,) friction work of each cycle on each grid; of the whole path where it has no cycles.
     works_of_cycles: list[Array] = []
+
     # (g, m, k) displacements at the points by unit tractions on the cells.
     compliance = np.zeros(0)
     if len(time):
@@ -1350,6 +1373,7 @@ def _follow_cycles(
             work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
             if work_change <= STEADY_WORK_SHARE * np.mean(works_of_cycles[-1]):
                 break
+
     # Friction work of all cycles, (g, c), and quantities of the last one.
     answers.works = np.array(works_of_cycles).T
     answers.work = works_of_cycles[-1]
@@ -1608,6 +1632,7 @@ def follow_on_grid(
         modulus=2 / contact.intervals.compliance,
     )
     points_of_fields = x if request.pointwise else np.zeros(0)
+
     # Coarse and fine grids along the path; the answers of the fine ones are the means over 16
     # grids.
     runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
@@ -1620,6 +1645,7 @@ def follow_on_grid(
     pressure = contact.pressure_over(x, contact_middle, half_width)
     is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
     friction_limit = friction * pressure
+
     # Shear, slip and state at the points; NaN and open where they are not wanted.
     fields = _FieldsAtPoints.nowhere_known(is_in_contact.shape)
     if request.pointwise:
@@ -1631,6 +1657,7 @@ def follow_on_grid(
     errors = _errors_of_work(runs, density_of_grids, x)
     if request.pointwise and not runs.is_last_cycle_alone:
         errors |= _errors_of_fields(runs, friction_limit)
+
     # Values of the fine grids; `unsteady_work` is an estimate of how far the last cycle's work is
     # from the steady one.
     return PathOnGrids(
@@ -1791,12 +1818,14 @@ def _run_coarse_and_fine(
     fewest_cycles = cycles_needed(path, time)
     most_cycles = max(request.most_cycles, fewest_cycles) if path.cycle else 0
     shifts_of_first_grids = _GRID_SHIFTS if is_last_cycle_alone else _GRID_SHIFTS[:1]
+
     # _GRID_SHIFTS: 16 shifts by fractions of a cell.
     no_instants = np.zeros(0)
     first_grids = setup.moved_grids(coarse_cells, shifts_of_first_grids)
     first_answers = _follow_cycles(
         first_grids, coarse_path, x, no_instants, range(-1, most_cycles), fewest_cycles
     )
+
     # works (g, c): friction work of each cycle on each grid.
     n_cycles = first_answers.works.shape[1]
 
@@ -1805,10 +1834,12 @@ def _run_coarse_and_fine(
     cycle_numbers = range(-1, n_cycles if path.cycle else 0)
     if is_resumed:
         cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
+
     # Instants of the answer, if none are given: about every second increment.
     if time is None:
         time = _default_times(path, n_cycles, increments, is_last_cycle_alone)
     time = np.asarray(time, dtype=float)
+
     # Grids by themselves are stored, and compared, at every so many instants.
     stride = max(len(time) // _INSTANTS_COMPARED, 1)
     fine_grids = setup.moved_grids(request.cells, _GRID_SHIFTS)
@@ -1972,6 +2003,8 @@ def cycle_works(
 
     Parameters
     ----------
+    loads
+        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
     outermost_edges
         the leftmost and the rightmost edge of contact along the path [length]
     height
@@ -1980,8 +2013,6 @@ def cycle_works(
         f, E* [stress]
     request
         how fine the grids are, and the largest number of cycles
-    loads
-        P, Q, bulk strain and tilt along the path; `loads.path.cycle` is empty without cycles
 
     Raises
     ------

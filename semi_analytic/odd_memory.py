@@ -248,10 +248,12 @@ def second_order_answer(scene: Scene, effects: BodyEffects) -> SecondOrderAnswer
     n_segments = len(path.initial_loading) + len(path.cycle)
     if n_segments > _MOST_SEGMENTS:
         raise DeclinedError(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
+
     # Two cycles at least: the first may differ from the steady one.
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     # E*.
     modulus = composite_modulus(scene.material)
+
     # TILT_AND_STRAIN_NAMES: alpha_P, alpha_Q, e_P, e_Q among the attributes of the effects.
     estimates = [getattr(effects, name) for name in TILT_AND_STRAIN_NAMES]
     tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
@@ -605,6 +607,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     if piece_at_edge is None:
         raise DeclinedError("the contact slides as a whole")
     time, weights = _gauss_times(span, n_points)
+
     # P - P_c; then steepness mu, D and v at the stick edge, (n,) or coefficients (n, 4).
     slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece_at_edge, time, slip_zone_load, radius)
@@ -621,6 +624,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     work_matrix = work_matrix - _quadratic_form(
         friction_weights * slip_zone_load, equivalent_tilt_rate, distance
     )
+
     # Memory that slip set has no second integral.
     if _is_set_by_slip(piece_at_edge, span.friction):
         return work_matrix
@@ -629,6 +633,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
     tilt_by_eta = _tilt_coefficients(ones, memory_slope)
     strain_by_eta = _strain_coefficients(ones, memory_slope)
+
     # dM/d eta dalpha/d eta - deps/d eta
     equivalent_tilt_by_eta = memory_slope[:, None] * tilt_by_eta - strain_by_eta
     # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu; mu = f - s dM/d eta is the steepness
@@ -663,12 +668,14 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
     zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return zero_matrix
+
     # bottom_load and top_load: loads eta at both ends of a piece.
     tolerance = _EQUALITY_TOLERANCE * outer_piece.top_load
     if inner_piece.top_load > outer_piece.bottom_load + tolerance:
         return zero_matrix  # both spans are on one piece
     if inner_piece.top_load - inner_piece.bottom_load <= tolerance:
         return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
+
     # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
     # At the instant at which the edge passes the kink, (1,).
     time = np.array([span.begin.time])
@@ -682,6 +689,7 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
         centre_when_set = -radius * _tilt_coefficients(*_loads_when_set(piece, span.friction, eta))
         stick_centres.append(centre_when_set + stick_edge.centre_shift)
         steepness_of_sides.append(float(stick_edge.steepness[0]))
+
     # mu_o and mu_i, then mu_o - mu_i and mu_o mu_i.
     outer_steepness, inner_steepness = steepness_of_sides
     steepness_jump = outer_steepness - inner_steepness
@@ -904,6 +912,7 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     load_rates = span.segment.rates(time)
     if not span.direction and np.all(load_rates[0] <= 0):
         return  # at rest, or unloaded along the memory curve itself
+
     # Hertz' law: a^2 = 4 P R/(pi E*).
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
     directions = (span.direction,) if span.direction else (1, -1)

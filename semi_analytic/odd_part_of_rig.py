@@ -51,6 +51,8 @@ def second_order_answer_of_rig(
 
     Parameters
     ----------
+    scene
+        scene with the rig; its profile must be a parabola
     effects
         tilt and strain per load
     driven_path
@@ -58,8 +60,6 @@ def second_order_answer_of_rig(
         step that ends at each instant, along the prescribed displacements
     last_cycle
         rows (instants) of the steady cycle
-    scene
-        scene with the rig; its profile must be a parabola
 
     Raises
     ------
@@ -88,12 +88,12 @@ def loads_of_cycle(
 
     Parameters
     ----------
+    scene
+        scene of the rig; `scene.load` holds the prescribed displacements
     driven_path, last_cycle
         the followed path with P and Q at each instant, and its rows (instants) in the last cycle
     most_steps
         largest number of straight steps
-    scene
-        scene of the rig; `scene.load` holds the prescribed displacements
 
     Raises
     ------

@@ -146,6 +146,7 @@ def stress(
         )
     depth = side * y_places  # <= 0: the upper body as the mirror image of a lower one
     poisson_ratio = getattr(scene.material, body).poisson_ratio
+
     # In the upper body, mirrored to a lower one, shear and xy stress change their sign: `side`.
     stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:  # bulk stress, tilt or unequal sides: from the tractions of solutions
@@ -252,6 +253,7 @@ def edge_tension(
             )
             values[instant_number] = sign_of_body * tension
         return values + _bulk_stresses(answers)[..., None], uncertainties
+
     # Memory curves of all instants; P is `snapshot.load`. At most 128 curves are summed at once.
     contact, snapshot = memory_at(scene, times)
     instants_in_contact = np.flatnonzero(snapshot.load > 0)
@@ -294,12 +296,12 @@ def _edge_tensions_of_curves(
 
     Parameters
     ----------
+    contact
+        P(a) and dP/da (`stiffness`) of the profile on half-planes
     instants_in_contact
         (n,) numbers of the instants in the `snapshot`, which holds M of several instants
     contact_half_widths
         (n,) half-widths a(P) of the contact then [length]
-    contact
-        P(a) and dP/da (`stiffness`) of the profile on half-planes
     """
     # Each panel has its instant, first and last half-width, and M' as a function of the load.
     panels = _panels_of_curves(contact, snapshot, instants_in_contact, contact_half_widths)
@@ -342,18 +344,19 @@ def _panels_of_curves(
 
     Parameters
     ----------
+    contact
+        half-widths a(P) of the profile on half-planes
     instants_in_contact
         (m,) numbers of the instants in the `snapshot`, which holds M of several instants; a panel
         counts its instant among these
     contact_half_widths
         (m,) half-widths a(P) of the contact then [length]
-    contact
-        half-widths a(P) of the profile on half-planes
     """
     instant_numbers: list[int] = []
     lower_loads: list[float] = []
     upper_loads: list[float] = []
     slope_functions: list[Slope] = []
+
     # The parts of M between two kinks, each with its loads and its slope M' as a function of eta.
     for instant_number, snapshot_number in enumerate(instants_in_contact.tolist()):
         for lower_load, upper_load, slope_function in _curve_parts(snapshot, snapshot_number):
@@ -362,6 +365,7 @@ def _panels_of_curves(
             upper_loads.append(upper_load)
             slope_functions.append(slope_function)
     begin_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
+
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
     edge_half_width = contact_half_widths[instant_numbers]
@@ -546,6 +550,7 @@ def _edge_tensions_of_answer(
     points_in_contact = np.flatnonzero(pressure_at_points > 0)
     if not len(points_in_contact):
         return np.zeros(2), np.zeros(2)
+
     # Angles phi and 512 places across the contact, with the exact pressure there.
     phi, places = _places_across(answer, row, _PLACES_OF_TENSION)
     pressure = _pressure_across(answer, row, profile, places)
@@ -623,11 +628,13 @@ def _stress_by_sine_series(
     left_edge, right_edge = answer.contact_edges[row]
     middle = (left_edge + right_edge) / 2
     half_width = (right_edge - left_edge) / 2
+
     # As many places as terms, with the exact pressure there.
     _, places = _places_across(answer, row, _SERIES_TERMS)
     pressure = _pressure_across(answer, row, profile, places)
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
     shear = pressure * np.interp(places, answer.x[is_in_contact], ratio_at_points)
+
     # phi of the sine series is counted from the right edge, so that places are reversed.
     # A_k of pressure and of shear, (2, terms).
     sine_series = scipy.fft.dst(np.stack([pressure, side * shear])[:, ::-1], 2) / _SERIES_TERMS
@@ -643,6 +650,7 @@ def _stress_by_sine_series(
         terms_needed = np.minimum(
             np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _SERIES_TERMS
         )
+
     # Terms of which |omega|^k is above 1e-17; points with most terms first.
     order_by_terms = np.argsort(-terms_needed, kind="stable")
     omega = omega[order_by_terms]
@@ -811,15 +819,18 @@ def _add_panel_of_punches(
     # A rule for inverse roots at both ends: distances of its nodes from 0 and from 1, and weights.
     in_lower_half = rule.distance_from_begin < 0.5
     half_widths = _distances_to_nodes(0.0, begin_width, end_width)
+
     # Normal and tangential load at each node, (2, nodes).
     loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
     is_in_panel = (x > begin_width) & (x < end_width)
     points_at_once = _KERNELS_AT_ONCE // len(rule.distance_from_begin)
+
     # Points beside the panel, many at once.
     points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _distances_to_nodes(x[point_numbers, None], begin_width, end_width)
         _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
+
     # Points whose |x| is a half-width of the panel: the panel is cut there into two parts.
     points_in_panel = np.flatnonzero(is_in_panel)
     for point_numbers in np.array_split(

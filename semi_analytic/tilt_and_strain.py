@@ -191,6 +191,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
             f"load: grids take a path of {_MOST_SEGMENTS_ON_GRIDS} segments at most, not"
             f" {segment_count}; take a part of the path"
         )
+
     # P and Q of the scene over time, and its contact under any load and tilt.
     path_loads, contact = path_loads_and_contact(scene)
     loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
@@ -201,6 +202,7 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         FollowingLoads(**loads_of_scene, effects=effects),
         FollowingLoads(**loads_of_scene, effects=effects_without),
     ]
+
     # One range of x for both, so that the errors of their grids cancel.
     contact_edges = np.concatenate(
         [contact_edges_along(loads, contact) for loads in loads_with_and_without]
@@ -211,12 +213,14 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
         for loads in loads_with_and_without
     )
     change = work_with / work_without - 1
+
     # Sum of the relative uncertainties of those numbers that are not 0.
     relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
         for name in TILT_AND_STRAIN_NAMES
         if getattr(effects, name).value
     )
+
     # The change is of second order in tilt and strain per load.
     return Estimate(change, _uncertainty_of_grids(change) + 2 * relative_uncertainty * abs(change))
 

@@ -289,10 +289,12 @@ class ConvexProfile(abc.ABC):
             rightmost = np.maximum(rightmost, self.knots[-1] + self.typical_half_length)
         m = (leftmost + rightmost) / 2
         c = (rightmost - leftmost) / 2
+
         # `balance` gives the mean slope, A times the carried load, and integrals of h'' over a
         # contact.
         shift = 0 * first_touch  # step of m from the last accepted one to the trial
         widening = 0 * first_touch  # step of c
+
         # |slope of the potential along the step| where the step begins
         slope_along_step = np.full(first_touch.shape, np.inf)
         for _ in range(_MOST_NEWTON_STEPS):  # 120
@@ -602,6 +604,7 @@ class PiecewiseParabola(ConvexProfile):
         u = np.where(c > 0, np.arcsinh(r / np.where(c > 0, c, 1.0)), 0.0)
         parabola_term = distance * r - c * c * u  # F
         side = np.sign(t)[..., None]
+
         # phi/2 as the angle of a right triangle; leg_ratio = tanh(u/2)
         zeros = np.zeros(t.shape)
         leg_ratio = np.divide(r, distance + c, out=zeros, where=distance + c > 0)[..., None]
@@ -813,6 +816,7 @@ class CurvedProfile(ConvexProfile):
         knots_within = np.clip(distance_to_knot + m, m - c, m + c)
         places_of_part_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
         angle_spans = np.diff(angles_of_part_ends)[..., None]
+
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
         # its digits. The rule has its distances from begin and end, `distance_from_begin` and
         # `distance_from_end`, on [0, 1].
@@ -831,6 +835,7 @@ class CurvedProfile(ConvexProfile):
         )
         half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
+
         # Of the angle at that end.
         sine = at_nearer_end(np.sin(angles_of_part_ends))
         cosine = at_nearer_end(np.cos(angles_of_part_ends))
@@ -1143,6 +1148,7 @@ class NestedIntervals:
             return load_rise * (widening_rate - side * radius * self.tilt_per_load)
         series = self._series
         outward_movement = np.zeros(load.shape)
+
         # Eight Gauss points in each range.
         gauss_nodes, gauss_weights = gauss_rule(8)
         # From the load downwards, in each pass over the range between two cuts that holds what is
@@ -1188,6 +1194,7 @@ class NestedIntervals:
         side = np.where(
             reached_x < float(self.shape.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
         )
+
         # side: +1 if x is the right end, -1 if the left. The contact has the centre x - side c.
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
