@@ -231,6 +231,7 @@ def solution_of(question: Question, findings: Findings) -> ContactSolution:
         not_asked_for | dict(findings.skipped),
         findings.seconds,
     )
+    # the arguments of the question
     settings: dict[str, Any] = {
         "cycles": question.cycles,
         "fields": sorted(question.fields),

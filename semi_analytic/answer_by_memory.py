@@ -167,7 +167,8 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     stress or tilt one curve is enough for some load paths alone: `bulk_tilt_path` has such a path
     and its tilted contact. It is None without bulk stress and tilt. The question holds scene,
     fields, and points and instants, None where theory chooses them; its `cycles` is "all" or
-    "steady", the steady cycle alone.
+    "steady", the steady cycle alone. Of the path, `cycles` are the solved cycles and `covered` the
+    solved cycle of each cycle in the answer; `steady_from` is the first steady one.
 
     Raises
     ------
@@ -193,6 +194,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     # contact, points and instants, then states at the instants and work of the cycles
     request = _request_of(question, bulk_tilt_path, path, time)
     time_after_history = clock.perf_counter()
+    # friction states, works of cycles, W(x) at the different |x|
     path_answer = path_result(path, request)
     time_after_work = clock.perf_counter()
 
@@ -308,7 +310,8 @@ def _request_of(
     and instants is among them. A question without points gets them across the contact at the
     largest P. On a long record with no field that needs points it gets x = 0 alone. A symmetric
     contact is evaluated at the different |x| only, the `distance` (k,); `distance_index` is that of
-    each point. `bulk_tilt_path` has the tilted contact; None without bulk stress and tilt.
+    each point. `largest_load` of the path is its largest P. `bulk_tilt_path` has the tilted
+    contact; None without bulk stress and tilt.
     """
     scene = question.scene
     if bulk_tilt_path is not None:
@@ -568,12 +571,13 @@ class _SeriesSums:
         A record is a part of a step, with slip in one direction or in full stick. The memory curve
         M(eta) is the tangential force of the flat punches up to the load eta. Each step adds one
         straight piece to it, and slip drops those that it passes. Pieces alive are those of a curve
-        at one time, the most of all blocks.
+        at one time, the most of all blocks. A block holds its rows, records, and the curve at its
+        end.
 
         Parameters
         ----------
         integrals_per_record
-            integrals (work, its density) that are taken over each record with slip
+            integrals (work, W(x)) that are taken over each record with slip
         pieces_before
             pieces of the memory curve before the block
         """
@@ -598,7 +602,7 @@ class _SeriesSums:
         request: Request,
         friction: float,
     ) -> None:
-        """Add the friction work of a block of load steps, and its density W(x), where they are
+        """Add the friction work of a block of load steps, and W(x), its density, where they are
         wanted [energy per thickness, and per area].
 
         Parameters
@@ -618,6 +622,7 @@ class _SeriesSums:
         # parts of steps in which a part of the contact slips
         slipping_records = block.records.slipping()
         if wanted_integrals.work:
+            # int Lam dw of each record
             integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
             if wanted_integrals.work_of_steps:
                 n_steps = len(block.rows) - 1
@@ -691,11 +696,14 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     The path was followed once to find its cycles. Now the parts of it that the answer needs, its
     initial loading or cycles, are followed again. Work and states are gathered block by block, a
     block being at most ten thousand steps of a part. `covered_parts` are the numbers of the parts
-    that the answer covers, one for each whole cycle.
+    that the answer covers, one for each whole cycle; `first_steps` is the number of the first step
+    of each part, `times` are those of all rows.
     """
     friction = series.friction
     wants_work = request.wants("dissipation")
     wants_density = request.wants("dissipation_density")
+    # in the order of the path: step and share of it of each instant; `all_at_rows` if all are ends
+    # of steps
     instants = _InstantsOnPath.along(series, request.time)
     wants_work_of_steps = wants_work and instants.all_at_rows
     covered_parts = series.covered_parts
@@ -789,6 +797,7 @@ def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeri
     last_cycle = series.parts[series.covered_parts[-1]]
     if not last_cycle.largest_load > 0:
         return None
+    # takes contact, E*, f and the largest P
     return LoopWorkOfSeries(
         request.contact, request.modulus, series.friction, last_cycle.largest_load
     )
@@ -813,6 +822,7 @@ def _increments_of_work(
     # An instant that is not at the end of its step is the start of the path, before any step.
     is_at_end_of_step = instants.share_of_step == 1
     n_steps_done = (instants.step + is_at_end_of_step)[instants.place_in_path]
+    # up to each instant
     work_so_far = np.cumsum(path_sums.step_works)[n_steps_done]
     work_so_far += work_beyond
     return np.diff(work_so_far, prepend=work_so_far[:1])
@@ -839,8 +849,9 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     load path, from its spans: times of full stick, or of slip in one direction.
 
     W(x) and the closed integral of Q dU are those of the last covered cycle. The integral is None
-    where that cycle is not steady or no friction work was wanted. `covered` are the solved cycles
-    that the answer covers, `steady_from` is the first steady one, None without one.
+    where that cycle is not steady, no friction work was wanted, or it is not needed. `covered` are
+    the solved cycles that the answer covers, `steady_from` is the first steady one, None without
+    one.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -861,6 +872,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     needs_loop = request.wants("loop_work") or not contact.has_closed_form
     is_last_cycle_steady = history.steady_from is not None and last_cycle >= history.steady_from
     if works_of_cycles and is_last_cycle_steady and needs_loop:
+        # value and round-off error
         loop_integral = LoopWork(0.0, 0.0)
         if works_of_cycles[last_cycle].work:
             loop_integral = closed_integral(contact, request.modulus, last_spans)
@@ -901,6 +913,7 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
     `spans` are the times of stick, or of slip in one direction, of the cycle. A request holds the
     normal contact, E* as `modulus` and the different |x|, `distance`.
     """
+    # by the direction of slip, with the error of the sum, (k,) each
     density_parts = pointwise_dissipation(request.contact, request.modulus, spans, request.distance)
     density = density_parts.total
     relative_error = 0.0
@@ -952,6 +965,7 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     `steady_from` is the first steady one, None without one.
     """
     friction = history.spans[0].friction
+    # loads and angles of the ellipse
     ellipses = None
     # `ellipse_of_cycle` is the load segment of the ellipse, where that is the whole cycle.
     if friction > 0 and history.ellipse_of_cycle is not None:
@@ -1012,14 +1026,16 @@ def _loop_work_of(answer: PathResult) -> float:
     dissipated.
 
     NaN where there is none, or where round-off leaves less than two digits of it, too few to
-    compare the friction work with: its round-off is above 0.01 of the work. `works` are those of
-    the covered cycles.
+    compare the friction work with: its round-off is above 0.01 of the work. `works` of the answer
+    are those of the covered cycles; `loop_integral` holds the integral and its round-off, None
+    where there is none.
     """
     if answer.loop_integral is None:
         return math.nan
     work_of_last_cycle = float(answer.works[-1])
     if not work_of_last_cycle:
         return 0.0
+    # _LARGEST_ERROR_SHARE_OF_LOOP: 0.01
     is_precise = answer.loop_integral.roundoff < _LARGEST_ERROR_SHARE_OF_LOOP * work_of_last_cycle
     return answer.loop_integral.value if is_precise else math.nan
 
@@ -1044,6 +1060,7 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     contact = request.contact
     # P_c, at which the contact is as wide as the stick zone; `slip_zone_load` is P - P_c.
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
+    # a(P); NotFoundError where none is found
     half_width = _half_width(contact, snapshot.load)
     instants_with_slip = np.flatnonzero(snapshot.slip_zone_load)
     stick_half_width = half_width.copy()
@@ -1084,6 +1101,8 @@ def _values_with_bulk_and_tilt(
     `values` are those of a contact centred at x = 0. `snapshot` has the friction states: P as
     `load`, Q as `force`, P - P_c of the slip zones, P_c the load at the stick edge. A centre is the
     middle of a contact or stick zone, NaN half-widths are those of no stick zone.
+    `tangential_fraction` is the rise of Q over that of the load in which the memory curve is
+    written, 1 or 0. `bulk_tilt_path` gives loads and edges over time.
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
@@ -1147,6 +1166,7 @@ def _fields_at_points(
     contact = request.contact
     distances = request.distance
     shape = (len(request.time), len(request.distance_index))
+    # for fields that were not asked for
     fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
@@ -1181,7 +1201,8 @@ def _pressure_of(
 ) -> Array:
     """Contact pressure at the instants and distances of a request, (n, k) [stress]; with bulk
     stress and tilt from the edges and half-widths of the tilted contact in `loads_and_edges`.
-    `distance` (k,) are the different |x| (x with bulk stress and tilt), `snapshot.load` (n,) is P.
+    `distance` (k,) are the different |x| (x with bulk stress and tilt; `bulk_tilt_path` is None
+    without these), `snapshot.load` (n,) is P.
     """
     if request.bulk_tilt_path is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
@@ -1254,7 +1275,7 @@ def _relative_errors(
     ----------
     path_answer
         friction states at the instants, and friction work of the covered cycles with their relative
-        errors
+        errors; `spans` of the last cycle, times of stick or slip
     loads_and_edges, fields
         the answer's values over time, and its fields, by name
     arc_errors
@@ -1281,6 +1302,7 @@ def _relative_errors(
         "slip", path_answer.largest_slip_zone_share
     )
     if request.wants("tangential_displacement"):
+        # from the integrals of ln(2 L/a) over loads and over the memory curve
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
             contact.approach_integral(loads_and_edges["normal_load"]),
@@ -1377,8 +1399,8 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
 
 def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
     """Relative errors of the fields of friction, by name, where loads below round-off were left out
-    so that the frictional state is one memory curve; empty where they are negligible, below 1e-12
-    in all.
+    so that the frictional state is one memory curve (`bulk_tilt_path`, None without bulk stress and
+    tilt); empty where they are negligible, below 1e-12 in all.
     """
     if bulk_tilt_path is None:
         return {}
@@ -1404,8 +1426,8 @@ def _notes_of_path(
 ) -> Iterator[str]:
     """Sentences for the notes of an answer: that the last cycle of a periodic path is not steady,
     where friction work was wanted; and that the answer to a measured record is given at `n_rows` of
-    its rows, without `n_rows_left_out`. `covered` are the cycles of the answer, `steady_from` is
-    the first steady one, None without one.
+    its rows, without `n_rows_left_out`. The question tells which fields are wanted; `covered` are
+    the cycles of the answer, `steady_from` is the first steady one, None without one.
     """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
@@ -1450,7 +1472,8 @@ def _skipped_work(
     """Work that was not needed and not done, by name, with its count and the reason: cycles that
     are copies of the steady one, and quadratures over times of full stick. `covered` has one entry
     for each whole cycle of the answer, `cycles` the solved ones; `steady_from` is the first steady
-    one, None without one. `repeats` tells that cycles after it are copies.
+    one, None without one. `repeats` tells that cycles after it are copies. `n_skipped_in_stick`
+    counts those quadratures.
     """
     skipped_work = {}
     n_copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
@@ -1477,6 +1500,7 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
     """
     # A P_c below the round-off of P counts as 0: nothing sticks at that instant, not even under a
     # flat face, whose half-width at no load is not 0.
+    # LAST_DIGITS: four round-offs
     roundoff_of_load = LAST_DIGITS * largest_load
     stick_load = answer.least_stick_load if answer.least_stick_load > roundoff_of_load else 0.0
     has_stick = stick_load > 0

@@ -39,6 +39,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
     time_at_start = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
+    # P, Q, bulk strain and tilt over time, and the contact under any tilt
     path_loads, tilted_contact = path_loads_and_contact(scene)
     # instants of the first cycle, with P, Q, bulk strain and tilt
     time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
@@ -132,7 +133,8 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
 
 def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     """Times of the first cycle (n,), and P, Q, bulk strain and tilt at them (4, n). They are evenly
-    spread over each load segment, with every turning point.
+    spread over each load segment, with every turning point. `loads` holds the load path, whose
+    cycle is a sequence of segments.
     """
     segments = loads.path.cycle
     times_of_segments = []
@@ -161,7 +163,8 @@ def _stick_zones(
     [length].
 
     `tangential_load` (n,) is Q there, `is_forward` (n,) whether the stroke is the one in which Q
-    rises. Index 1 of the loads of a stroke is Q.
+    rises. `strokes` are the forward and the reverse half of the cycle; index 1 of their loads, at
+    the begin and as changes, is Q.
     """
     forward_stroke, reverse_stroke = strokes
     share_of_stroke = np.clip(
@@ -186,7 +189,8 @@ def _work_and_error(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
 
 def _density_and_error(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]:
     """Friction work per area W(x) of the steady cycle at points (k,), and its error over the
-    largest: what half as many quadrature nodes change.
+    largest: what half of the 48 quadrature nodes change. `strokes` are the forward and the
+    reverse half of the cycle.
     """
     forward_stroke, reverse_stroke = strokes
     density = forward_stroke.work_density(x, STROKE_NODE_COUNT) + reverse_stroke.work_density(

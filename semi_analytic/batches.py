@@ -323,6 +323,7 @@ def _second_maximum(
     sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
     # Every other minimum is that from one range to the next.
     least_work_in_range = np.minimum.reduceat(sampled_work, sample_ranges.T.ravel())[::2]
+    # _LEAST_FALL_SHARE: 1e-3
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.work, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
     maximum_numbers = maxima.numbers_by_ascending_work()
@@ -384,6 +385,7 @@ def _sampled_density(
         np.diff(sample_places) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
     )
     level_intervals = np.flatnonzero(is_level & is_wide)
+    # at a quarter, a half and three quarters of each level interval
     added_places = (
         sample_places[level_intervals]
         + np.diff(sample_places)[level_intervals] * _QUARTER_FRACTIONS[:, None]
@@ -412,7 +414,8 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     They lie at and between the half-widths at which the formula of W(x) changes: those of the loads
     at which slip begins or ends, and the corners of the profile. More lie next to the kinks of
     W(x), which are at the half-width of the least load and at corners. P = P0 + P1 cos t; the
-    permanent stick edge is the half-width under `permanent_stick_load`.
+    permanent stick edge is the half-width under `permanent_stick_load`. `slip_start` is t at E,
+    `slip_angle` the angle from E to G; `contact` gives the half-width of a load.
     """
     least_load = ellipses.mean_load - ellipses.load_amplitude
     largest_load = ellipses.mean_load + ellipses.load_amplitude
@@ -440,6 +443,7 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     fractions = _FRACTIONS_OF_INTERVAL
     kink_loads = np.concatenate([clipped_least_load, corner_loads])
     if not has_few_corners:
+        # the middle one of five, which are closer together at both ends
         fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
         kink_loads = clipped_least_load
     places_between = half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
@@ -756,6 +760,7 @@ def dissipation(
     >>> [round(value, 12) for value in batch.value.tolist()], batch.reason.tolist()
     ([0.260168505754, nan], [0, 1])
     """
+    # P0, P1, Q0, Q1, phase [rad] and f
     loads = EllipseLoads(
         mean_normal_load,
         normal_amplitude,
@@ -796,8 +801,10 @@ def _works_of_members(members: Members) -> Array:
     Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
     P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
     the stick edge, to P. Of Hertz and power laws Lam has a closed form, of flat and rounded faces a
-    table; other profiles take a quadrature, one contact for all of a shape. `parameters` of a power
-    law have the exponent first. Over the cycle Lam is integrated by quadrature.
+    table; other profiles take a quadrature, one contact for all of a shape. `members` holds the
+    load ellipses, mirrored to Q -> -Q where they go round the other way, the kind of profile and
+    its parameters, those of a power law with the exponent first. Groups by shape have one contact
+    each, in units of length and load. Over the cycle Lam is integrated by quadrature.
     """
     ellipses = members.ellipses
     kind = members.kind
@@ -842,10 +849,12 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     whose loads add `curvatures` to gap and faces; rows (5, m): the work, its parts by forward and
     by reverse slip, the error of the work, and the load of the permanent stick zone.
 
-    It is the work on half-planes, exact, plus the change by the curvatures. One quadrature rule
-    gives the works with and without curvatures, so that its error nearly cancels in the change. A
-    curvature is a second derivative of the gap, or of the displacement of the faces, per unit of
-    load [1/(stress length^2)].
+    `members` holds the loads as given, E* as `modulus`, and a contact for all, or None where
+    profiles vary; groups by shape have one contact each, in units of length and load. It is the
+    work on half-planes, exact, plus the change by the curvatures. One quadrature rule gives the
+    works with and without curvatures, so that its error nearly cancels in the change. A curvature
+    is a second derivative of the gap, or of the displacement of the faces, per unit of load
+    [1/(stress length^2)].
     """
     # on half-planes
     rows_of_results = _works_of_members(members)
@@ -854,6 +863,7 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     )
     for group in members.shape_groups():
         member_numbers = group.members
+        # as columns (k, 1)
         loads_of_group = LoadArrays(*(column[member_numbers, None] for column in members.loads))
         # One column (k, 1) also where one unit serves all.
         ones = np.ones((len(member_numbers), 1))
@@ -877,6 +887,7 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
             curvatures, members.modulus / contact_modulus * squared_length_units
         )
         columns_of_no_curvatures = CurvatureColumns.from_curvatures(Curvatures(), ones)
+        # forward and reverse work of each ellipse, and half-width of permanent stick
         works_of_half_planes = works_of_ellipses(
             loads, columns_of_no_curvatures, group.contact, contact_modulus
         )
@@ -960,6 +971,7 @@ def peak_dissipation(
     >>> round(float(batch.fraction), 3)  # the paper: "just over 60 %"
     0.595
     """
+    # P0, P1, Q0, Q1, phase [rad] and f
     loads = EllipseLoads(
         mean_normal_load,
         normal_amplitude,
@@ -990,7 +1002,8 @@ def peak_dissipation(
 def _maxima_of_members(members: Members) -> Array:
     """The two largest maxima over x of the friction work per area W(x) of each member, (6, m), in
     units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the largest,
-    their |x|, and that of the largest as a fraction of the slip zone.
+    their |x|, and that of the largest as a fraction of the slip zone. Groups by the shape of the
+    profile have one contact each, in units of length and load.
     """
     maxima = np.empty((6, len(members.is_mirrored)))
     for group in members.shape_groups():
@@ -1008,8 +1021,8 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
 
     The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
     edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
-    of the flat, R radius of the edges, so that one table serves all such faces. a is the contact
-    half-width.
+    of the flat, R radius of the edges, so that one table serves all such faces. The table has a
+    quick and a careful kernel, and its largest ln a. a is the contact half-width.
     """
     scaled_ellipses = ellipses.divided_by(load_unit)
     works_and_error = np.empty((3, len(load_unit)))
@@ -1116,7 +1129,7 @@ class Members:
         """The members in groups by the shape of their profiles: one normal contact, with its own
         units of length and load, serves a group. Members that have the same profile are one group,
         in units of the scene, since they share `contact`. Else `contact` is None and the profiles
-        differ by their `parameters`.
+        differ by their `parameters`. `modulus` is E*, `ellipses` are the loads of the members.
         """
         if self.contact is not None:
             all_numbers = np.arange(len(self.is_mirrored))
@@ -1124,6 +1137,8 @@ class Members:
                 all_numbers, self.contact, self.ellipses, load_unit=1.0, length_unit=1.0
             )
             return
+        # numbers of the members of one shape, its ratios of parameters, and a unit of length and of
+        # height for each
         for numbers, ratios, length_unit, height_unit in _members_by_shape(
             self.kind, self.parameters
         ):
@@ -1190,6 +1205,7 @@ def _results_of_members(
     # _MEMBERS_AT_ONCE: 16,384
     for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
         end_member = min(first_member + _MEMBERS_AT_ONCE, n_members)
+        # each array at the members of the block, (members,)
         arrays_of_block = [
             _values_of_block(array, batch_shape, first_member, end_member) for array in arguments
         ]
@@ -1229,6 +1245,7 @@ class _Batch:
         self.modulus = composite_modulus(material)
         self.contact: SymmetricContact | None = None
         self.largest_load = math.inf
+        # a profile itself, not its keys
         if not isinstance(profile, Mapping):
             self.contact = contact_of(profile, material)
             profile_half_length = self.contact.extent
@@ -1242,7 +1259,7 @@ class _Batch:
     ) -> tuple[NDArray[np.int8], Indices, Members]:
         """The members of a block of a batch whose loads and profile are admissible, from `loads`
         and `parameters` of the profile, (m,) each. `largest_load` is what the profile carries up to
-        its end.
+        its end. Loads are P0, P1, Q0, Q1, the phase and f.
 
         Returns
         -------
@@ -1263,6 +1280,7 @@ class _Batch:
         friction = np.where(loads.friction > 0, loads.friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
+            # angles and loads of the steady cycle, in which reverse slip begins and ends
             ellipses = ellipses_of(
                 loads.mean_normal,
                 loads.normal_amplitude,

@@ -95,6 +95,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     'ABCDEFGHIKJLM'
     """
     scene = validated(scene, Scene)
+    # initial loading, and cycles up to the first steady one
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
     # empty without such an ellipse
     time_by_letter = _time_by_letter(history)
@@ -202,6 +203,7 @@ def _unlettered_events(history: History) -> Iterator[Event]:
             yield _event_at(span, span.begin.time, event_name)
             if span_before is not None:
                 yield _event_at(span_before, span_before.end.time, event_name)
+            # P or Q largest or least
             yield from _load_extremes(span)
             span_before = span
     last_span = history.spans[-1]
@@ -245,6 +247,7 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     segment = span.segment
     time_difference = 1e-3 * (segment.end - segment.start)
     searched_segment = segment
+    # the cycle of an `EllipseLoad`
     if is_plain_ellipse(segment):
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
     for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
@@ -284,7 +287,8 @@ def _time_by_letter(history: History) -> dict[str, float]:
     At each of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
     the events before it. A is the start of the cycle, B and I the end of full stick, E and M of
     forward slip, G of reverse slip. J is as long after I as I is after G. A clockwise ellipse is
-    mirrored, Q for -Q. Of loads on a line C and D would coincide, so that it has no letters.
+    mirrored, Q for -Q; times are in rad. Of loads on a line C and D would coincide, so that it has
+    no letters.
     """
     if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}

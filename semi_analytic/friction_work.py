@@ -88,7 +88,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
     nothing sticks, nothing is added. W is f A/pi times the integral of w' Lam over the time of
     slip, w = +-Q - f P, Lam the integral of ln(a/c) over the loads from P_c to P. P_c is the load
-    at the stick edge, c = a(P_c). From Q = 0 to k f P at constant P, with A = 2/E* and
+    at the stick edge, c = a(P_c). `spans` hold direction, load segment, and the piece of the memory
+    curve that holds the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and
     E* = `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from scenes.segments import straight_segments
@@ -114,7 +115,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         times, weights = rule(span_range.begin, span_range.end)
         load, _ = span.segment.loads(times)
         slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
+        # Lam(P, P_c)
         kernel = contact.dissipation_kernel(load, slip_zone_load)
+        # `_scaled_excess_rate`: f w'
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
     work_by_direction = _work_over_spans(
@@ -174,7 +177,8 @@ def _work_over_spans(
 
     A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
     integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
-    corners of the profile, it is halved until the sum no longer changes.
+    corners of the profile, it is halved until the sum no longer changes by more than 1e-12
+    (CONVERGED_CHANGE_SHARE) of itself.
 
     Parameters
     ----------
@@ -417,6 +421,7 @@ def pointwise_dissipation(
             x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
         )
         pressure = contact.pressure(x_of_points, load)
+        # `_scaled_excess_rate`: f w'
         density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
         return np.asarray(np.sum(density_at_nodes, axis=-1))
 
@@ -430,10 +435,11 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     each; the end is not after the begin where a point never slips.
 
     A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
-    or the edge of contact, reaches it. An instant holds its time and P. `edge_load` (k,) is P_x,
-    the load at which the edge of contact is at the point. The stick edge is at P_x when the path's
-    excess +-Q - f P equals that of the memory curve M(eta), the tangential force of the flat
-    punches up to the load eta, at eta = P_x.
+    or the edge of contact, reaches it. An instant holds its time and P. `sticking_piece` is the
+    piece of the memory curve that holds the stick edge, from `bottom_load` to `top_load`.
+    `edge_load` (k,) is P_x, the load at which the edge of contact is at the point. The stick edge
+    is at P_x when the path's excess +-Q - f P equals that of the memory curve M(eta), the
+    tangential force of the flat punches up to the load eta, at eta = P_x.
     """
     assert span.sticking_piece is not None
     segment = span.segment
@@ -454,6 +460,7 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
             span.sticking_piece.anchor, segment, slip_combination_of_loads, begin_instant.time
         )
     )
+    # when the path's excess has risen by so much
     time_of_stick_edge = segment.time_of(
         slip_combination_of_loads, excess_rise, begin_instant.time, end_instant.time
     )
@@ -488,7 +495,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
     It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
     where a constant added to U, the relative tangential displacement, changes nothing; nor does any
-    multiple of Q. A span is the time of one direction of slip, or of full stick.
+    multiple of Q. A span is the time of one direction of slip, or of full stick. `contact` is the
+    normal contact P(a), `modulus` E*.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -523,11 +531,13 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
     # error counts along the whole way that Q goes.
+    # `approach_integral`: the integral of ln(2 L/a) over the loads up to P
     displacement_size = 2 * abs(float(contact.approach_integral(largest_load)))
     total_change_of_force = 0.0
     for span in spans:
         _, force = span.segment.loads(np.linspace(span.begin.time, span.end.time, 5))
         total_change_of_force += float(np.sum(np.abs(np.diff(force))))
+    # _ROUNDOFF_SHARE_OF_DISPLACEMENT: 5e-16
     roundoff_of_displacement = (
         _ROUNDOFF_SHARE_OF_DISPLACEMENT * spans[0].friction * displacement_size
     )
@@ -546,7 +556,8 @@ def _works_of_ranges(
     """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
 
     U is the relative tangential displacement, A = 2/E*. It is evaluated by `integrals` at the
-    quadrature nodes of all spans in one call.
+    quadrature nodes of all spans in one call; `rule` gives nodes and weights between begin and end
+    of each range.
     """
     nodes_of_spans = [rule(span_range.begin, span_range.end) for span_range in ranges]
     times_of_spans = [
@@ -593,9 +604,10 @@ def _means_along_records(
 
     A record is a part of a load step in which P and P_c, the load at the stick edge, change
     linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
-    which a(P) is smooth. A part holds the number of its record as `step_number` and its share of
-    the record as `step_share_at_end`. Behind a load d above that of a corner of the profile it goes
-    as d^(3/2), which nodes that crowd to both ends resolve.
+    which a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P - P_c at its
+    begin and end, the number of its record as `step_number` and its share of the record as
+    `step_share_at_end`. Behind a load d above that of a corner of the profile it goes as d^(3/2),
+    which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
@@ -610,6 +622,7 @@ def _means_along_records(
     )
     means = np.zeros(len(records.step_number))
     n_nodes = 0
+    # six rules: Gauss' of 4, 6, 12 and 24 nodes, graded, and crowded to both ends
     for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
@@ -723,6 +736,7 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     if contact.half_width_may_be_steep and len(records.step_number):
         largest_load = max(float(np.max(records.load_at_begin)), float(np.max(records.load_at_end)))
         largest_half_width = contact.half_width(largest_load)
+        # _CUT_HALF_WIDTH_RATIOS: 7 % apart, from 0.93 down to 0.03
         cut_loads = np.append(cut_loads, contact.load(largest_half_width * _CUT_HALF_WIDTH_RATIOS))
     stick_edge_load = records.load_at_begin - records.slip_zone_load_at_begin
     stick_edge_load_at_end = records.load_at_end - records.slip_zone_load_at_end
@@ -771,7 +785,7 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
 
     A record is a part of a load step with slip, w = +-Q - f P, which grows by `level_rise` along
     the record. Lam(P, P_c) is the integral of ln(a/c) over the loads from P_c to P, c = a(P_c) the
-    stick half-width, A = 2/E*.
+    stick half-width, A = 2/E*; the quadrature takes its mean along the record.
     """
     mean_kernels, n_nodes = _means_along_records(
         contact,
@@ -785,9 +799,9 @@ def work_error(contact: Contact, records: Records) -> float:
     """Estimated error of pi/(f A) times the friction work of all slip records [force^2 per
     thickness^2], A = 2/E*; 0 for contacts with closed forms.
 
-    It is the largest error of the kernel int ln(a/c) d eta, with that of the quadrature rule, in a
-    sample of 200 records, times the sum of the `level_rise` of all, the growth of +-Q - f P along a
-    record.
+    It is the largest error of the kernel int ln(a/c) d eta, with 3e-13 of it for the quadrature
+    rule, in a sample of 200 records, times the sum of the `level_rise` of all, the growth of
+    +-Q - f P along a record.
 
     Raises
     ------
@@ -843,7 +857,8 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     the profile. w = +-Q - f P grows in slip, p is the pressure at x and c the stick half-width. p
     has a root where P = P_x, the load at which the edge of contact is at x. The arccosh has one
     where P_c = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as
-    the nearest of these needs.
+    the nearest of these needs. Parts hold P and P - P_c at begin and end, and the growth
+    `level_rise` of w.
     """
     # P_x
     edge_loads = contact.load(x)
@@ -894,6 +909,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
 
     # integrate the pairs rule by rule
     density = np.zeros(len(x))
+    # _RULES_AND_NODE_COUNTS: six rules, of 4 nodes and more
     for rule_number, (rule, n_nodes) in enumerate(_RULES_AND_NODE_COUNTS):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         for first_pair in range(0, len(pairs_of_rule), _NODES_AT_ONCE // n_nodes):
@@ -985,7 +1001,8 @@ class LoopWorkOfSeries:
         record being a part of a load step with one direction of slip or none. Each takes the change
         of Q times the mean of U along it. U follows from the integral of ln(2 L/a) over the loads
         up to P, and up to P_c at the stick edge. L is the length of the datum of U, a the contact
-        half-width. `level_rise` is the growth of +-Q - f P along a record.
+        half-width. `level_rise` is the growth of +-Q - f P along a record. The block holds its
+        records, with P and P - P_c at begin and end, and the memory curve's line of each.
         """
         contact = self._contact
         records = block.records

@@ -28,6 +28,7 @@ def log_excess(ratio: ArrayLike) -> Array:
     (1.000000000..., 0.19314718056)
     """
     r = np.asarray(ratio, dtype=float)
+    # _LARGEST_RATIO_OF_SERIES: 0.3
     if not np.any(r > _LARGEST_RATIO_OF_SERIES):
         return _log_series(r)
     excess = np.asarray(-np.log1p(-np.minimum(r, _NUMBER_BELOW_ONE)) - r)
@@ -37,17 +38,18 @@ def log_excess(ratio: ArrayLike) -> Array:
 
 
 def _log_series(ratio: Array) -> Array:
-    """-ln(1 - r) - r of ratios r up to 0.3, by the series of 2 artanh y, y = r/(2 - r).
+    """-ln(1 - r) - r of ratios r up to 0.3, by eleven terms of the series of 2 artanh y - 2 y,
+    y = r/(2 - r).
 
     -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2 - r), so that nothing cancels.
     """
     two_minus_ratio = 2 - ratio
     y = ratio / two_minus_ratio
-    square = y * y
-    tail = _TAIL_COEFFICIENTS[-1]
+    squared_y = y * y
+    series_tail = _TAIL_COEFFICIENTS[-1]
     for coefficient in _TAIL_COEFFICIENTS[-2::-1]:
-        tail = tail * square + coefficient
-    return ratio * ratio / two_minus_ratio + tail * y * square
+        series_tail = series_tail * squared_y + coefficient
+    return ratio * ratio / two_minus_ratio + series_tail * y * squared_y
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class HertzContact:
 
     def half_width(self, load: ArrayLike) -> Array:
         """Half-width of contact a(P) = sqrt(4 R P/(pi E*)) of a parabola of radius R on a
-        half-plane [length].
+        half-plane under the load P [length].
 
         >>> round(
         ...     float(
@@ -117,6 +119,7 @@ class HertzContact:
         ... )  # 2 P/(pi a)
         50.0
         """
+        # P - P_x, P_x the load at which a = |x|; a^2/P is `square_width_per_load`
         load_beyond_x = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
         return np.sqrt(load_beyond_x / self.square_width_per_load) * (2 / np.pi)
 

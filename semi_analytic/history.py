@@ -124,6 +124,7 @@ class Span:
             return np.zeros(t.shape)
         if self.sticking_piece is None:
             return load
+        # P - P_c by the formula for this piece
         slip_zone_load = load_of_slip_zone(
             self.sticking_piece, self.direction, self.friction, self.segment, t
         )
@@ -164,7 +165,8 @@ def require_admissible(segments: Sequence[LoadSegment], friction: float) -> None
     """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
     InadmissibleLoadError at the first such instant of the `segments`.
 
-    |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
+    |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any
+    f = `friction`.
 
     >>> from scenes import StraightSegment
     >>> require_admissible(
@@ -198,7 +200,7 @@ def _check_part(
 
     P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part, so that
     its end is beyond a limit if anything is. P may be beyond its limit by `slack` [force per
-    thickness], Q by f times that. The error also names the end of the part.
+    thickness], Q by f times that, f = `friction`. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
     # (load combination, its excess over the limit, reason, tolerance of the excess)
@@ -223,6 +225,7 @@ def _check_part(
             # change of the combination since the begin of the part
             growth_in_part = sign_of_growth * float(segment.change_of(combination, end, begin))
             growth_to_limit = growth_in_part - excess
+            # the inverse of `change_of`: when it has changed by that much
             fault_time = float(
                 segment.time_of(combination, sign_of_growth * growth_to_limit, begin, end)
             )
@@ -280,7 +283,9 @@ def spans_along(
     the memory curve at their end; `curve` is that at their begin.
 
     The memory curve is the tangential force carried up to each load; None stands for no contact.
-    The spans are `delay` later than the time of the segments: whole periods of a cycle.
+    The spans are `delay` later than the time of the segments: whole periods of a cycle. A segment
+    is first cut into parts on which P, Q - f P and Q + f P are monotonic; `span.curve` is the
+    memory curve at a time.
 
     >>> from scenes.segments import straight_segments
     >>> segments = straight_segments(
@@ -311,7 +316,8 @@ def _spans_of_part(
     in stick. Both, with falling P, is unloading: the memory curve decides on slip. Loads that rest
     make one span of stick. The memory curve M(eta) is the tangential force of the flat punches up
     to the load eta. Each smooth piece of it that slip erases makes a span of its own. Rates are
-    derivatives in time; an instant holds its segment, time, P and Q.
+    derivatives in time; an instant holds its segment, time, P and Q. A span takes its two instants,
+    the delay, the direction of slip, the memory curve that sticks, and f = `friction`.
 
     Parameters
     ----------
@@ -370,8 +376,8 @@ def _slip_spans(
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; P_c is
     the load at the stick edge. The level s Q - f P grows in slip. The stick edge goes down through
     a piece while s Q - f P, s = `direction`, grows to s M(eta) - f eta of the piece's lower end. A
-    piece has its slope dM/d eta and its `anchor`, the instant of the path from which it is
-    measured.
+    piece goes from `bottom_load` to `top_load` in eta; `curve_below` is the curve under it. It has
+    its slope dM/d eta and its `anchor`, the instant of the path from which it is measured.
 
     Parameters
     ----------
@@ -413,11 +419,13 @@ def _slip_spans(
         # A stick edge that meets the lower end of the piece at the very end of the part, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
         # would jump through it.
+        # _SAME_INSTANT_SHARE: 1e-14
         level_roundoff = (
             _SAME_INSTANT_SHARE * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
         )
         if growth_in_part <= growth_to_bottom + level_roundoff:
             break
+        # when the level has grown to that of the lower end
         passing_time = segment.time_of(
             slip_level, growth_to_bottom, begin_instant.time, end_instant.time
         )
@@ -440,7 +448,8 @@ def _unloading_spans(
     is that at the begin. The contact slips forward where the path runs above M(P) in the P-Q plane,
     in reverse below it, and not along it. Each later point of the path lies inside the Coulomb
     limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step. The spans are
-    `delay` later than the load segment itself: whole periods of the cycle.
+    `delay` later than the load segment itself: whole periods of the cycle. `begin_instant` and
+    `end_instant` hold time, P and Q.
     """
     # parts of the path above the curve (direction 1), below (-1) and along it (0)
     for begin_time, end_time, direction in slip_directions(
@@ -454,6 +463,7 @@ def _unloading_spans(
                 curve = span.curve(span.end.time)
         else:
             yield from _retracing_spans(curve, begin_of_part, end_of_part, friction, delay)
+            # what lies below P
             curve = unload_to(curve, end_of_part.normal_load)
 
 
@@ -465,7 +475,8 @@ def _retracing_spans(
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
     is that at the begin. The spans are `delay` later than the load segment itself: whole periods of
-    the cycle.
+    the cycle. `begin_instant` and `end_instant` hold time, P and Q. A piece ends at `bottom_load`;
+    below it is `curve_below`.
     """
     span_begin = begin_instant
     while curve is not None and curve.bottom_load > end_instant.normal_load:
@@ -505,6 +516,7 @@ def slip_directions(
         change_to_bottom = piece.bottom_load - begin_instant.normal_load
         leaves_piece = change_in_path < change_to_bottom
         part_end = end_time
+        # when P is at the lower end of the piece
         if leaves_piece:
             part_end = float(
                 segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
@@ -536,8 +548,9 @@ def _directions_on(
 
     M(eta) is the tangential force of the flat punches up to the load eta. A piece has its `anchor`,
     the instant of the path (P and Q) from which it is measured, the slope dM/d eta there and
-    `bend`, half of d2M/d eta2. The direction is the sign of Q - M(P). It is sampled at some times
-    and at turning points, and changes where Q - M(P) = 0.
+    `bend`, half of d2M/d eta2. `combination_change` is the change of a combination of the loads
+    since the anchor, `force_on_piece` is M. The direction is the sign of Q - M(P). It is sampled at
+    some times and at turning points, and changes where Q - M(P) = 0.
     """
     # A piece is a line, a parabola, or an arc: a part of a curved load path itself.
     is_arc = piece.arc is not None
@@ -558,6 +571,7 @@ def _directions_on(
     # _SAMPLES_OF_CURVED_PIECE: 33
     n_samples = 3 if is_line else _SAMPLES_OF_CURVED_PIECE
     sample_times = np.unique([*np.linspace(begin, end, n_samples), *turning_times_inside])
+    # _ROUND_OFF_SHARE: 1e-14
     force_roundoff = _ROUND_OFF_SHARE * (
         friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
     )
@@ -654,7 +668,8 @@ class History:
         the initial loading, evenly spread over each time span of stick or slip, with its ends.
 
         With them 0, the number of rows of a measured record that are left out: a curved path has no
-        rows.
+        rows. With `last_cycle_only` only the last of the `cycles` counts. A span's `delay` is how
+        much later it is than its segment.
         """
         # spans of stick or slip, of each cycle and of the initial loading
         spans_of_cycles = list(self.cycles[-1:])
@@ -708,6 +723,7 @@ class History:
         order_by_span = np.argsort(span_number, kind="stable")
         numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
         times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
+        # states in the order of the spans
         snapshot = snapshot_of(
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
@@ -735,6 +751,7 @@ def follow(
     InadmissibleLoadError
         Gross sliding or separation, with the instant and the loads.
     """
+    # spans of stick and slip, and the memory curve at their end; None: not yet in contact
     loading_spans, curve = spans_along(None, loading, friction, 0.0)
     curves_between_cycles = [curve]
     spans_of_cycles = []
@@ -821,8 +838,10 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
     require_admissible([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
         return follow((), [CycleOfPath(path.initial_loading)], friction)
+    # each cycle is whole periods later than the first
     cycles = (CycleOfPath(path.cycle, k * path.period) for k in range(most_cycles))
     history = follow(path.initial_loading, cycles, friction)
+    # one segment, the ellipse of P and Q of an `EllipseLoad`
     is_ellipse = len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0])
     ellipse_of_cycle = path.cycle[0] if is_ellipse else None
     return replace(history, period=path.period, ellipse_of_cycle=ellipse_of_cycle)
@@ -907,8 +926,8 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
     A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
     beyond the stick edge, the direction of slip, and the piece of the memory curve in which the
-    stick edge is. The memory curve M(eta) is the tangential force of the flat punches up to the
-    load eta.
+    stick edge is, `sticking_piece`. The memory curve M(eta) is the tangential force of the flat
+    punches up to the load eta.
     """
     times = []
     normal_loads = []
@@ -961,6 +980,7 @@ def corner_times(contact: Contact, span: Span) -> Array:
     largest_load = max(begin.normal_load, end.normal_load)
     # the edge of contact: P is monotonic in the span
     passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
+    # `time_of`: when P has changed so much since the begin
     times_of_passing = [
         segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)
     ]

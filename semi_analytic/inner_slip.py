@@ -104,8 +104,8 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
 
 def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
     """Integrals over half-widths c of a kernel times each hat function, which is 1 at one
-    half-width and 0 at the others, (k, m), from the primitives of the kernel and of c times it at
-    the half-widths (m + 1,), (k, m + 1) each.
+    half-width and 0 at the others, (k, m), from the primitives over c of the kernel and of c times
+    it at the `half_widths` (m + 1,), (k, m + 1) each, for k points.
     """
     begin_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
@@ -221,8 +221,8 @@ def inner_slip(
 
     Where a stroke of slip ends while the curvature of the faces still changes, points at the edge
     of contact stick first; points further in slip on. The slip is a superposition of flat punches,
-    of about 100 half-widths at first. They are refined around the ends of the slip zone four times,
-    or until the search for the zone fails.
+    of about 100 half-widths at first. The half-widths are refined around the ends of the slip zone
+    four times, or until the search for the zone fails.
 
     Parameters
     ----------
@@ -306,7 +306,9 @@ def _slip_on_punches(
     contact: _MemoryContact, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
     """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
-    them; None where the search for the slip zone does not converge.
+    them; None where the search for the slip zone does not converge within 200 trials. `contact`
+    holds the tractions q and f p of the memory curve as a function of x, the direction of the extra
+    slip, E*, and the half-width outside of which the edge slips.
 
     The zone (active set) starts from that of a coarser solution. It is changed until no sticking
     point exceeds the limit and no slipping point moves against its direction. Unknowns are the
@@ -332,6 +334,7 @@ def _slip_on_punches(
     is_at_edge = points >= contact.stick_half_width
     states = np.where(excess > excess_tolerance, _SLIPPING, _STICKING)
     if coarser_solution is not None:
+        # those of the next smaller half-width
         states = coarser_solution.friction_states[
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]

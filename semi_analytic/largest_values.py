@@ -164,6 +164,7 @@ def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     # A path that does not repeat begins unloaded, wherever the first increment of a solver ends.
     start_time = float(path.start if path.period is None else answer.time[rows_of_cycle[0]])
     end_time = float(answer.time[rows_of_cycle[-1]])
+    # from the scene's own path, cached
     return _extremes_of_cycle(scene, start_time, end_time, names)
 
 
@@ -241,7 +242,9 @@ class _Search:
         """Places between which values are smooth functions of x, ascending, within the contact at
         the largest load: edges of contact (n, 2) at the turning points of the loads, corners of the
         profile, the middle of the profile and of the contact. Of a symmetric scene only the right
-        half is searched. `widest_edges` are the edges of contact at the largest load.
+        half is searched. `widest_edges` are the edges of contact at the largest load,
+        `corner_half_widths` of the contact the half-widths at its corners. `unsymmetric` scenes
+        have bulk stress, tilt or unequal sides.
         """
         corners = [
             side * corner for corner in self.contact.corner_half_widths for side in (-1.0, 1.0)
@@ -286,8 +289,9 @@ class _Search:
 
     def _find_turning_times(self) -> Array:
         """Instants between which the slip of a point in contact moves one way, ascending: turning
-        points of P, Q - f P and -Q - f P; on straight steps, or without a cycle, all instants. On
-        each of the `monotonic_parts`, (load segment, begin and end time), P goes one way.
+        points of P, Q - f P and -Q - f P; on straight steps, or without a cycle, all instants of
+        the answer. On each of the `monotonic_parts`, (load segment, begin and end time), P goes one
+        way.
         """
         if not self.has_cycle or self.on_straight_steps:
             return self.instants
@@ -328,7 +332,7 @@ class _Search:
 
         The range at a point is exact: slip moves one way between the turning points of the loads,
         and until an edge of contact passes the point. On straight steps between the answer's own
-        instants the slip is taken at these.
+        instants the slip is taken at these. `turning_times` are those of P, Q - f P and -Q - f P.
         """
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
@@ -340,6 +344,7 @@ class _Search:
             contact passes one of the places.
             """
             time = np.unique(np.concatenate([self.turning_times, self._times_of_passing_edge(x)]))
+            # slip and edges of contact at these instants
             answer = self._answer_at(x, time, ("slip",))
             cycle_rows = (
                 answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
@@ -351,6 +356,7 @@ class _Search:
                 x <= edges[:, 1:] + edge_tolerance
             )
             is_in_contact = within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
+            # largest minus smallest slip while in contact
             return range_of_slip(answer.slip[cycle_rows], is_in_contact)
 
         # searched for over x, between the kinks
@@ -375,6 +381,7 @@ class _Search:
             load_at_begin, load_at_end = (
                 float(segment.loads(time)[0]) for time in (begin_time, end_time)
             )
+            # the edge passes x once on this part
             passed_loads = edge_load[
                 (edge_load > min(load_at_begin, load_at_end))
                 & (edge_load < max(load_at_begin, load_at_end))
@@ -404,7 +411,7 @@ class _Search:
         Kinks are places between which the function is smooth. On straight steps the edge at each
         instant is a kink. Where these are hundreds, the maximum on the curved path, which the steps
         approximate, is found first; its place is the attribute `place_name` of `Extremes`. Only the
-        kinks nearest to it are searched.
+        kinks nearest to it are searched, to 1e-9 of the value.
         """
         # _PLACES_AT_FIRST: 96
         if not self.on_straight_steps or len(self.kinks) <= _PLACES_AT_FIRST:
@@ -442,6 +449,7 @@ class _Search:
             largest_uncertainty = max(largest_uncertainty, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))
 
+        # instants between which the tension is smooth
         kink_times = self.turning_times if self.monotonic_parts else self.instants
         largest_tension, _ = _largest_value_and_place(tensions, kink_times, _INSTANTS_AT_FIRST)
         return max(largest_tension, 0.0), largest_uncertainty
@@ -460,6 +468,7 @@ def _monotonic_parts(
     # the initial loading, and the cycles between both times
     segments = list(path.initial_loading)
     if path.period is not None:
+        # _EDGE_TOLERANCE_SHARE: 1e-10
         first_cycle = math.floor((start - path.cycle_start) / path.period + _EDGE_TOLERANCE_SHARE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _EDGE_TOLERANCE_SHARE)
         for number in range(max(first_cycle, 0), last_cycle):
@@ -604,6 +613,7 @@ def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     below_all_values = np.array([-np.inf])
     is_above_last = values >= np.concatenate([below_all_values, values[:-1]])
     is_above_next = values >= np.concatenate([values[1:], below_all_values])
+    # _LEAST_CANDIDATE_SHARE: 0.97
     is_high = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
     numbers_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_high)
     highest_numbers = numbers_of_maxima[np.argsort(-values[numbers_of_maxima], kind="stable")][
@@ -632,6 +642,7 @@ def _extremes_at_default_points(scene: Scene) -> Extremes:
     cycle_rows = answer.last_cycle
     pressure = answer.pressure[cycle_rows].max(axis=0)
     edges = answer.contact_edges[cycle_rows]
+    # largest minus smallest slip of each point
     slip_range = range_of_slip(answer.slip[cycle_rows], answer.state[cycle_rows] != OPEN)
     work_density = answer.dissipation_density
     tension, uncertainty = _largest_tension(answer, answer.time[cycle_rows])

@@ -297,6 +297,7 @@ def _without_upper_share(curve: Line, cut_share: float) -> Line:
     line_below, top_load, top_force, load_length, force_rise, line_count = curve
     remaining_length = (1 - cut_share) * load_length
     remaining_rise = (1 - cut_share) * force_rise
+    # `_new_tuple` makes a line without the checks of the class
     if line_below is None:
         return _new_tuple(
             Line,
@@ -369,6 +370,7 @@ def _curve_after_loading_in_stick(
     has eta and M at its upper end, its growth `load_length` of eta and `force_rise` of M, the lines
     below and the number of lines. Where the line below has the slope of the step, both become one
     line. Stations are P, Q and the share of the step that is over; only P and Q matter here.
+    `_new_tuple` makes a line.
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
@@ -492,6 +494,7 @@ def _curve_after_slip(
             remaining_level / level_to_pass_line if remaining_level < level_to_pass_line else 1.0
         )
         passed_length += share_of_line * curve.load_length
+        # the line without its upper part, which slips
         sticking_curve = (
             _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.curve_below
         )
@@ -520,7 +523,7 @@ def _with_line_at_limit(
     The line's length in eta is `slip_zone_load` = P - P_c, P_c the load at the stick edge; its
     `slope` is +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to
     the load eta. Where nothing sticks, the line begins at eta = 0. `line_count` is the number of
-    lines of a curve.
+    lines of a curve; `_new_tuple` makes a line.
     """
     if sticking_curve is None:
         return _new_tuple(Line, (None, load, force, load, slope * load, 1))
@@ -730,8 +733,9 @@ def follow(
 
     The memory curve is the tangential force carried up to each load, a chain of straight lines. Its
     uppermost line holds the lines below and their number; `curve` is that at the first row, None
-    for bodies out of contact. Where `stores_curves` the memory curve of each part of a step is
-    stored too. The loads must be admissible, |Q| <= f P and P >= 0.
+    for bodies out of contact. A record is a part of a step in which the stick edge moves along one
+    line. Where `stores_curves` the memory curve of each record is stored too. The loads must be
+    admissible, |Q| <= f P and P >= 0.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> (
@@ -910,7 +914,8 @@ class LoadSeries:
 
         About 400 a cycle and 100 of the initial loading, evenly spread over each part of a load
         step with its own slip, with both its ends. Of a measured record of more than 1,000 rows
-        they are all rows, or about 400 of them if `thinned`.
+        they are all rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last
+        part counts.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.is_long_record:
@@ -940,7 +945,7 @@ class LoadSeries:
 
         Step k goes from row k of the path to row k + 1. An instant at a row belongs to the step
         that ends there. InputError for a time outside the path. `times` are those of all rows; a
-        time beyond the followed path is brought back by whole periods.
+        time beyond the followed path is brought back by whole periods (`period`, None without one).
         """
         times = self.times
         durations = np.diff(times)
@@ -989,7 +994,7 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     next.
 
     As many cycles are followed as the instants `time` (n,) need; without them, until a cycle ends
-    in the state of friction in which it began.
+    in the state of friction in which it began, `scene.cycles` at most.
 
     Raises
     ------
@@ -1093,6 +1098,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
+    # PathPart: rows, delay, memory curve at the first row
     loading, *cycles = (
         PathPart(rows[first_row : last_row + 1], 0.0)
         for first_row, last_row in pairwise(rows_at_ends)
@@ -1159,8 +1165,8 @@ def _follow_cycles(
         number of whole cycles that the answer covers; 0 for all that are followed, or for the
         first one where they do not repeat
     repeats
-        whether all cycles have the same loads. Those after a steady one are then copies and are
-        not followed. Else all are followed.
+        whether all cycles have the same loads, as in a path that repeats. Those after a steady one
+        are then copies and are not followed. Else all are followed.
     """
     followed_cycles: list[PathPart] = []
     steady_from = None
@@ -1177,6 +1183,7 @@ def _follow_cycles(
             curve = block.curve
             largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # The less slips in a cycle, the closer its memory curves must agree.
+        # largest P - P_c over the largest P of the cycle, P_c the load at the stick edge
         slip_zone_share = share_of_largest_load(largest_slip_zone_load, cycle)
         tolerance = repeat_tolerance(slip_zone_share)
         # M(eta), tangential force up to each load eta, at begin and end of the cycle
@@ -1256,7 +1263,9 @@ class States:
         memory curve that it goes through. An instant that is beyond the end of a record by at most
         `slack`, as a share of the step, counts as that end. The memory curve M(eta) is the
         tangential force of the flat punches up to the load eta. M(P) - Q, zero but for round-off,
-        is stored as a check. `stores_curves` tells whether the lines themselves are stored.
+        is stored as a check. `stores_curves` tells whether the lines themselves are stored. The
+        block holds its rows of P and Q, the records, and a table of the line of each record: eta
+        and M at its upper end, and its growth of eta and M.
         """
         if not len(step):
             return

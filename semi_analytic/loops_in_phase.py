@@ -121,7 +121,7 @@ class Stroke:
         """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
         zone and fractions u of the stroke, arrays that broadcast [length]. With N = f P - d Q and
         a = f alpha - d eps of tilt alpha and bulk strain eps it is -dN/du (A/pi)
-        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), A = 2/E*.
+        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), A = 2/E* the `compliance`.
         """
         # middle and half-width of the stick zone
         m, c = self.stick_zone(u)
@@ -142,6 +142,7 @@ class Stroke:
         """
         # dN/du and da/du, u the fraction of the stroke
         load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
+        # middle and half-width at 129 fractions u of the stroke
         stick_middle, stick_half_width = self.stick_zone(_SAMPLED_STROKE_FRACTIONS)
         contact_middle, contact_half_width = self.contact_at(_SAMPLED_STROKE_FRACTIONS)
         # the stick zone exists and shrinks
@@ -203,6 +204,7 @@ class Stroke:
 
         def approach_and_moment(load: Array, tilt: Array) -> Array:
             m, c = self.middle_and_half_width(load, tilt)
+            # h of the frictionless contact; m, c its middle and half-width
             approach = self.shape.approach(m, c, tilt) + self.compliance * load / math.pi * np.log(
                 2 / c
             )
@@ -285,6 +287,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     friction = scene.friction.coefficient
     if not scene.load.path().cycle or friction <= 0:
         return None
+    # as a curve that can be tilted, and A = 2/E*
     profile = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
     samples = cycle_samples(scene)
@@ -327,7 +330,9 @@ def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle
     loop_work = 0.0
     for stroke in strokes:
+        # U and m_q since the begin of the cycle
         displacement, moment = change_at_begin + stroke.displacement_and_moment_change(u)
+        # index 1: Q, 2: bulk strain
         loop_work -= weights @ (
             stroke.load_changes[1] * displacement[:-1] + stroke.load_changes[2] * moment[:-1]
         )

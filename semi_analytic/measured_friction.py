@@ -364,6 +364,7 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         scene_at_friction = scene.vary(friction=friction)
         return solve(scene_at_friction, x=0.0, fields="dissipation", cycles="steady").dissipation
 
+    # the loads (P and Q) of each segment at its samples
     path = scene.load.path()
     loads_of_segments = [
         segment.loads(sampled_times(segment, 513))
@@ -434,7 +435,8 @@ def _friction_batch(
     notes: tuple[str, ...],
 ) -> FrictionBatch:
     """Every coefficient of friction at which the friction work W of a cycle is the measured
-    `target`, with the reason where there is none.
+    `target`, with the reason where there is none. `curve.works` are W at the samples, `is_solvable`
+    tells whether W is known at all of them, `largest_f` is the largest f sampled.
 
     W(f) of each member of a batch is sampled, and its turning points are added. Between samples on
     either side of the target the roots are then found by iteration. The batch of targets has n
@@ -534,6 +536,7 @@ def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array
         np.maximum(least_f, np.where(is_solvable, load_amplitude_ratio, 0.0)) * _MIDDLE_FACTOR
     )
     largest_f = middle_f * (_LARGEST_FACTOR / _MIDDLE_FACTOR)
+    # 17 samples of f/f_min - 1 up to 0.05, then 72 and 9 more
     relative_excess = np.concatenate(
         [[0.0], np.logspace(-8, math.log10(0.05), _SAMPLES_CLOSE_TO_SLIDING - 1)]
     )
@@ -597,6 +600,7 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     order_by_member = np.argsort(member_of_turn, kind="stable")
     log_f_at_turn = np.full((int(row_of_turn.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
+    # the place and the value of each extremum
     log_f_at_turn[row_of_turn, member_of_turn[order_by_member]] = minimum_search.x[order_by_member]
     work_at_turn[row_of_turn, member_of_turn[order_by_member]] = (
         sign_to_minimum * minimum_search.f_x
@@ -659,6 +663,7 @@ def _roots_of(
             (log_f[sample_before, member_of_root], log_f[sample_before + 1, member_of_root]),
             args=(member_of_root.astype(float), target[target_of_root]),
         )
+        # each root in the row of its target, in ascending order
         roots[
             target_of_root,
             np.arange(len(sample_before)) - np.searchsorted(target_of_root, target_of_root),

@@ -116,6 +116,7 @@ def _depths_by_newton(loads: Array) -> Array:
     e, force = loads
     # first guess, for a twelfth of the loads
     depths = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEP_COUNT
+    # _LOAD_STEP_COUNT: 12; _MOST_NEWTON_STEPS: 30
     for load_step in range(1, _LOAD_STEP_COUNT + 1):
         load_fraction = load_step / _LOAD_STEP_COUNT
         for _ in range(_MOST_NEWTON_STEPS):
@@ -173,7 +174,8 @@ def _stick_edge_series(
 ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
     """Left and right stick edges b1/a and b2/a of a Hertzian contact |x| < a as piecewise Chebyshev
     series of the unloading P - eta = |Q|/f, from 0 to `largest_unloading`: -e and Q/(f P) are the
-    two factors times P - eta, e the dimensionless bulk strain.
+    two factors times P - eta, e the dimensionless bulk strain. `slip_depths_of_loads` gives the
+    depths of both slip zones over a.
     """
 
     def stick_edges(unloading: Array) -> tuple[Array, Array]:
@@ -238,6 +240,7 @@ class OppositeSlip(TiltedProfile):
         holds P, middle and half-width of the contact.
         """
         largest_load, _, half_width = self._contact
+        # `tangential_fraction`: 1, or 0 where Q = 0 and bulk strain alone changes
         force_per_unloading = (
             -self.tangential_fraction * float(np.sign(self.pressure_skewness)) / largest_load
         )
@@ -362,6 +365,7 @@ class OppositeSlip(TiltedProfile):
             (is_integrated & ~is_near, _gauss_nodes),
         ):
             range_numbers, place_numbers = np.nonzero(takes_rule)
+            # _MOST_INTEGRALS_AT_ONCE: 10,000
             for first_pair in range(0, len(range_numbers), _MOST_INTEGRALS_AT_ONCE):
                 pairs = (
                     range_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
@@ -409,6 +413,7 @@ class OppositeSlip(TiltedProfile):
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
+        # `log_datum_ratio` of the same contact for U + kappa m_q
         rate = self._conjugate_contact.log_datum_ratio
         edge_load = load - slip_zone_load
         eta, weight = crowded_nodes(edge_load, load)

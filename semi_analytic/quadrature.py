@@ -67,7 +67,7 @@ def graded_nodes(begin: ArrayLike, end: ArrayLike, stride: int = 1) -> tuple[Arr
     A singularity beyond an end lies on the line Im s = pi, however near the end it is. Roots and
     logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
     With a `stride` of 2 every second node is taken, which halves the number of digits. GRADED_RULE
-    is that rule on [0, 1].
+    is that rule on [0, 1]; its nodes are held as distances from the nearer end.
 
     >>> nodes, weights = graded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)

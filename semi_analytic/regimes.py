@@ -128,6 +128,7 @@ def fretting_map(
             displacement=stroke_factor * rows.displacement,
         )
         driven_path = rig.driven_path_of_rows(scaled_rows)
+        # None where no cycle is steady
         cycle_number = driven_path.first_steady_cycle
         if cycle_number is None:
             raise InputError(

@@ -137,7 +137,8 @@ def _findings(question: Question) -> Findings:
     In this order: rigs, with a prescribed displacement; finite bodies; one memory curve; the steady
     cycle alone; a numerical solution on grids. STEADY_FIELDS are those that do not depend on how
     the steady cycle was reached. A memory curve is the tangential force, or the bulk strain, locked
-    in up to each load.
+    in up to each load. The question holds the scene, the fields that are wanted, straight steps or
+    the scene's own path, and what finite bodies add, `effects`.
     """
     scene = question.scene
     # a displacement is prescribed
@@ -181,6 +182,7 @@ def _findings_on_grids(question: Question) -> Findings:
         GridAnswer,
     )
 
+    # the path followed on grids, with points and instants
     answer = GridAnswer(question)
     fields_of_work = question.fields & (WORK_FIELDS | {"loop_work"})
     steady_cycle = None
@@ -197,6 +199,7 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
 
     A memory curve is the tangential force, or the bulk strain, locked in up to each load. Values
     that depend on how the steady cycle was reached, like the moment of the shear, are NaN.
+    `skipped` states what was not computed.
     """
     scene = question.scene
     # contact and loads of the cycle, None without one curve

@@ -120,8 +120,8 @@ def error_of_work(
     The error of W is that of its kernel Lam = int ln(a/c) d eta; a and c are the half-widths of
     contact and of stick. Where slip is tiny W keeps more digits than the closed integral, whose
     error the difference then is. Elsewhere the difference counts for W too, unless round-off of the
-    integral explains it. The error of closed forms is 0; so is the difference where W is 0 or the
-    integral is not known.
+    integral explains it. The error of closed forms (`has_closed_form`) is 0; so is the difference
+    where W is 0 or the integral is not known.
 
     Parameters
     ----------
@@ -151,7 +151,9 @@ def error_of_work(
 def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
     over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip;
-    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P.
+    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P. The
+    span holds its load segment, begin and end, the direction of slip (0 for none), and the piece of
+    the memory curve that holds the stick edge, None if nothing sticks.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
@@ -216,6 +218,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     # finite values only
     largest_pressure = _largest_finite(contact.pressure(sampled_places, load))
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
+    # relative errors along curved pieces of the memory curve
     errors_of_arcs = {
         name: largest_error(sums.arc_errors[name]) / size if size > _SMALLEST_FLOAT else 0.0
         for name, size in largest_values.items()
@@ -226,6 +229,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     if largest_pressure <= _SMALLEST_FLOAT:
         return errors
     half_width = contact.half_width(load)
+    # _NEAR_EDGE: 0.01
     is_off_edge = np.abs(sampled_places - half_width) > _NEAR_EDGE * half_width
     kernel_errors = contact.quadrature_error("pressure", sampled_places, load)
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
@@ -264,7 +268,8 @@ def _error_beside_edges(
 
     At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. d is that of the nearest of
     the points x (k,) ascending, and at least `nearest_share` times a. P(a) is the load under which
-    the contact has the half-width a. The `half_widths` a (n,) may be NaN.
+    the contact has the half-width a, `relative_roundoff` its relative error, and g is `stiffness`.
+    The `half_widths` a (n,) may be NaN.
     """
     a = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
