@@ -63,6 +63,7 @@ class SecondNames:
         if not name.startswith(self.prefix):
             return None
         package, _, submodule = name.removeprefix(self.prefix).partition(".")
+        # PACKAGES: the five packages that have two names
         if package not in PACKAGES:
             return None
         if submodule:
@@ -161,6 +162,7 @@ def _require_checkout() -> None:
     from pathlib import Path
 
     checkout = Path(__file__).parents[1]
+    # PACKAGES: the five packages at the top of a checkout
     for package in PACKAGES:
         spec = find_spec(package)
         origin = None if spec is None else spec.origin

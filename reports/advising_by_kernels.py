@@ -133,6 +133,7 @@ def changes_of(
     import halfplane_fe
     import semi_analytic
 
+    # `uncertainties` of a solution: of its values, by name; WORK is "dissipation".
     scene = solution.scene
     theory = theory or _dissipating_theory(scene)
     # Largest values of theory over all places and instants of the last cycle.
@@ -225,6 +226,8 @@ def advice_in_words(advice: KernelAdvice) -> str:
         " (finite elements/theory − 1), by the kernel solve of the bodies:"
         f" {_reason_in_few_words(advice)}."
     )
+
+    # `Verdict`: within the limit, outside, or undecided by its uncertainty.
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
     if advice.verdict is Verdict.WITHIN:
         return f"{first_sentence} That is within {limit_in_words}: theory may be used."

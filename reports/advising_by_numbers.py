@@ -229,6 +229,7 @@ def advise_by_numbers(
     # Theory of half-planes, and theory with the curvatures of the bodies' faces.
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
+    # WORK: "dissipation"
     theory = semi_analytic.solve(scene, fields=(WORK, "pressure"))
     if not theory.dissipation:
         raise InputError(
@@ -255,10 +256,12 @@ def advise_by_numbers(
     neglected_part = size_of_odd_part  # unless the odd part is followed below
     if is_coupled:
         neglected_part += _size_of_coupling(effects, scene, half_width)
+    # _LEAST_ODD_PART: a change of 1e-4; a smaller odd part is neglected
     elif neglected_part > _LEAST_ODD_PART:
         even_part = sum(part.value for part in parts.values())
         odd_part = _odd_part_of_work(effects, scene, even_part, next_order_ratio)
         if odd_part is not None:
+            # ODD_PART: "tilt and bulk strain"
             parts[ODD_PART] = odd_part
             neglected_part = 0.0
 
@@ -273,7 +276,9 @@ def advise_by_numbers(
         if key == WORK:  # the sum of its parts
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
+            # LEAST_UNCERTAIN_FRACTION: 3e-5 of any value that the bodies change
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
+        # _LARGEST_CHECKED_ODD_PART: a change of 0.05
         elif is_coupled or size_of_odd_part > _LARGEST_CHECKED_ODD_PART:
             # coupling, or a large tilt, moves it by an amount that is not known
             estimate = Estimate(math.nan, math.nan)
@@ -363,6 +368,7 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
         error budget that states the parts by mesh and load steps; None: these parts stay in the
         rest that no cause explains
     """
+    # WORK: "dissipation"
     metric = comparison.metric(WORK)
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
         return Why(
@@ -374,6 +380,7 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     # The part by mesh and load steps, and those by each cause.
     numerical_part = 0.0
     if budget is not None:
+        # The budget's terms for W: its parts by mesh and load steps.
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
         numerical_part = sum(term.value or 0.0 for term in terms)
     try:
@@ -423,9 +430,11 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
     parts = dict(advice.parts)
     if not advice.reason_for_size_alone:
         if advice.neglected_part:
+            # ODD_PART: "tilt and bulk strain"
             parts[ODD_PART] = Estimate(0.0, advice.neglected_part)
         return parts
 
+    # W of theory: WORK is "dissipation".
     theory_work = advice.changes[WORK].theory_value
     # W [energy / thickness] with its uncertainty.
     work_by_kernels = _work_by_kernels(comparison)
@@ -439,7 +448,8 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
 def _parts_of_curved_faces(comparison: JudgedPair) -> dict[str, Estimate]:
     """The one cause of the change of the dissipation for bodies with curved faces, their finite
     size: cause -> relative change with its uncertainty. It is found by finite elements of
-    half-planes with the compliance of the bodies added (kernels).
+    half-planes with the compliance of the bodies added (kernels). `comparison` is that of finite
+    elements with theory.
 
     Raises
     ------
@@ -452,6 +462,7 @@ def _parts_of_curved_faces(comparison: JudgedPair) -> dict[str, Estimate]:
     work_by_kernels = _work_by_kernels(comparison)
     theory_work = semi_analytic.solve(comparison.scene, fields=WORK).dissipation
     change = work_by_kernels.value / theory_work - 1
+    # FINITE_BODIES: "finite bodies"
     return {FINITE_BODIES: Estimate(change, work_by_kernels.uncertainty / theory_work)}
 
 
@@ -461,7 +472,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
 
     Coupling of pressure and shear is the change from theory to half-planes of these materials, by
     finite elements. Finite size is the further change to half-planes with the compliance of the
-    bodies added (kernels).
+    bodies added (kernels). `comparison` is that of finite elements with theory.
 
     Raises
     ------
@@ -483,6 +494,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
     uncertainty_of_coupling = solution_of_half_planes.dissipation_uncertainty / theory_work
     change_by_bodies = (work_by_kernels.value - solution_of_half_planes.dissipation) / theory_work
     uncertainty_of_kernels = work_by_kernels.uncertainty / theory_work
+    # COUPLING, FINITE_BODIES: "coupling" and "finite bodies"
     return {
         COUPLING: Estimate(change_by_coupling, uncertainty_of_coupling),
         FINITE_BODIES: Estimate(change_by_bodies, uncertainty_of_kernels + uncertainty_of_coupling),
@@ -550,6 +562,7 @@ def _parts_by_curvatures(
 
     parts = {}
     change_left = corrected_solution.dissipation / theory.dissipation - 1
+    # CURVATURES: "curvature under P" and "curvature under Q", with the responses of each
     for curvature in CURVATURES:
         # The responses of the bodies with this curvature alone.
         effects_of_curvature = with_one_group_alone(effects, curvature)
@@ -581,6 +594,7 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
     """
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     friction = scene.friction.coefficient
+    # _STRAIN_SQUARED, _STRAIN_BY_TILT, _TILT_SQUARED: factors 1.4, 4.4 and 3.5
     return (
         _STRAIN_SQUARED * (strain / friction) ** 2
         + _STRAIN_BY_TILT * strain * tilt
@@ -601,6 +615,8 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
     ----------
     effects
         elastic responses that the bodies add to half-planes
+    scene
+        for materials and friction
     half_width
         largest half-width of the contact [length]
     """
@@ -609,6 +625,7 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     beta = abs(dundurs(scene.material).beta)
     friction = scene.friction.coefficient
+    # _COUPLING_SQUARED, _STRAIN_BY_COUPLING, _TILT_BY_COUPLING: c_1 = 1.6, c_2 = 7 and c_3 = 5
     return (
         _COUPLING_SQUARED * (beta / friction) ** 2
         + _STRAIN_BY_COUPLING * beta * strain / friction**2
@@ -631,6 +648,7 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
     modulus = composite_modulus(scene.material)
     # The four responses by name, made dimensionless with half-width and E*.
     odd_numbers = dimensionless_tilt_and_strain(effects, half_width, modulus)
+    # TILT_AND_STRAIN_NAMES: names of these four responses
     sizes = {
         name: abs(number) for name, number in zip(TILT_AND_STRAIN_NAMES, odd_numbers, strict=True)
     }
@@ -684,6 +702,7 @@ def _sentence_on_limit(advice: Advice) -> str:
         advice_to_solve += (
             ', or its kernels in 1 to 5 s (Python: `halfplane_fe.solve(scene, bodies="kernel")`)'
         )
+    # `Verdict`: within the limit, outside, or undecided by its uncertainty.
     if advice.verdict is Verdict.WITHIN:
         return f"That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:

@@ -228,6 +228,7 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
     largest_sliding_load = float(np.max(used_rows[slides, 1], initial=0.0))
     largest_load = float(np.max(used_rows[:, 1]))
+    # _LARGEST_NOISE_SHARE: 0.05 of the largest P
     if (
         load.least_normal_load is None
         and not load.repeats
@@ -284,6 +285,13 @@ def _load_ratio(normal_load: Array, tangential_load: Array, friction: float) -> 
     0 but Q is not; 0 elsewhere at Q = 0.
 
     Q counts as 0 below 1e-12 of the largest f |P| of its segment.
+
+    Parameters
+    ----------
+    normal_load, tangential_load
+        P and Q (..., n), a row for each segment [force per thickness]
+    friction
+        coefficient f
     """
     magnitude_of_q = np.abs(tangential_load)
     # Q that is zero but for the round-off error of its own segment is zero.
@@ -306,6 +314,7 @@ def _highest_value_and_time(
 
     `value_at` gives the values at times (n,).
     """
+    # _N_SAMPLES: 513 times
     times = sampled_times(segment, _N_SAMPLES)
     for _ in range(3):
         values = value_at(times)
@@ -493,6 +502,7 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
     is_layer = min(heights) < 1.5 * half_width_of_face
+    # _LARGEST_SHARE_OF_LAYER, _LARGEST_SHARE_OF_FACE: 10 and 1.1, of the half-width of the face
     largest_ratio = _LARGEST_SHARE_OF_LAYER if is_layer else _LARGEST_SHARE_OF_FACE
 
     # The contact at the largest load: P, half-width, pressure.
@@ -804,6 +814,7 @@ def _size_ratios(scene: Scene, half_width: float) -> dict[str, float]:
     flat and the sizes of the bodies over a. Profile keys of radii have symbols in
     `_SYMBOL_OF_RADIUS`.
     """
+    # _KEYS_OF_HALF_LENGTHS: keys of the half-length of a flat, tip or middle
     sizes = scene.profile.model_dump(include={*_SYMBOL_OF_RADIUS, *_KEYS_OF_HALF_LENGTHS})
     ratios = {
         f"a/{symbol}": half_width / sizes[key]
@@ -872,12 +883,16 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
             "material.lower": scene.material.lower,
         }
     # A modulus above that of diamond, or below 1 GPa and not of rubber, may be in a wrong unit.
+    # UNITS: size in Pa of each unit of stress
     pascals_per_unit = UNITS["stress"].get(unit_of_stress)
     if pascals_per_unit is not None:  # None: a unit without a name
+        # _MODULUS_OF_STEEL: 210 GPa, to compare with
         modulus_of_steel = _MODULUS_OF_STEEL / pascals_per_unit
         for key, material in material_by_key.items():
             modulus = material.young_modulus * pascals_per_unit
+            # _MODULUS_OF_DIAMOND: 1.3e12 Pa
             is_too_stiff = modulus > _MODULUS_OF_DIAMOND
+            # _SOFT_MODULUS, _POISSON_RATIO_OF_RUBBER: 1e9 Pa, and Poisson's ratio 0.45
             is_too_soft = (
                 modulus < _SOFT_MODULUS and material.poisson_ratio < _POISSON_RATIO_OF_RUBBER
             )
@@ -893,6 +908,7 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
                     )
                 )
 
+    # _LARGEST_FRICTION: 3, the coefficient of clean indium or gold
     if scene.friction.coefficient > _LARGEST_FRICTION:
         sentences.append(
             f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"

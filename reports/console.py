@@ -64,6 +64,7 @@ class TimeLeft:
         if not count or not total or elapsed <= 0:
             return ""
         # The first steps are slower: in a stage of one minute they gave an estimate of 23 minutes.
+        # _SECONDS_OF_SLOW_START: 60 s
         if 20 * count < total and elapsed < _SECONDS_OF_SLOW_START:
             return ""
         seconds_left = elapsed / count * (total - count)
@@ -129,8 +130,9 @@ class Stages:
 
     @contextmanager
     def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
-        """A context that shows the progress of a stage on a terminal, as a bar that vanishes at the
-        end. Yields report(count, total or None, text): steps done, number of steps, present step.
+        """A context that shows the progress of a stage called `name` on a terminal, as a bar that
+        vanishes at the end. Yields report(count, total or None, text): steps done, number of steps,
+        present step.
         """
         from rich.progress import (
             BarColumn,
@@ -165,9 +167,9 @@ class Stages:
 
     @contextmanager
     def _progress_lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
-        """A context that shows the progress of a stage where output goes to a file or a pipe: a
-        line every two seconds with steps done and time left. Yields report(count, total or None,
-        text), to be called after each step. `steps_noun` says what the steps are.
+        """A context that shows the progress of a stage called `name` where output goes to a file or
+        a pipe: a line every two seconds with steps done and time left. Yields report(count, total
+        or None, text), to be called after each step. `steps_noun` says what the steps are.
         """
         time_of_last_line = time.perf_counter()
         time_left = TimeLeft()
@@ -176,6 +178,7 @@ class Stages:
         def report(count: int, total: int | None, text: str) -> None:
             nonlocal time_of_last_line
             words_on_time_left = time_left.words(count, total)
+            # _SECONDS_BETWEEN_LINES: 2 s
             if time.perf_counter() - time_of_last_line >= _SECONDS_BETWEEN_LINES:
                 time_of_last_line = time.perf_counter()
                 steps_in_words = f"{count} of {total} {steps_noun}" if total else ""
@@ -215,7 +218,7 @@ def show_table(
     rows: Iterable[Sequence[str]],
     right_columns: Sequence[int] = (),
 ) -> None:
-    """Print a table on stdout. No word is broken if the terminal is wide enough for that.
+    """Print a table under its `title` on stdout. No word is broken if the terminal is wide enough.
 
     Parameters
     ----------
@@ -296,8 +299,8 @@ def _line_count(rows: Iterable[Sequence[str]], widths: Sequence[int]) -> int:
 
 
 def _column_widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
-    """Widths of the columns of a table in which no word is broken, `total_width` being the sum of
-    all widths. Empty where there is no room for that.
+    """Widths of the columns of a table (`rows`, the first its heads) in which no word is broken,
+    `total_width` being the sum of all widths. Empty where there is no room for that.
 
     >>> (
     ...     _column_widths([("a long head", "b"), ("word", "c")], 80),

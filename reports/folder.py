@@ -73,7 +73,8 @@ def _remove_hidden(path: Path) -> None:
 
 
 def replace_file(path: str | Path, content: bytes | memoryview) -> None:
-    """Write a file in one go: a reader sees the old file or the new one, never a part.
+    """Write the bytes `content` to the file at `path` in one go: a reader sees the old file or the
+    new one, never a part.
 
     Raises
     ------
@@ -88,8 +89,13 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Write a text file in one go: a reader sees the old file or the new one, never a part.
-    InputError where it can't be written.
+    """Write a text file at `path` in one go: a reader sees the old file or the new one, never a
+    part.
+
+    Raises
+    ------
+    InputError
+        Where it can't be written.
     """
     try:
         remove_left_behind(path.parent)
@@ -454,6 +460,7 @@ def _files_in_manifest(folder: Path) -> list[str]:
     The manifest is a JSON file with the keys "written by" and "files".
     """
     try:
+        # MANIFEST: "manifest.json"
         manifest = parsed_json(text_of(folder / MANIFEST, "the manifest"))
     except (OSError, ValueError):
         return []
@@ -511,8 +518,10 @@ def _move_results(
     with _existing_folder(folder), _locked_folder(folder, out, make=True), ExitStack() as parents:
         _refuse_foreign_files(folder, new_names, out)
         # Earlier files of this program; those of them that go; all that are moved away.
+        # MANIFEST: "manifest.json"
         other_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
         stale_names = {name for name in other_names if name.startswith(stale_prefixes)}
+        # _PAGE_NAME: "report.html"
         replaced_names = sorted(
             (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
             key=lambda name: (name != _PAGE_NAME, name),
@@ -570,6 +579,7 @@ def _locked_folder(
     InputError
         Where another process holds the lock for a minute.
     """
+    # _LONGEST_WAIT_SECONDS: 60 s
     latest_time = time.monotonic() + _LONGEST_WAIT_SECONDS
     folder_handle = None
     while fcntl is not None:

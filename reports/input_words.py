@@ -122,6 +122,7 @@ def sentences(
 
     # Values whose second order is large are rough, unless they come from draws.
     drawn_values = effects.draws.values if effects.draws is not None else {}
+    # QUANTITIES_OF_THEORY: names of theory's values by key
     names_of_drawn_values = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
     # values whose second order is large, and that were not taken from draws
     names_of_rough_values = [
@@ -209,6 +210,7 @@ def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None
                 f" {_with_full_stop(effects.reason_without_difference)}"
             )
         return
+    # WORK: "dissipation"
     if WORK not in effects.difference:
         return
     uncertain_difference = effects.difference[WORK]
@@ -251,6 +253,7 @@ def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | Non
     statement = (
         f"A measurement of W with these inputs has ± {significant(100 * relative_uncertainty, 2)} %"
     )
+    # WORK: "dissipation"
     if WORK not in effects.difference:
         yield f"{statement}."
         return
@@ -271,6 +274,7 @@ def _main_input_in_words(effects: InputEffects) -> str:
     uncertainty of every input, by the key of the input, and the keys of the inputs by the size of
     that change.
     """
+    # WORK, PEAK: "dissipation" and "peak_pressure"
     for key in (WORK, PEAK):
         value = effects.values.get(key)
         if value is None or not value.keys_by_size_of_change:
@@ -285,6 +289,7 @@ def _main_input_in_words(effects: InputEffects) -> str:
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
         if key != WORK:
             statement = f"For {_SYMBOL_OR_NAME[key]} {name_of_input} matters most"
+        # _LEAST_SHARE_OF_NAMED_INPUT: 0.25 of the largest change
         if other_keys and sizes[other_keys[0]] >= _LEAST_SHARE_OF_NAMED_INPUT * sizes[first_key]:
             statement += f", then {input_in_words[other_keys[0]]}"
         return f"{statement}."
@@ -296,7 +301,7 @@ def _draws_in_words(draws: Draws, scene: Scene) -> str:
     standard deviation of W, and how many draws slide or are impossible.
 
     `draws.values[WORK]` holds mean, standard deviation and 95 % range of W; `sliding` and
-    `impossible` are fractions of the `count` draws.
+    `impossible` are fractions of the `count` draws. `scene` gives the unit.
     """
     unit = energy_unit(scene)
     drawn_work = draws.values[WORK]
@@ -410,6 +415,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     with its `changes` by one standard uncertainty of every input.
     """
     heads = ("Input", "as stated", "moves W by %")
+    # WORK: "dissipation"
     work = effects.values.get(WORK)
     table: list[tuple[str, ...]] = []
     for uncertain_input in effects.inputs:

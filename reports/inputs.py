@@ -354,6 +354,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     # A displacement is prescribed in the place of Q.
     if scene.load.is_driven:
         places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default points
+        # WORK, PEAK, RATIO: "dissipation", "peak_pressure" and "sliding_ratio"
         solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
         # Indices of the solution's instants in the last cycle.
         instants = solution.last_cycle
@@ -697,6 +698,7 @@ class _ScalingLaws:
         Where the scene states no uncertainty of this load, the change is by 1 % of the load. The
         derivative x dV/dx of each value V by the load x is cached too.
         """
+        # Both caches are by the key of the load.
         if key not in self._changes_by_loads:
             # An input with a relative standard uncertainty of 1 %, unless the scene states another.
             uncertain_load = Input(key, "", "", None, _RELATIVE_STEP_OF_LOAD)
@@ -728,6 +730,7 @@ def with_blocks(scene: Scene) -> Scene:
     5 % more friction W changes by -5.37 % for blocks by theory, by -5.38 % for a pad with a/R =
     0.014 by finite elements.
     """
+    # `is_driven`: a displacement is prescribed in the place of Q.
     if not scene.load.is_driven:
         return scene
     # Bodies to be replaced: a block with the pad's other keys.
@@ -785,6 +788,7 @@ def omissions_in_words(scene: Scene) -> str:
     if reason_without_values := _reason_without_values(scene_solved):
         return f"What the inputs make of the answer will not be known: {reason_without_values}."
     if scene_solved is not scene:  # the warning then is that pads are taken as blocks
+        # _BLOCKS_FOR_PADS: sentence part that pads are taken as blocks
         return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
     if scene.load.is_driven:
         return ""
@@ -899,6 +903,7 @@ class _LawOfModulus:
         are central differences. `modulus` is the uncertain input: its key and relative standard
         uncertainty.
         """
+        # x dV/dx of every difference V for x = P, then for x = Q, by name.
         by_p = self.laws_of_loads.derivative_by_load("normal_load")
         by_q = self.laws_of_loads.derivative_by_load("tangential_load")
         relative_uncertainty = modulus.standard_uncertainty
@@ -921,6 +926,7 @@ def quick_formula_holds(scene: Scene, effects: BodyEffects) -> bool:
     from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
     # Tilt and strain of the faces, which loads on finite bodies may cause.
+    # TILT_AND_STRAIN_NAMES: names of the responses by which faces tilt and stretch
     has_odd_part = any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES)
     has_uncertain_body = any(
         uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
@@ -936,11 +942,16 @@ def difference_at(scene: Scene, effects: BodyEffects, *, by_quick_formula: bool)
 
     Parameters
     ----------
+    scene
+        with finite bodies
+    effects
+        elastic responses that these add to half-planes
     by_quick_formula
         True: W by the quick formula for elliptical load paths, in a fifth of the time, from the
         curvatures that loads give the faces. False: W by a solution, with tilt and strain of the
         faces too
     """
+    # WORK, PEAK: "dissipation" and "peak_pressure"
     return {
         WORK: _difference_of_work(scene, effects, by_quick_formula),
         PEAK: _difference_of_peak(scene, effects),
@@ -971,8 +982,8 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
     assert isinstance(load, EllipseLoad)  # for the type checker: see `quick_formula_holds`
 
     def work_with(body_effects: BodyEffects | None) -> float:
-        """Friction work W of a cycle with the elastic responses that finite bodies add to
-        half-planes; that of half-planes for None.
+        """Friction work W of a cycle with the elastic responses `body_effects` that finite bodies
+        add to half-planes; that of half-planes for None. NaN where the loads have none.
         """
         batch = semi_analytic.dissipation(
             profile=scene.profile,
@@ -989,6 +1000,7 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
 
     work_of_half_planes = work_with(None)
     if math.isnan(work_of_half_planes):
+        # WORK: "dissipation"
         semi_analytic.solve(scene, x=0.0, fields=(WORK,))  # raises the sentence that says why
     return work_of_half_planes, work_with(effects)
 
@@ -1035,6 +1047,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
         # At least 129 times along the segment, and those at which P turns.
+        # NORMAL_LOAD: P alone, as a combination of both loads
         times = np.union1d(sampled_times(segment, 129), segment.turning_points(NORMAL_LOAD))
         loads_of_segments.append(np.array(segment.loads(times)))
     normal_load, tangential_load = np.concatenate(loads_of_segments, axis=1)
@@ -1063,6 +1076,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
 
     # W and more by name, (count,) each; and which draws slide, (count,).
     values, is_sliding = values_of(scene, drawn_changes)
+    # Fractions of the draws; WORK is "dissipation".
     sliding_share = float(np.mean(is_sliding))
     return Draws(
         count=count,
@@ -1099,6 +1113,7 @@ def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
     # round-off can make an eigenvalue of 0 negative
     root_of_correlation = eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))
     shape = (len(scene.inputs), count)
+    # _SEED: of the random numbers, the same in each run
     independent_normals = np.random.default_rng(_SEED).standard_normal(shape)
     correlated_normals = root_of_correlation @ independent_normals
 
@@ -1168,6 +1183,7 @@ def values_of_ellipses(
         phase_degrees=load.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
     )
     # from W at the stated E*_0 to W at the modulus of the draw
+    # WORK, STICK: "dissipation" and "permanent_stick"
     values = {WORK: batch.value * modulus_factor}
 
     stick_load = batch.permanent_stick_load
@@ -1254,6 +1270,7 @@ def values_one_by_one(
     import semi_analytic
 
     n_draws = len(next(iter(drawn_changes.values())))
+    # WORK, STICK: "dissipation" and "permanent_stick"
     values = {WORK: np.full(n_draws, np.nan), STICK: np.full(n_draws, np.nan)}
     is_sliding = np.zeros(n_draws, dtype=bool)
     for draw in range(n_draws):
@@ -1308,6 +1325,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
     try:
         effects_of_inputs = _input_effects(scene_solved, effects)
+        # The note says that pads were taken as blocks.
         if scene_solved is scene:
             return effects_of_inputs
         return replace(effects_of_inputs, notes=(*effects_of_inputs.notes, _BLOCKS_FOR_PADS))
@@ -1343,6 +1361,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()
     notes: list[str] = []
+    # QUANTITIES_UNDER_DISPLACEMENT, QUANTITIES_OF_THEORY: names and units of theory's values by key
     quantities = QUANTITIES_UNDER_DISPLACEMENT if scene.load.is_driven else QUANTITIES_OF_THEORY
 
     def effects_of(changed_scene: Scene) -> BodyEffects | None:
@@ -1501,6 +1520,7 @@ def _uncertain_differences(
     for key, value in values_at_inputs.items():
         # NaN: not known for this scene.
         if math.isfinite(value):
+            # QUANTITIES_OF_THEORY: names and units of theory's values by key
             difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
             differences[key] = uncertain_value(quantity, value, changes_by_inputs, key, correlation)

@@ -109,7 +109,9 @@ def check_record(scene: Scene) -> RecordCheck | None:
     # Rows that the load path goes through, after averaging and reduction.
     n_path_rows = len(load.kept_rows())
     # Standard deviation of the noise of P and of Q; 0 where none is seen.
+    # _NORMAL, _TANGENTIAL: columns of P and of Q
     sigmas_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
+    # _MOST_ROWS_FOR_WORK: 200,000 rows
     if len(rows) > _MOST_ROWS_FOR_WORK or load.repeats:
         return RecordCheck(
             n_rows=len(rows),
@@ -190,6 +192,7 @@ def sigma_of_noise(values: Array) -> float:
     (0.0, 0.1)
     """
     values = values[:_MOST_PREDICTED_ROWS]
+    # _FEWEST_ROWS_WITH_NOISE: 50 rows
     if len(values) < _FEWEST_ROWS_WITH_NOISE:
         return 0.0
     # Second differences of white noise have the variance 6 sigma^2, fourth ones 70 sigma^2.
@@ -204,6 +207,7 @@ def sigma_of_noise(values: Array) -> float:
         return 0.0
 
     # Predict each value linearly from the eight before it, by least squares.
+    # _N_PREDICTING_ROWS: 8 rows before
     windows = np.lib.stride_tricks.sliding_window_view(
         values - np.mean(values), _N_PREDICTING_ROWS + 1
     )
@@ -211,6 +215,7 @@ def sigma_of_noise(values: Array) -> float:
     value_after = windows[:, -1]
     weights = np.linalg.lstsq(values_before, value_after, rcond=None)[0]
     prediction_error = float(np.std(value_after - values_before @ weights))
+    # _LEAST_PREDICTION_ERROR: 0.7 sigma
     is_noise = prediction_error > _LEAST_PREDICTION_ERROR * sigma_by_fourth_differences
     return sigma_by_fourth_differences if is_noise else 0.0
 
@@ -237,17 +242,20 @@ def _most_rows_per_mean(rows: Array, sigmas_of_loads: tuple[float, float]) -> in
     sigmas_of_loads
         standard deviation of the noise of P and of Q; 0 for a load without noise
     """
+    # _NORMAL, _TANGENTIAL: columns of P and of Q
     load_columns = (_NORMAL, _TANGENTIAL)
     noisy_columns = [
         column for column, sigma in zip(load_columns, sigmas_of_loads, strict=True) if sigma
     ]
     noiseless_columns = [column for column in load_columns if column not in noisy_columns]
     rows_per_mean = 1
+    # _FEWEST_ROWS_WITH_NOISE: 50 rows
     while len(rows) // (rows_per_mean + 1) >= _FEWEST_ROWS_WITH_NOISE:
         # Means of rows_per_mean + 1 neighbouring rows, columns as in `rows`.
         longer_means = means_of_neighbours(rows, rows_per_mean + 1)
         if not all(sigma_of_noise(longer_means[:, column]) for column in noisy_columns):
             break
+        # _LEAST_RANGE_RATIO_OF_MEANS: 0.999 of the range of the rows
         if any(
             np.ptp(longer_means[:, column]) < _LEAST_RANGE_RATIO_OF_MEANS * np.ptp(rows[:, column])
             for column in noiseless_columns
@@ -285,6 +293,7 @@ def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentenc
             record_check.work_at_half_threshold, record_check.work_of_path
         )
         text = f"With half the threshold W changes by {_per_cent(relative_change)}."
+        # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
         yield Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
     if any(record_check.noise):
         yield _noise_in_words(scene, load, record_check)
@@ -314,6 +323,7 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
             is_warning=False,
         )
     if load.least_normal_load is not None:
+        # _NORMAL: column of P
         is_below = load.rows.values[first_row:row_beyond, _NORMAL] < load.least_normal_load
         if not np.any(is_below):
             return
@@ -355,6 +365,7 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: Record
         f" {rows_in_words}"
         f" ({_per_cent(relative_change)})."
     )
+    # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
     return Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
 
 
@@ -390,6 +401,7 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
             record_check.work_without_reduction, record_check.work_of_all_rows
         )
         cause = ""
+        # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
         if abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING:
             cause = (
                 ": by noise, or because means of so many rows blur the loads; compare with a"
@@ -519,6 +531,7 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
     if load.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
+        # _TIME: column of the times
         period = float(rows[-1, _TIME] - rows[0, _TIME])
         shift_to_last = period * (len(solution.cycle_dissipation) - 1)
 
@@ -582,6 +595,7 @@ def _times_and_work_since_first_row(
         work = solution.record.energy.get("dissipation", np.empty(0))
     if len(work) != len(time):
         return None
+    # _TIME: column of the times
     is_in_rows = time >= rows[0, _TIME] - _time_tolerance(rows)
     if np.count_nonzero(is_in_rows) < 2:
         return None
@@ -606,6 +620,7 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     They are counted from the largest Q to the largest Q of the next period, so that all are closed.
     A cycle has `count` 1, half a cycle 0.5, and `start` and `end` times.
     """
+    # _TANGENTIAL, _TIME: columns of Q and of the time
     row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
     period = float(rows[-1, _TIME] - rows[0, _TIME])
     shift_by_period = np.array([period, 0.0, 0.0])
@@ -629,6 +644,7 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     times `time` (m,).
     """
     # Numbers of the rows at which Q turns.
+    # _TANGENTIAL: column of Q
     turns = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
         return None
@@ -661,6 +677,7 @@ def _times_and_work_of_steps(
     import semi_analytic
 
     # Ends of the load cycles of Q, a period earlier where they lie beyond the rows.
+    # _TIME: column of the times
     row_times = rows[:, _TIME]
     period = np.ptp(row_times)
     repeats = scene.load.repeats  # type: ignore[union-attr]
@@ -678,6 +695,7 @@ def _times_and_work_of_steps(
 
     # Loads at rows and ends, and their solution.
     time = np.sort(np.concatenate([row_times, ends_between_rows]))
+    # _NORMAL, _TANGENTIAL: columns of P and of Q
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
     loads_at_times = np.column_stack([time, normal_load, tangential_load])
@@ -814,6 +832,7 @@ def page_section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str
         _, cycles_of_first_engine = cycles_by_engine[0]
         dissipations = [cycle.dissipation for cycle in cycles_of_first_engine.cycles]
         indices_by_work = sorted(range(len(dissipations)), key=lambda index: -dissipations[index])
+        # _MOST_SHOWN_CYCLES: 10 cycles
         indices_of_most_work = indices_by_work[:_MOST_SHOWN_CYCLES]
     return {
         "read": tables_read,

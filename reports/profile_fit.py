@@ -124,6 +124,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     # How W is computed, number of simulated measurements, and pattern of the residuals (None:
     # noise).
     work_method = _work_method_of(scene)
+    # _MOST_MARCHED_RESAMPLES: 30; MARCHED: W by a solution along the load path
     count = (
         min(resamples, _MOST_MARCHED_RESAMPLES) if work_method is _WorkMethod.MARCHED else resamples
     )
@@ -156,6 +157,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
                 " rows carries the load: state another kind of fit, or fewer rows by its key"
                 " extent"
             )
+        # _FACTOR_ON_SPLINE_CHANGE: 1.25, since a spline follows other shapes to some per cent only
         uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
 
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
@@ -271,6 +273,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     residuals = residuals - np.mean(residuals)
     sum_of_squares = float(residuals @ residuals)
     range_of_heights = float(np.ptp(fit.rows.values[used_rows, 1]))
+    # _LEAST_RELATIVE_RESIDUAL: 1e-9; smaller residuals are round-off
     if np.sqrt(sum_of_squares / len(residuals)) <= _LEAST_RELATIVE_RESIDUAL * range_of_heights:
         return None
 
@@ -282,6 +285,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     block_means = residuals[: n_blocks * block_size].reshape(n_blocks, block_size).mean(axis=1)
     # variance of the means of blocks over that of white noise, minus 1
     excess_variance = block_size * float(np.mean(block_means**2)) / (sum_of_squares / n_rows) - 1
+    # _MOST_SIGMAS_BY_CHANCE: 3.3 standard deviations
     is_correlated = correlation * np.sqrt(n_rows) > _MOST_SIGMAS_BY_CHANCE
     varies_over_blocks = excess_variance > _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / n_blocks)
     has_pattern = is_correlated or varies_over_blocks
@@ -354,6 +358,7 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     scene
         whose profile may be fitted
     """
+    # Record of the fit; None for a profile that is not fitted.
     fit = profile_fit_of(scene)
     if fit is None:
         return []
@@ -427,6 +432,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     half_width
         half-width of the largest contact [length]
     """
+    # Record of the fit; None for a profile that is not fitted.
     fit = profile_fit_of(scene)
     if fit is None:
         return []
@@ -446,6 +452,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
     # with standard deviation sqrt(2/freedom).
     variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
+    # _MOST_SIGMAS_BY_CHANCE: 3.3 standard deviations
     largest_by_chance = _MOST_SIGMAS_BY_CHANCE * np.sqrt(2 / fit.freedom)
     if fit.noise_stated and abs(variance_ratio - 1) > largest_by_chance:
         cause = "the noise is smaller than stated, or the rows were smoothed before"

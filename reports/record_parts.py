@@ -117,6 +117,7 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     unit = load_unit(scene)
 
     # P below 5 % of its largest; swings of Q between turning points, None for too few.
+    # _LEAST_SHARE_OF_LOAD, _NORMAL: 0.05 of the largest P, and the column of P
     has_no_load = rows[:, _NORMAL] < _LEAST_SHARE_OF_LOAD * float(np.max(rows[:, _NORMAL]))
     swings = _swings_of(rows, ~has_no_load)
 
@@ -146,9 +147,11 @@ def _swings_of(rows: Array, is_loaded: Mask) -> _Swings | None:
     """Swings of Q, each from one turning point to the next, in rows (n, 3: time, P, Q), with Q = 0
     where there is no load (`is_loaded` (n,) is False); None for fewer than six turning points.
     """
+    # _TANGENTIAL: column of Q
     tangential_load = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
     # Indices of the rows at which Q turns, small swings left out.
     turns = rows_of_turns(tangential_load)
+    # _FEWEST_CYCLES: 3, with two turning points each
     if len(turns) < 2 * _FEWEST_CYCLES:
         return None
     return _Swings(
@@ -189,6 +192,7 @@ def _is_at_rest(rows: Array, window_size: int) -> Mask:
         load = rows[:, column]
         largest_load = maximum_filter1d(load, window_size)[centres]
         least_load = minimum_filter1d(load, window_size)[centres]
+        # _LARGEST_MOTION_AT_REST: 0.05 of the range of the load
         largest_motion = _LARGEST_MOTION_AT_REST * float(np.ptp(load))
         is_window_at_rest &= largest_load - least_load <= largest_motion
     # A row is at rest where any window that holds it is. Windows at rest are counted: those that
@@ -226,6 +230,7 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
         of the loads
     """
     median_range = float(np.median(swings.ranges[len(swings.ranges) // 2 :]))
+    # _LARGEST_DIFFERENCE_OF_ALIKE: 0.1 of the median range
     is_alike = np.abs(swings.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
 
     # A single swing is not half a cycle of a run: it counts with those that are not alike.
@@ -254,6 +259,7 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
         # Drift: the mean of Q moves by more than 5 % of the median range.
         means_of_part = swings.means[first_swing:swing_beyond]
         drift_of_mean = float(means_of_part[-2:].mean() - means_of_part[:2].mean())
+        # _LEAST_DRIFT_SHARE: 0.05 of the median range
         if n_swings > 4 and abs(drift_of_mean) > _LEAST_DRIFT_SHARE * median_range:
             words_of_drift = f"drift: the mean of Q moves by {number(drift_of_mean)} {unit}"
             parts.append(RecordPart("drift", first_row, last_row, words_of_drift))
@@ -320,8 +326,10 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     # Numbers, from 0, of the first row used and of the one after the last.
     first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond]
+    # _NORMAL: column of P; below, _TANGENTIAL that of Q
     normal_load = rows[:, _NORMAL]
     slides = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load
+    # _LEAST_SHARE_OF_LOAD: 0.05 of the largest P
     slides &= normal_load >= _LEAST_SHARE_OF_LOAD * float(np.max(normal_load))
     if not np.any(slides):
         return ""

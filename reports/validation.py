@@ -94,12 +94,13 @@ class AgainstMeasurement:
 
     @property
     def sentence(self) -> str:
-        """The difference computed − measured with its uncertainty u_val, in per cent of the
-        measured value, what u_val is made of, and the verdict.
+        """The difference E = computed − measured value with its uncertainty u_val, in per cent of
+        the measured value, what u_val is made of, and the verdict.
 
-        u_val is the root of the summed squares of the standard uncertainties by numerics, inputs
-        and measurement. The verdict is "resolved" where the difference exceeds twice u_val, else
-        "hidden".
+        u_val (`uncertainty`) is the root of the summed squares of the standard uncertainties by
+        numerics, inputs and measurement. The verdict is "resolved" where the difference exceeds
+        twice u_val, else "hidden". `words` and `model` are the names of the value and of the
+        computation; `unstated_uncertainties` are those that count as 0.
         """
         percent_per_unit = 100 / abs(self.measured_value) if self.measured_value else math.nan
         amount = with_uncertainty(
@@ -177,6 +178,7 @@ def result_against_theory(
 
         # Standard uncertainty over the value, by the inputs; and that of the result, None where not
         # stated.
+        # WORK: "dissipation"; of W the uncertainty may come from random draws
         u_by_inputs = (
             effects.work_uncertainty if name == WORK else theory_value.relative_uncertainty
         )
@@ -227,6 +229,7 @@ def loop_area_against_models(
     # Standard uncertainties of the area by the distance of its points, whose bound is taken as a
     # uniform distribution, and by their scatter, which is stated for 95 %.
     u_by_distance = measured_loop.by_distance / math.sqrt(3)
+    # _SIGMAS_OF_95_PERCENT: 1.96 standard deviations
     u_by_scatter = measured_loop.by_noise / _SIGMAS_OF_95_PERCENT
     u_of_rows = math.hypot(u_by_distance, u_by_scatter)
     u_of_rig = measured.relative_uncertainty("dissipation")
@@ -235,11 +238,13 @@ def loop_area_against_models(
     # loops with the scene's friction; the others have the fitted one, and agree by design
     for computed_loop in score.loops[1:]:
         model, _, friction_in_words = computed_loop.name.partition(", ")
+        # WITH_SCENE_FRICTION: words for loops with the scene's friction
         if friction_in_words != WITH_SCENE_FRICTION:
             continue
         unstated_uncertainties = (
             [] if u_of_rig is not None else ["u_D of all but the rows' scatter"]
         )
+        # _RELATIVE_ERROR_OF_AREA: 1e-5, by the instants of a loop of theory
         u_of_numerics = _RELATIVE_ERROR_OF_AREA * computed_loop.area
         if model != "theory":
             u_of_numerics = 0.0
