@@ -55,11 +55,13 @@ def notes_of_answer(
     Parameters
     ----------
     task
-        the scene, its meshes, settings, and the scales of its variables
+        the scene, its mesh settings, solver settings, and the scales of its variables;
+        `element` is the size of the elements at the edges over the contact half-width
     condensed_bodies
         compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
-        the contact problem, and its states along the load path
+        the contact problem with its counts of work, and its states along the load path; `failure`
+        is what stopped the run, or None
     arrays
         fields and series of the solution by name, in the scene's units
     dissipation_uncertainty
@@ -68,10 +70,13 @@ def notes_of_answer(
     scene = task.scene
     scales = task.scales
     notes = []
+    # Runs repeated on the compliance as meshed, as the corrected one did not converge.
     if problem.work_counts[REPEATED_RUNS] and run.failure is None:
         notes.append(_NOTE_REPEATED)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
     notes += bulk_stress_notes(scene, condensed_bodies, largest_tangential_load)
+
+    # Of a run that reached its end: drift of its cycles, instants left out, creep, resolution.
     if run.failure is None:
         notes += _drift_notes(run, scales)
         notes += _thinned_notes(run)
@@ -79,6 +84,9 @@ def notes_of_answer(
         element_size = task.element * scales.half_width
         revolution = revolution_of(task, run, arrays)
         notes += resolution_notes(scene.profile, revolution, element_size, task.mesh)
+
+    # Uncertainty of W against the tolerances of the scene; `scales.dissipation` is W on a coarse
+    # mesh.
     notes += uncertainty_note(
         arrays["dissipation"], dissipation_uncertainty, scene.tolerances, scales.dissipation
     )
@@ -92,14 +100,22 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     some instant, by more than that instant's edges are uncertain.
 
     Nodes that slip by next to nothing (creep) count as permanently stuck. So an instant at which
-    they slip has a narrower stick zone. `arrays` has the fields and series of the solution by name,
-    in the scene's units.
+    they slip has a narrower stick zone.
+
+    Parameters
+    ----------
+    scene
+        load path, with the period of its cycle
+    arrays
+        fields and series of the solution by name, in the scene's units
     """
     zone_ends = arrays["permanent_stick_edges"]  # (2,) x of its left and right end
     if np.isnan(zone_ends).any():
         return
-    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
-    # Left edges change sign, so that "farther out" means "larger" at both edges.
+    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])  # (n_steps,)
+
+    # Instants whose stick zone does not reach the ends of the zone. Left edges change sign, so that
+    # "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
     outward_edges = arrays["stick_edges"][in_cycle] * outwards
     farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][in_cycle]
@@ -108,6 +124,8 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     n_narrower = int(np.sum(~reaches_ends))
     if not n_narrower:
         return
+
+    # Range of slip of the nodes in the zone.
     x = arrays["x"]
     slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
     largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)
@@ -127,6 +145,9 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
 def _thinned_notes(run: PathRun) -> Iterator[str]:
     """A sentence where a run along a long path was thinned out: how many instants the solution
     leaves out, and which of its values still rest on all of them.
+
+    `run.states` are those at all instants, `run.stored_indices` the indices of those that keep
+    pressure, shear and gap.
     """
     n_dropped = len(run.states) - len(run.stored_indices)
     if n_dropped:
@@ -145,6 +166,9 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
 
     `run` has W of each revolution, its trend over the revolutions, and how far each ends from the
     state that it began with; `scales` turn its scaled values into the scene's units.
+
+    - `run.steady_from`: number of the first revolution that repeats; None where none does.
+    - `run.ratchets`: whether each revolution moves the upper body by the same distance along x.
     """
     if not run.force_change_by_cycle:
         return
@@ -157,12 +181,16 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
     drift_text = ""
     if len(works) > 1 and last_work > 0:
         drift_text = f"; W changed by {1 - works[-2] / last_work:+.1e}"
+
+    # No steady cycle.
     if run.steady_from is None:
         yield (
             f"no revolution repeats: the last of {len(works)} ends {last_change:.1e} of the largest"
             f" nodal force away from its start (up to {LARGEST_CHANGE_OF_REPEAT:g} counts as the"
             f" same){drift_text}; give the scene more cycles"
         )
+
+    # Shakedown: towards a known limit, or without a clear trend.
     if np.isfinite(trend_of_work.limit) and change_to_limit and last_work > 0:
         yield (
             f"shakedown: W of the revolutions tends to {trend_of_work.limit * work_unit:.6g}"
@@ -175,7 +203,9 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
             f" force{drift_text}; no trend is clear, uncertainty"
             f" {change_to_limit / last_work:.1e}"
         )
+
     if run.ratchets:
+        # change of the tangential displacement U over the last revolution, scaled
         shift_of_cycle = run.states[-1].shift - run.states[run.cycle_starts[-1]].shift
         distance = shift_of_cycle * scales.load / scales.modulus
         yield (
@@ -201,7 +231,8 @@ def work_done(
     problem, run
         the contact problem, with its counters, and its states along the load path
     condensed_bodies
-        compliance of the lower and upper body, condensed to the nodes of their faces
+        compliance of the lower and upper body, condensed to the nodes of their faces, with their
+        meshes; where both have one shape, their mesh is one and the same
     seconds
         name of a stage -> its time [s]
     """
@@ -216,6 +247,7 @@ def work_done(
         "sparse factorisations": problem.work_counts["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work_counts.items())},
     }
+    # name of the work -> (how often it was skipped, why)
     skipped = _skipped_at_bodies(scene, problem, run, condensed_bodies)
     skipped |= _skipped_along_path(scene, problem, run)
     return Work(counts, skipped, dict(seconds))
@@ -232,6 +264,19 @@ def _skipped_at_bodies(
 
     The correction takes out of N - T and K what only the mesh puts there: N, T and K are the
     compliances of the face, normal, tangential and coupled.
+
+    Parameters
+    ----------
+    scene
+        the contact: bodies and loads
+    problem
+        the contact problem; its `work_counts` say, by names that are constants here, how often a
+        body came from the cache, the corrected faces were used, and a run was repeated without
+        correction
+    run
+        its states along the load path, with the number of iterations of each increment
+    condensed_bodies
+        lower and upper body; one and the same where they are alike
     """
     lower_body, upper_body = condensed_bodies
     is_one_mesh = lower_body.body is upper_body.body
@@ -269,7 +314,18 @@ def _skipped_at_bodies(
 def _skipped_along_path(
     scene: Scene, problem: ContactProblem, run: PathRun
 ) -> dict[str, tuple[int, str]]:
-    """What the load path did not need: name of the work -> (how often it was skipped, why)."""
+    """Work that the load path did not need: name of the work -> (how often it was skipped, why).
+
+    Parameters
+    ----------
+    scene
+        `cycles` is the number of load cycles that it asks for
+    problem
+        the contact problem: whether it has shear, and counts of its work
+    run
+        number of iterations of each increment; number of the revolution that ended as it started
+        (`steady_from`, None without one); states of all instants, and indices of those stored
+    """
     skipped: dict[str, tuple[int, str]] = {}
     if problem.has_shear and not problem.work_counts["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")

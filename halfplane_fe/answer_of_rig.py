@@ -24,8 +24,18 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
     """The scene of a rig under load control in the place of displacement control: P and Q that the
     finite elements found at the end of each increment, joined by straight lines.
 
-    The last load cycle of the run becomes the cycle, what is before it the initial loading.
-    `load_unit` is the force per thickness that P and Q of the run are scaled by.
+    The last load cycle of the run becomes the cycle, what is before it the initial loading. Where
+    no cycle was completed, all of the path is initial loading.
+
+    Parameters
+    ----------
+    scene
+        with a rig, whose actuators prescribe movements
+    run
+        contact states along the path, with scaled P and Q; index of the state at the start of each
+        cycle
+    load_unit
+        what P and Q of the run are scaled by [force per thickness]
     """
     states = run.states
     points = [
@@ -66,17 +76,21 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
     touching node slips, those that follow on each other in one direction joined.
 
     The bodies slide as a whole by the slip of the node that slips least; the friction work of an
-    increment is `friction` times its mean normal load times that distance. All is scaled.
+    increment is `friction` times its mean normal load times that distance. Each spell has its begin
+    and end in time, its distance (with sign) and its work. All is scaled.
     """
     slides: list[_Slide] = []
     for start, end in pairwise(states):
-        touches_throughout = start.is_closed & end.is_closed
+        touches_throughout = start.is_closed & end.is_closed  # (n,) nodes
         if np.any(end.node_states == STICK) or not np.any(touches_throughout):
             continue
+
         slip = (end.slip - start.slip)[touches_throughout]
         distance = float(slip[np.argmin(np.abs(slip))])
         mean_normal_load = (start.normal_load + end.normal_load) / 2
         work = friction * mean_normal_load * abs(distance)
+
+        # Joined with the spell before if that ended here and had the same direction.
         if slides and slides[-1].end == start.time and slides[-1].distance * distance > 0:
             slide_before = slides[-1]
             slides[-1] = _Slide(
@@ -103,7 +117,7 @@ def notes_of_rig(
     Parameters
     ----------
     scene
-        with the rig and the units of force and length
+        with the rig, and `unit_words`: names of the units of force, length and stress
     problem, run
         the contact problem and its states along the path, scaled
     scales
@@ -128,12 +142,23 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     """Sentences on gross sliding: when the bodies slide as a whole, how far, and the friction work
     of it, in the last cycle and before; on the whole path where it does not repeat.
 
-    `run` has the scaled states along the path; `scales` turn them into the scene's units.
+    Parameters
+    ----------
+    scene
+        `unit_words` are names of the units of force, length and stress
+    friction
+        coefficient f
+    run
+        scaled states along the path, and index of the state at the start of each cycle
+    scales
+        load P and modulus E* that turn them into the scene's units
     """
     force_unit, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus
     first_step = run.cycle_starts[-1] if run.cycle_starts else 0
     span_text = "the last cycle" if run.cycle_starts else "the path"
+
+    # In the last cycle: up to four spells one by one.
     slides = _slides_of(friction, run.states[first_step:])
     if not slides:
         yield f"gross sliding: none in {span_text}"
@@ -154,6 +179,8 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
             f" {length_unit}, which takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of"
             f" the dissipation: {slides_in_words}{rest_text}"
         )
+
+    # Before it: up to two spells.
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:
         in_words = "; ".join(
@@ -164,7 +191,9 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
 
 
 def _slide_in_words(slide: _Slide, displacement_unit: float, length_unit: str) -> str:
-    """When, in which direction and how far the bodies slide, as part of a sentence."""
+    """When, in which direction and how far the bodies slide, as part of a sentence. The distance of
+    a slide is scaled: times `displacement_unit` it is in the scene's units.
+    """
     direction = "forward" if slide.distance > 0 else "back"
     return (
         f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by"
@@ -176,7 +205,9 @@ def _largest_position_error(problem: ContactProblem, states: list[InterfaceState
     """Largest distance, over all states, between where an actuator is and where the rig prescribes
     it to be; scaled.
 
-    An actuator moves by the rigid motion of the bodies plus its compliance times the load.
+    An actuator moves by the rigid motion of the bodies (approach, or tangential displacement
+    `shift`) plus its compliance times the load. `problem.actuators` are the compliances of the
+    normal and the tangential one, None where the load is given instead.
     """
     largest_error = 0.0
     for state in states[1:]:
@@ -185,7 +216,7 @@ def _largest_position_error(problem: ContactProblem, states: list[InterfaceState
         for direction, compliance in enumerate(problem.actuators):  # normal, tangential
             if compliance is not None:
                 movement = rigid_motions[direction] + compliance * loads[direction]
-                # Of a driven direction the path states a movement where a load stands elsewhere.
+                # `loads` of a state has the movement in the place of the load here.
                 prescribed_movement = state.loads[direction]
                 largest_error = max(largest_error, abs(movement - prescribed_movement))
     return largest_error

@@ -59,7 +59,13 @@ class CondensedBodies:
         work_counts
             counters of the solution, raised here: by a body from the cache, or by the condensations
             and factorisations that were needed
+
+        Returns
+        -------
+        CondensedBody
+            With the very mesh of `body`; its arrays may be shared with other solutions.
         """
+        # hash of everything that the compliance depends on
         key = _digest(body, material, datum_length)
         with self._lock:
             cached_fields = self._cached.get(key)
@@ -68,6 +74,7 @@ class CondensedBodies:
         if cached_fields is not None:
             work_counts[CACHED] += 1
             return CondensedBody(body=body, **cached_fields)
+
         condensed_body = condense(body, material, datum_length)
         work_counts["condensations"] += 1
         work_counts["sparse factorisations"] += int(
@@ -79,7 +86,9 @@ class CondensedBodies:
         return condensed_body
 
     def _add(self, key: bytes, values: dict[str, Any]) -> None:
-        """Cache the fields of a body; those that were used least recently go."""
+        """Cache the fields of a body under its hash `key`; those that were used least recently
+        leave the cache, so that its arrays take at most `bound_bytes`.
+        """
         if _nbytes(values) > self.bound_bytes:
             return
         with self._lock:
@@ -98,7 +107,8 @@ def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
     sizes, supports, elastic constants and `datum_length`.
 
     A body that differs in any bit of these has another hash. The datum length is the distance from
-    a force at which a half-plane's surface counts as unmoved [length].
+    a force at which a half-plane's surface counts as unmoved [length]. `doflocs` and `t` of the
+    mesh are places of its nodes and node numbers of its elements.
     """
     mesh = body.mesh
     settings = [

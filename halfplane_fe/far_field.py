@@ -77,7 +77,7 @@ def surface_force_displacement(
     >>> u[1, 0, 1, 0].round(12).tolist()  # at r = L/2: (2/(pi E)) ln 2
     0.220635600153
     """
-    # notation: c = 1/(2 pi G), k = 1 - 2 nu
+    # Here k = 1 - 2 nu.
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
     c = 1 / (2 * np.pi * shear_modulus)
     k = 1 - 2 * poisson_ratio
@@ -127,11 +127,13 @@ def surface_force_traction(x: Array, y: Array, normal: Array, x_of_forces: Array
     >>> round(float(below[1, 0, 1, 0]) * np.pi, 12)  # a pull of 1 is held by 2/(pi r) below it
     -2.0
     """
+    # Radius vector from each force to each point, and its product with the normal.
     x_from_force = x[:, None] - x_of_forces
     y_from_force = np.broadcast_to(y[:, None], x_from_force.shape)
     radius_vector = np.stack([x_from_force, y_from_force])  # (2, n, m)
     radius_along_normal = x_from_force * normal[0][:, None] + y_from_force * normal[1][:, None]
     factor = -2 / np.pi * radius_along_normal / (x_from_force**2 + y_from_force**2) ** 2
+    # i component of the traction, j of the force, n point, m place of the force
     return np.einsum("inm,jnm,nm->injm", radius_vector, radius_vector, factor)
 
 
@@ -158,7 +160,7 @@ class LineElements(NamedTuple):
 
 def line_elements(line: Array, order: int, n_gauss_points: int) -> LineElements:
     """Line elements of order 1 or 2 through the nodes of a line (2, n) in their order, with
-    `n_gauss_points` on each.
+    `n_gauss_points` on each: their nodes, shape functions, places, and tangents times weights.
     """
     nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
     return curve_elements(line, nodes, n_gauss_points)
@@ -177,6 +179,7 @@ def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineEl
     n_gauss_points
         number of Gauss points on each element
     """
+    # Shape functions (k, g) and their slopes in the coordinate -1 to 1 of an element.
     gauss_points, weights = np.polynomial.legendre.leggauss(n_gauss_points)
     if nodes.shape[1] == 2:
         half_slopes = np.full_like(gauss_points, 0.5)
@@ -227,16 +230,21 @@ def arc_forces(
         the same forces. Tractions are multiplied by the length of arc of their Gauss point:
         traction_forces^T displacements is their work in the half-plane's own displacement
     """
+    # Gauss points of the arc, nine an element, and the outward normal there.
     elements = line_elements(arc, order, _N_GAUSS_POINTS)
     x, y = elements.places.reshape(2, -1)
     tangent_x, tangent_y = elements.tangents
     scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times arc length
+
+    # Tractions by unit forces, and their consistent nodal forces. In subscripts of einsum d is the
+    # direction, e element, g Gauss point, m force.
     traction_forces = surface_force_traction(x, y, scaled_normal, x_of_forces).reshape(
         2, *tangent_x.shape, -1
     )
     nodal_forces = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         nodal_forces[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
+
     displacement = surface_force_displacement(
         x, y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
     )

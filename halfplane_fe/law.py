@@ -55,7 +55,7 @@ def project(
     """
     pressure = np.maximum(np.asarray(trial_pressure, dtype=float), 0.0)
     unlimited_shear = np.asarray(trial_shear, dtype=float)
-    limit = friction * pressure
+    limit = friction * pressure  # f p
     # Several times as fast as np.clip.
     shear = np.minimum(np.maximum(unlimited_shear, -limit), limit)
     is_closed = np.asarray(trial_pressure) > 0
@@ -117,7 +117,7 @@ def violations(
         (-g), gap_pressure (|g p|), cone (|q| - f p), slip_sign (-q ds, as if friction did work),
         creep (|ds| where |q| < f p).
     """
-    limit = friction * pressure
+    limit = friction * pressure  # f p
     is_below_limit = np.abs(shear) < limit * (1 - 1e-9)
     is_closed = pressure > 0
     nodal_violations = {

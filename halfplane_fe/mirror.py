@@ -32,11 +32,20 @@ _MIRROR_ROUNDING = 1e-9
 
 def is_mirrored(faces: Interface, has_tangential_load: bool) -> bool:
     """Whether the solution of a contact problem is its own mirror image in x = 0, so that one half
-    of the nodes is enough. `faces` is the contact compliance with the places of its nodes.
+    of the nodes is enough.
 
-    A node has to lie on x = 0, and places, gap and compliances have to be mirror images. Where
-    pressure and shear are coupled (unlike bodies), there must be no tangential load. Where they are
-    not coupled, the faces must be flat.
+    A node has to lie on x = 0, and places, gap and compliances have to be mirror images, to 1e-9 of
+    their largest value. Where pressure and shear are coupled (unlike bodies), there must be no
+    tangential load. Where they are not coupled, the faces must be flat.
+
+    Parameters
+    ----------
+    faces
+        the contact compliance: places x (n,) of the nodes, lengths of face, gap, normals (2, n),
+        normal and tangential compliance and coupling (n, n); the latter None where pressure and
+        shear are not coupled
+    has_tangential_load
+        whether a tangential load other than 0 is on the load path
     """
     if len(faces.x) % 2 == 0:
         return False
@@ -67,11 +76,17 @@ def half_interface(faces: Interface) -> Interface:
 
     A nodal force then is that of a node and its image together. Where pressure and shear are
     coupled (unlike bodies), q is odd in x. Then the tangential load and the tangential displacement
-    are zero. Elsewhere q is even.
+    are zero (`has_odd_shear` of what is returned). Elsewhere q is even.
+
+    `faces` is the contact compliance of all nodes: their places x, lengths of face, gap, normals
+    (2, n), normal and tangential compliance (n, n), and coupling (n, n), None where pressure and
+    shear are not coupled.
     """
     right_half = slice(len(faces.x) // 2, None)
     is_coupled = faces.coupling is not None
     parity_of_shear = -1.0 if is_coupled else 1.0
+    # `_folded` reduces a matrix to the nodes at x >= 0, by the parity (1 even, -1 odd) of its rows
+    # and of its columns in x
     tangential_compliance = _folded(faces.tangential_compliance, parity_of_shear, parity_of_shear)
     if is_coupled:
         # An odd q is zero at x = 0: its row is zero, and any compliance solves.
@@ -141,12 +156,23 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Each is
     that of the mirror image times a factor. It is 1/2 for p and q, which are forces of a node and
     its image together. Slip and q change sign at x < 0 where they are odd.
+
+    Parameters
+    ----------
+    run
+        contact states, friction work of the nodes in each cycle, error of that work with the
+        permanent stick zone (`edge_excess_by_cycle`), and edges that the loads place between nodes
+    faces
+        contact compliance of all n nodes
     """
+    # (n,) index of each node or its image in the half, share of its force, sign of q and slip
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
     # Index of each value of a state among the values of the half.
     nodal_indices = [3 + images.node_of_half + quantity * n_half for quantity in range(4)]
     index_in_half = np.concatenate([np.arange(3), *nodal_indices])
+
+    # Factors of approach, shift and tilt, then of slip, p, q and gap.
     sign_of_slip = images.shear_sign
     factor_of_shear = images.force_share * images.shear_sign
     factors = np.concatenate(
@@ -158,6 +184,7 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
             np.ones_like(images.force_share),
         ]
     )
+    # by state: open, stick, and slip in the opposite sense
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def state_at_all_nodes(state: InterfaceState) -> InterfaceState:

@@ -89,12 +89,19 @@ def mortar(lower: Side, upper: Side) -> Mortar:
 
     # notation: X places, u displacements, subscripts u, l of the upper and the lower face; in
     # subscripts of einsum s segments of the common refinement, m Gauss points of each, k, l nodes
-    # of an element
+    # of an element; s, m in shapes of arrays are their numbers
 
     Parameters
     ----------
     lower, upper
-        nodes of the two faces in the common frame
+        nodes of the two faces in the common frame: x (n,) ascending, y, and the order 1 or 2 of
+        their elements
+
+    Returns
+    -------
+    Mortar
+        Of each dual function its integral w_j, and weighted means: of the normal, of the distance
+        along it, and of the displacements of either face; also where the faces are nearest.
 
     Raises
     ------
@@ -112,6 +119,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     side_length = lower.x[-1] - lower.x[0]
     if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * side_length:
         raise ValueError("the two contact sides do not begin and end together")
+
+    # Common refinement: segments between the ends of the elements of both faces, with Gauss points.
     segment_ends = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
     segment_ends = segment_ends[
         np.concatenate([[True], np.diff(segment_ends) > 1e-12 * side_length])
@@ -119,6 +128,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
     half_length = np.diff(segment_ends)[:, None] / 2
     x = middle + half_length * _POINTS
+
+    # Line half-way between the faces at these points, (s, m): its slope, normal and tangent.
     lower_at_points = _side_at_points(lower, x)
     upper_at_points = _side_at_points(upper, x)
     slope = (lower_at_points.slope + upper_at_points.slope) / 2  # of the line half-way between
@@ -127,6 +138,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     unit_normal = np.stack([-slope, np.ones_like(x)]) / length_factor
     unit_tangent = np.stack([unit_normal[1], -unit_normal[0]])
     distance_along_normal = (upper_at_points.y - lower_at_points.y) * unit_normal[1]
+
+    # Integrals of functions at the points times the dual functions.
     n_duals = len(lower.x)
     weighted_duals = _weighted_dual_functions(lower, lower_at_points, lengths)
 
@@ -179,12 +192,13 @@ def _weighted_dual_functions(side: Side, side_at_points: _SideAtPoints, lengths:
     Parameters
     ----------
     side, side_at_points
-        the face, and its shape functions at the points
+        the face with its elements of order 1 or 2, and at the points of each segment the shape
+        functions and node numbers of the element that it lies in
     lengths
         (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
-    phi = side_at_points.shapes
-    element = side_at_points.nodes[:, 0] // side.order
+    phi = side_at_points.shapes  # (s, k, m)
+    element = side_at_points.nodes[:, 0] // side.order  # number of that of each segment
     n_elements = (len(side.x) - 1) // side.order
     mass_matrices = np.zeros((n_elements, side.order + 1, side.order + 1))
     np.add.at(mass_matrices, element, np.einsum("skm,sm,slm->skl", phi, lengths, phi))
@@ -214,7 +228,13 @@ class _SideAtPoints(NamedTuple):
 def _side_at_points(side: Side, x: Array) -> _SideAtPoints:
     """Shape functions, height y and slope dy/dx of a contact face at abscissae `x` (s, m): m points
     of each of s segments, each segment within one element of the face.
+
+    `side` is the face: x and y (n,) of its nodes, ascending in x, and the order 1 or 2 of its
+    elements.
+
+    # notation: in subscripts of einsum s segments, k nodes of an element, m points
     """
+    # Element of each segment, by the mean of its points, and x (s, k, 1) of its nodes.
     element_ends = side.x[:: side.order]
     element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
     nodes = element[:, None] * side.order + np.arange(side.order + 1)

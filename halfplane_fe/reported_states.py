@@ -51,6 +51,7 @@ def reported_states(
     ----------
     problem
         the contact problem; the bodies are alike if pressure causes no slip in it
+        (`interface.coupling` is None)
     states
         the m + 1 contact states of the load path
     cycle_starts
@@ -68,9 +69,11 @@ def law_states(states: Sequence[InterfaceState]) -> States:
     """Node states by the law of friction, open, stick or slip, (m + 1, n); but a node on the
     Coulomb limit that moves by no more than round-off in an increment sticks after it.
 
-    `states` are the m + 1 contact states of the load path; up to the first, nothing has moved.
+    Round-off is a slip of up to 1e-9 of the largest slip of any node in any increment. `states` are
+    the m + 1 contact states of the load path; up to the first, nothing has moved.
     """
     node_states = np.stack([state.node_states for state in states])
+    # ranges of some hundred increments, (k,) each, to save memory
     blocks = _blocks_of_increments(len(states) - 1)
     largest_slip = max(
         (float(np.abs(_slip_of_increments(states, block)).max()) for block in blocks), default=0.0
@@ -87,8 +90,8 @@ def law_states(states: Sequence[InterfaceState]) -> States:
 
 
 def _blocks_of_increments(n_increments: int) -> list[slice]:
-    """Ranges of some hundred increments each: arrays of all increments of a long record would take
-    gigabytes.
+    """Ranges of 512 increments each, as slices: arrays of all increments of a long record would
+    take gigabytes.
     """
     return [
         slice(first_increment, min(first_increment + _INCREMENTS_PER_BLOCK, n_increments))
@@ -97,7 +100,10 @@ def _blocks_of_increments(n_increments: int) -> list[slice]:
 
 
 def _slip_of_increments(states: Sequence[InterfaceState], block: slice) -> Array:
-    """(k, n) slip of the nodes in each of k increments, the difference of neighbouring states."""
+    """Slip of the nodes in each of k increments, (k, n), the difference of neighbouring states.
+    `block` are the numbers of these increments. In the values of a state the slip of the n nodes
+    stands behind approach, tangential displacement and tilt.
+    """
     n_nodes = len(states[0].node_states)
     slip_of_states = [
         state.values[3 : 3 + n_nodes] for state in states[block.start : block.stop + 1]
@@ -115,9 +121,9 @@ def visible_states(
     of the law of friction, but a node that only creeps sticks.
 
     A sliding node slips if two conditions are met. Since it last stopped or turned round it has
-    slid far enough, compared with the farthest one of its direction. And the load drives its slip,
-    or it is fast (`_slip_limits`). The load drives forward slip where dQ > f dP and reverse slip
-    where -dQ > f dP.
+    slid far enough: 3e-4 of the distance of the farthest one of its direction. And the load drives
+    its slip, or it is fast: a hundredth of the largest slip per change of load. The load drives
+    forward slip where dQ > f dP and reverse slip where -dQ > f dP.
 
     Parameters
     ----------
@@ -133,16 +139,21 @@ def visible_states(
         and of the tilt; None without any
     """
     node_states = np.stack([state.node_states for state in states])
-    load_increments = np.diff([state.loads for state in states], axis=0)
+    load_increments = np.diff([state.loads for state in states], axis=0)  # (m, n_loads)
+    # `least_fast_slip` (m,): beyond it a node counts as fast
     largest_slip, least_fast_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
     travel_before = np.zeros(len(states[0].node_states))
     for block in _blocks_of_increments(len(load_increments)):
         states_in_block = node_states[block.start + 1 : block.stop + 1]  # a view: written below
         sense = slip_sign(states_in_block).astype(float)
+
+        # Slip of each increment, and distance since a node last stopped or turned round, (k, n).
         slip = _slip_of_increments(states, block)
         slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
         travels = slip_since_stop(slip, travel_before)
         travel_before = travels[-1]
+
+        # Does the load drive the slip? Bulk stress and tilt change dP and dQ from node to node.
         rise_of_p = load_increments[block, 0, None]
         rise_of_q = load_increments[block, 1, None]
         if gap_and_slip_per_stress_and_tilt is not None:
@@ -160,6 +171,8 @@ def visible_states(
             rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle
         is_driven = sense * rise_of_q > friction * rise_of_p
         is_fast = np.abs(slip) > least_fast_slip[block, None]
+
+        # Nodes that only creep stick.
         for direction in (1, -1):
             is_sliding = sense == direction
             distance = np.where(is_sliding, direction * travels, 0.0)
@@ -195,6 +208,7 @@ def _slip_limits(
     cycle_starts
         index of the contact state at which each revolution starts
     """
+    # Largest slip of the sliding nodes in each increment, over its change of load.
     n_increments = len(load_increments)
     # The least number keeps an increment without any change of load from a division by zero.
     load_changes = np.maximum(np.abs(load_increments).sum(axis=1), 1e-300)
@@ -205,8 +219,9 @@ def _slip_limits(
         slip = _slip_of_increments(states, block)
         largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
+
+    # Largest value in each revolution; 0 is the initial loading.
     starts = np.asarray(cycle_starts, dtype=int)
-    # 0 is the initial loading
     revolution = np.searchsorted(starts, np.arange(n_increments), side="right")
     slip_per_load = largest_sliding_slip / load_changes
     largest_slip_per_load = np.array(
@@ -242,9 +257,13 @@ def shear_grows_within_cone(
     """Instants at which bodies of like materials stick in full, whatever was before, (m + 1,).
 
     Since the instant before, the shear of nodes at both edges of contact has changed by less than f
-    times what their pressure has grown by. The loads do not tell of real bodies: P alone shears two
-    shapes, and their size bends the ratio of shear and pressure. Nor do they where bulk stress or
-    tilt changes. At the first instant it is not known: False.
+    times what their pressure has grown by. At the first instant it is not known: False.
+
+    The loads alone do not decide it for bodies of finite size: P alone shears two shapes, and their
+    size bends the ratio of shear and pressure. Nor do they where bulk stress or tilt changes.
+
+    The shear is that of four nodes inside each edge, behind the two outermost ones, which the mesh
+    distorts; "less than f times" is up to 0.9 f.
 
     Parameters
     ----------
@@ -289,6 +308,7 @@ def _gap_and_slip_from_middle(
     is_stick
         (k, n) whether a node sticks after an increment
     """
+    # First and last node of the stick zone; its middle has the mean value of both.
     first_stick_node = np.argmax(is_stick, axis=1)
     last_stick_node = is_stick.shape[1] - 1 - np.argmax(is_stick[:, ::-1], axis=1)
     end_nodes = np.stack([first_stick_node, last_stick_node], axis=1)

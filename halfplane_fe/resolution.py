@@ -64,7 +64,7 @@ def tip_power(profile: Profile, distance: float) -> float:
     `distance` and at twice that [length].
 
     Of the two sides the smaller exponent counts, the sharper tip. It is infinite on a side where
-    the gap does not rise all the way.
+    the gap does not rise all the way. It is rounded to nine digits behind the point.
 
     >>> from scenes import PowerLaw
     >>> tip_power(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
@@ -91,8 +91,8 @@ def tip_halvings(profile: Profile, size: float) -> int:
 
     Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
     the tip goes with the element size to the power n - 1. Elements are halved until 1/64 of that
-    error is left, 16 times at most; where the tip is rounded, until two halvings within the
-    rounding.
+    error is left, 16 times at most. Where the tip is rounded, n >= 1.99 at some size: two halvings
+    follow within the rounding.
 
     >>> from scenes import PowerLaw
     >>> [
@@ -104,7 +104,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
     count = 0
     error_left = 1.0
     while count < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
-        power = tip_power(profile, size / 2**count)
+        power = tip_power(profile, size / 2**count)  # n at the present size
         if power >= SMOOTH_TIP:
             return count + _HALVINGS_WITHIN_TIP if count else 0
         count += 1
@@ -216,17 +216,22 @@ def resolution_notes(
     profile
         initial gap, with its kinks
     revolution
-        loads, half-widths of contact and stick, and friction work of the last cycle
+        loads, half-widths of contact and stick, and friction work of the last cycle; `has_shear` is
+        whether the contact can carry shear
     element_size
         size of surface elements at the edges of contact and stick, of the body with the larger
         ones [length]
     mesh
-        settings of the mesh, from which the advice starts
+        settings of the mesh, from which the advice starts: order and sizes of its elements
     """
+    # Errors of shear and pressure that are to be expected, by the number of elements from the
+    # middle of a contact to its edge; those of linear elements are 3.7 times larger.
     expected_errors = _ExpectedErrors(
         _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.has_shear
     )
     n_elements_without_note = expected_errors.n_elements_without_note()
+
+    # The narrowest contact under load.
     elements_in_least = revolution.least_half_width() / element_size
     if expected_errors.needs_note(elements_in_least):
         yield (
@@ -236,6 +241,8 @@ def resolution_notes(
             f" {expected_errors.errors_in_words(elements_in_least)};"
             f" {_advice_on_mesh(mesh, elements_in_least / n_elements_without_note)}"
         )
+
+    # A profile near a wedge.
     exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
     if exponent < _LEAST_POWER_OF_PEAK:
         yield (
@@ -243,6 +250,9 @@ def resolution_notes(
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"
             " |x|^1.05; away from the tip the mesh follows it"
         )
+
+    # Steep parts of the pressure beyond a kink: each flank has the resolution of a Hertz contact of
+    # so many elements.
     for flank in flanks(profile, elements_in_least * element_size, element_size):
         factor_on_size = flank.equivalent_hertz_elements / n_elements_without_note
         if expected_errors.shear_error(flank.equivalent_hertz_elements) > _NOTED_ERROR:
@@ -303,8 +313,9 @@ class _ExpectedErrors:
 
 
 def _advice_on_mesh(mesh: MeshSettings, factor: float) -> str:
-    """Advice on a finer mesh: the setting that multiplies the size of edge elements by a `factor`
-    below 1, rounded down to two digits.
+    """Advice on a finer mesh, as part of a sentence: the setting that multiplies the size of edge
+    elements by a `factor` below 1, rounded down to two digits. Where that is below the least size
+    of the settings, the advice is that no size resolves it.
 
     >>> _advice_on_mesh(MeshSettings(edge_element_size=0.01), 0.2469)
     'use edge_element_size = 0.0024'
@@ -323,12 +334,21 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
     """A sentence where slip is not resolved: no node slips, slip zones are few elements wide, or
     more than 5 % of the friction work may be an error of the mesh.
 
-    `revolution` is the last cycle, `element_size` that of surface elements at the edges of its
-    contacts [length].
+    Parameters
+    ----------
+    revolution
+        the last cycle: half-widths of contact, widest slip zone, and friction work
+    element_size
+        of surface elements at the edges of its contacts [length]
+    mesh
+        settings of the mesh, from which the advice starts
+
+    # notation: A = 2/E*, f coefficient of friction, P largest load
     """
-    dissipation = revolution.dissipation  # over A f^2 P^2, A = 2/E*, P the largest load
+    dissipation = revolution.dissipation  # over A f^2 P^2
     elements_in_slip = revolution.widest_slip_zone() / element_size
     largest_half_width = float(np.max(revolution.contact_half_width, initial=element_size))
+    # friction work of a mesh on which nothing should slip, over A f^2 P^2
     dissipation_by_mesh = _DISSIPATION_BY_MESH * (element_size / largest_half_width) ** 2
     if not dissipation > 0:
         yield (

@@ -38,7 +38,7 @@ def pressure_at_known_shear(
     """Unilateral contact under a given normal `load`, the tangential forces being known: nodal
     normal forces p (n,), normal approach delta, and which nodes touch. Active-set method.
 
-    With the gap g = height - n_y delta + N p:   g >= 0, p >= 0, g p = 0, sum n_y p = load.
+    With the gap g = initial_gap - n_y delta + N p:   g >= 0, p >= 0, g p = 0, sum n_y p = load.
 
     # notation: N normal compliance of `systems`, n_y component of the faces' normal along y
 
@@ -95,7 +95,9 @@ def pressure_at_known_shear(
         """
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
-        # p that closes the initial gaps without approach, and p per approach.
+
+        # Normal forces of the closed nodes. p that closes the initial gaps without approach, and p
+        # per approach.
         force_by_gap, force_by_approach = solve(
             systems.normal_compliance[np.ix_(is_closed, is_closed)],
             np.stack([-initial_gap[is_closed], n_y[is_closed]], axis=1),
@@ -104,6 +106,8 @@ def pressure_at_known_shear(
         approach = (load - n_y[is_closed] @ force_by_gap) / (n_y[is_closed] @ force_by_approach)
         pressure = np.zeros_like(initial_gap)
         pressure[is_closed] = force_by_gap + approach * force_by_approach
+
+        # Violations of the laws.
         gap = initial_gap - n_y * approach + systems.normal_compliance @ pressure
         violation = np.where(is_closed, -pressure, -gap)
         next_closed = np.where(violation > round_off, ~is_closed, is_closed)
@@ -169,8 +173,9 @@ def shear_at_known_pressure(
     ([0.1, 0.4], 0.4, [2, 1])
     """
     n_y = systems.interface.face_normals[1]
-    limit = systems.friction * pressure
+    limit = systems.friction * pressure  # f p
     is_closed = pressure > 0
+    # function of U: tangential forces (n,) at that displacement; it keeps the states of friction
     shear_at = _ShearAtShift(
         systems=systems,
         limit=limit,
@@ -180,6 +185,8 @@ def shear_at_known_pressure(
     )
     if load is None:
         return shear_at(0.0), 0.0, shear_at.states
+
+    # U is found between two displacements at which all nodes slide one way or the other.
     largest_slip_at_limit = np.abs(systems.tangential_compliance @ limit)[is_closed].max()
     largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
@@ -221,7 +228,12 @@ class _ShearAtShift:
     states: States
 
     def __call__(self, shift: float) -> Array:
-        """The forces at U = `shift`; `states` become those of friction there."""
+        """Nodal tangential forces q (n,) within the limits of friction at the tangential
+        displacement U = `shift`; `states` become those of friction there.
+
+        `limit` (n,) is f p of the nodes; the slip is n_y U - T q - `known_slip`, T the tangential
+        compliance of `systems`.
+        """
         n_y = self.systems.interface.face_normals[1]
         known_slip = self.known_slip - n_y * shift
         shear, self.states = _shear_within_limits(
@@ -242,6 +254,8 @@ def _shear_within_limits(
 
     Parameters
     ----------
+    systems
+        compliances of the contact nodes
     limit
         (n,) f p of the nodes
     known_slip
@@ -261,6 +275,7 @@ def _shear_within_limits(
         is_sticking = states == STICK
         slips_forward = states == SLIP_FORWARD
         slips_back = states == SLIP_REVERSE
+        # q of sliding nodes is known; that of sticking ones leaves them without slip
         shear = limit * slips_forward - limit * slips_back
         if is_sticking.any():
             slip_to_cancel = (-known_slip - systems.tangential_compliance @ shear)[is_sticking]
@@ -270,6 +285,7 @@ def _shear_within_limits(
                 assume_a="pos",
             )
         slip = -systems.tangential_compliance @ shear - known_slip
+
         violation = np.full(len(slip), -np.inf)  # an open node has no inequality
         violation[is_sticking] = (np.abs(shear) - limit)[is_sticking]
         violation[slips_forward] = -slip[slips_forward]
@@ -289,7 +305,8 @@ def _forces_by_active_set(
     it changes no state.
 
     When a set of states comes back, only the node of the largest violation changes in that step, so
-    that the iteration does not go round for ever.
+    that the iteration does not cycle for ever. States are whether each node touches, or open, stick
+    and slip.
 
     Parameters
     ----------
