@@ -427,10 +427,9 @@ def _energy_of(
     if work > 0:
         error_of_bodies = work_of_tilt_and_strain.uncertainty + change_by_bodies.work_uncertainty
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
-    if tilt_and_strain.left_out:
+    if tilt_and_strain.left_out:  # the reason, if that work is not known
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
 
-    # left_out: why that work is not known, if it is not.
     loop_work = math.nan
     # With tilt or bulk strain the closed integral is another number than the work: of their changes
     # U contains the moment of the pressure alone, which is not all that adds to the work.

@@ -387,7 +387,7 @@ class _AffineRelation(NamedTuple):
         p_with_tilt = p[is_tilt_known]
         known_tilt = alpha[is_tilt_known]
         if np.ptp(q) > load_sizes.shear_roundoff:
-            # At most the round-off of the strain may be a change of it.
+            # Changes of strain or tilt below their round-off count as none.
             slope = _least_squares_slope(q, eps, load_sizes.strain_roundoff)
         else:
             slope = _least_squares_slope(p_with_tilt, known_tilt, load_sizes.tilt_roundoff)

@@ -467,8 +467,7 @@ class _HalfPlanePath:
                 f" {_MOST_ROWS:,} at most: take a part of the path, or half-planes without effects"
             )
 
-        # A series is linear between given rows of loads; any other path is a smooth curve over
-        # time.
+        # A series is linear between given rows of loads; any other path is a function of time.
         if isinstance(self.path, LoadSeries):
             normal_load, tangential_load = _loads_of_series(self.path, instants)
         else:
@@ -1260,7 +1259,6 @@ class PointFields:
         over the half-width of the punches.
         """
         # |x| of the k points.
-        # self._x: |x| of the k points.
         x = self._x
         upper_limit = np.minimum(half_width[:, None], x)
         squared_limit = upper_limit**2

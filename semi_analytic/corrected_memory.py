@@ -682,6 +682,8 @@ class Pieces(list[Piece]):
 
         Parameters
         ----------
+        number_below
+            number of the piece that it continues
         top_s
             s of the outer end of the new piece
         loads
@@ -1049,8 +1051,8 @@ class FollowedPath:
             inner end; s of the outer end
         """
         intervals: list[tuple[int, float, float, int, int]] = []
-        # top_s: outer end of each piece; parents: number of the piece below it; uppermost_pieces:
-        # number of the outermost piece of the memory curve at each instant.
+        # top_s: outer end of each piece; numbers_below: number of the piece below it;
+        # uppermost_pieces: number of the outermost piece of the memory curve at each instant.
         top_s, numbers_below, uppermost_pieces = self._lists_of_pieces
 
         # The zones that are not empty; a step has the number of the instant at which it ends.

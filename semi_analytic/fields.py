@@ -533,7 +533,7 @@ def _force_rate_over_z(segment: LoadSegment, turning_point: TurningPoint, z: Arr
     """Rate of Q over z = sqrt(|P - P_t|) along a load segment, |dQ/dz| with the sign of dQ/dt, at z
     of any shape; 0 where P rests. P_t is the load at the turning point of P.
     """
-    # Time at which P has this z; then |dP/dz| = 2 z over |dP/dt|.
+    # Time at which P has this z; then dQ/dz = (dQ/dt) 2 z/|dP/dt|.
     time = segment.time_of(
         NORMAL_LOAD, turning_point.sign * z * z, turning_point.time, turning_point.other_end_time
     )
@@ -1062,11 +1062,11 @@ class KernelIntegrals:
             ]
             # Times at which P was the load at the stick edge, for all pieces of the arc at once.
             times_at_stick_edge = time_of_load_on_arc(piece, np.concatenate(stick_edge_loads))
-            first_numbers = np.cumsum([len(loads_of_piece) for loads_of_piece in stick_edge_loads])[
-                :-1
-            ]
+            split_positions = np.cumsum(
+                [len(loads_of_piece) for loads_of_piece in stick_edge_loads]
+            )[:-1]
             arc_integrals = np.split(
-                self._arcs[arc_key][1].up_to(times_at_stick_edge), first_numbers
+                self._arcs[arc_key][1].up_to(times_at_stick_edge), split_positions
             )
             for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
                 integrals[pair_number] = arc_integral

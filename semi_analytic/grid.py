@@ -300,8 +300,7 @@ class Grid:
         self.cell_width = self._length / cells
         self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
 
-        # Change of the displacement U per Q if the datum, where U is 0, moves from the grid's
-        # length to 1.
+        # Change of U per Q if the datum of U, where it is 0, moves from 1 to the grid's length.
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
@@ -543,7 +542,7 @@ class Grid:
         grid_rows = np.arange(len(grids))[:, None]
         grids_and_columns = (grids[:, None], columns)
 
-        # Slip of the increment if there were no shear.
+        # Slip of the increment if there were neither shear nor U.
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
         is_touching_in_columns = is_inside[grid_rows, columns]
         limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)

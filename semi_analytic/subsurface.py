@@ -454,7 +454,7 @@ def _places_for_tractions(edges: Array) -> Array:
     chosen_edges = edges[numbers]
     cosines = np.cos(np.linspace(0, math.pi, _PLACE_COUNT_ACROSS_CONTACT))
     nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
-    # Distances from each edge: 1e-7 to 2e-2 of the contact's length.
+    # Distances from each edge: 1e-7 to 2.5e-2 of the contact's length.
     inwards = np.array([[1.0], [-1.0]])
     places_at_edges = (
         edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _WIDTH_SHARES_FROM_EDGE
