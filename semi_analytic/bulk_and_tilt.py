@@ -873,9 +873,8 @@ class PathLoads:
         times += segment.turning_points(TANGENTIAL_LOAD)
         if segment.bulk is not None:
             times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
-        tilt_and_moment = (
-            segment.tilt_and_moment
-        )  # tilt where others have P, moment where they have Q
+        # A segment with the tilt in the place of P and the moment in the place of Q.
+        tilt_and_moment = segment.tilt_and_moment
         if tilt_and_moment is not None:
             times += tilt_and_moment.turning_points(NORMAL_LOAD)
             times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)

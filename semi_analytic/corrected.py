@@ -690,13 +690,14 @@ class PathSeries:
         # T q_2 + N_Q p_2 + T_4 q_4/12
         # shear_second_moment: q_2, pressure_second_moment: p_2, shear_fourth_moment: q_4, (n,)
         # each.
-        twice_by_moments = curvatures.tangential * followed_path.shear_second_moment
-        twice_by_moments = (
-            twice_by_moments + curvatures.normal_under_shear * followed_path.pressure_second_moment
+        twice_moment_terms = curvatures.tangential * followed_path.shear_second_moment
+        twice_moment_terms = (
+            twice_moment_terms
+            + curvatures.normal_under_shear * followed_path.pressure_second_moment
         )
         if curvatures.tangential_fourth:
-            twice_by_moments = (
-                twice_by_moments
+            twice_moment_terms = (
+                twice_moment_terms
                 + curvatures.tangential_fourth * followed_path.shear_fourth_moment / 12
             )
         displacement_by_compliance = (
@@ -704,7 +705,10 @@ class PathSeries:
         )
         displacement_by_tilt, _ = self._displacements_by_tilt
         return np.asarray(
-            displacement + displacement_by_compliance + twice_by_moments / 2 + displacement_by_tilt
+            displacement
+            + displacement_by_compliance
+            + twice_moment_terms / 2
+            + displacement_by_tilt
         )
 
     @cached_property
@@ -732,20 +736,20 @@ class PathSeries:
         # N p_2 + T_P q_2 + N_4 p_4/12
         # pressure_second_moment: p_2, shear_second_moment: q_2, pressure_fourth_moment: p_4, (n,)
         # each.
-        twice_by_moments = curvatures.normal * followed_path.pressure_second_moment
-        twice_by_moments = (
-            twice_by_moments
+        twice_moment_terms = curvatures.normal * followed_path.pressure_second_moment
+        twice_moment_terms = (
+            twice_moment_terms
             + curvatures.tangential_under_pressure * followed_path.shear_second_moment
         )
         if curvatures.normal_fourth:
-            twice_by_moments = (
-                twice_by_moments
+            twice_moment_terms = (
+                twice_moment_terms
                 + curvatures.normal_fourth * followed_path.pressure_fourth_moment / 12
             )
         approach_by_compliance = self.effects.normal_compliance.value * followed_path.normal_load
         _, approach_by_tilt = self._displacements_by_tilt
         return np.asarray(
-            approach + approach_by_compliance + twice_by_moments / 2 + approach_by_tilt
+            approach + approach_by_compliance + twice_moment_terms / 2 + approach_by_tilt
         )
 
     @cached_property

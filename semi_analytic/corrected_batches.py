@@ -356,6 +356,7 @@ def _least_stiffness_at_edge(
     contact would split where it is not positive.
 
     kn = N P + N_Q Q, the curvature that the bodies add to the gap, adds kn dG/da = (pi E*/2) kn a.
+    G = (pi E*/4) a^2 is the load of the flat punches of the gap x^2/2.
     A lower bound of kn is used: the least N P over the cycle, or 0 if that is positive, minus the
     largest |N_Q Q|.
 

@@ -584,7 +584,9 @@ class PunchTable:
         return np.where(normal_load > 0, edge_s, 0.0)
 
     def _load_rate(self, s: Array) -> Array:
-        """d eta/ds, (n,)."""
+        """Derivative d eta/ds of the load that the profile's punches up to s carry, at coordinates
+        s (n,), (n,), from the cubic on each cell of the table.
+        """
         s_in_cells = s * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(self._load_cubics) - 1)
         fraction_of_cell = s_in_cells - cell
