@@ -142,17 +142,17 @@ def checked_numbers(values: ArrayLike | None, name: str) -> Array | None:
 
 def mirrored_points(edge: float) -> Array:
     """200 points from -edge to edge, mirrored to the last digit."""
-    right = np.linspace(edge / (_N_MIRRORED_POINTS - 1), edge, _N_MIRRORED_POINTS // 2)
-    return np.concatenate([-right[::-1], right])
+    points_on_right = np.linspace(edge / (_N_MIRRORED_POINTS - 1), edge, _N_MIRRORED_POINTS // 2)
+    return np.concatenate([-points_on_right[::-1], points_on_right])
 
 
 def is_between_edges(edges: Array, x: Array) -> NDArray[np.bool_]:
     """Whether points (k,) are between the left and the right edge of a zone, (n, 2), at each
     instant: (n, k). A zone without edges, NaN, has x = 0 alone.
     """
-    left = np.nan_to_num(edges[:, [0]])
-    right = np.nan_to_num(edges[:, [1]])
-    return (x >= left) & (x <= right)
+    left_edge = np.nan_to_num(edges[:, [0]])
+    right_edge = np.nan_to_num(edges[:, [1]])
+    return (x >= left_edge) & (x <= right_edge)
 
 
 # ------------------------------------------------------------------------------------- the findings

@@ -490,8 +490,8 @@ class _InstantsOnPath(NamedTuple):
     @property
     def all_at_rows(self) -> bool:
         """Whether each instant is a row of the series: the end of a step, or the start of all."""
-        is_start = (self.share_of_step == 0) & (self.step == 0)
-        return bool(np.all((self.share_of_step == 1) | is_start))
+        is_start_of_path = (self.share_of_step == 0) & (self.step == 0)
+        return bool(np.all((self.share_of_step == 1) | is_start_of_path))
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
         """Of the instants in `n_steps` steps from number `first_step` on: step counted from that
@@ -685,8 +685,8 @@ class _SeriesSums:
         records = block.records
         stick_loads = records.load_at_begin - records.slip_zone_load_at_begin
         stick_loads_after = records.load_at_end - records.slip_zone_load_at_end
-        least_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
-        self.least_stick_load = min(self.least_stick_load, least_of_block)
+        least_load_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
+        self.least_stick_load = min(self.least_stick_load, least_load_of_block)
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
@@ -728,11 +728,11 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     # follow the parts again, block by block
     for part_number in _parts_needed(series, instants.step):
         part: PathPart = series.parts[part_number]
-        is_last = part_number == last_part
+        is_last_cycle = part_number == last_part
         wanted_integrals = _IntegralsOfPart(
             work=wants_work and (wants_work_of_steps or part_number in covered_parts),
             work_of_steps=wants_work_of_steps,
-            density=wants_density and is_last,
+            density=wants_density and is_last_cycle,
         )
         # pieces of the memory curve
         pieces_before = line_count_of(part.curve)
@@ -744,7 +744,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             path_sums.count_block(block, wanted_integrals.count_per_record, pieces_before)
             pieces_before = line_count_of(block.curve)
             path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
-            if is_last:
+            if is_last_cycle:
                 path_sums.update_least_stick_load(block)
                 if loop_integral is not None:
                     loop_integral.add_block(block)
@@ -760,8 +760,8 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     work_increments = np.empty(0)
     if wants_work_of_steps:
         # copies of the last cycle by which instants lie beyond the followed path
-        work_beyond = series.cycles_beyond(request.time) * path_sums.works[last_part]
-        work_increments = _increments_of_work(path_sums, instants, work_beyond)
+        work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
+        work_increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
     # friction states at the instants, and M(P) - Q of each
     snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathResult(
@@ -933,11 +933,11 @@ def _least_stick_load(spans: Sequence[Span]) -> float:
     """
     least_load = math.inf
     for span in spans:
-        times = np.array([span.begin.time, span.end.time])
-        load, _ = span.segment.loads(times)
+        end_times = np.array([span.begin.time, span.end.time])
+        load, _ = span.segment.loads(end_times)
         # `slip_zone_load_at` is P - P_c.
-        least_of_span = float(np.min(load - span.slip_zone_load_at(times, load)))
-        least_load = min(least_load, least_of_span)
+        least_load_of_span = float(np.min(load - span.slip_zone_load_at(end_times, load)))
+        least_load = min(least_load, least_load_of_span)
     return least_load
 
 
@@ -1417,8 +1417,8 @@ def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
     """
     neglected_shares = bulk_tilt_path.neglected_loads if bulk_tilt_path is not None else {}
     for name, share in neglected_shares.items():
-        size = f"{share:.1e} of what makes an edge of contact slip"
-        yield f"{name}: {size} is below rounding and was left out of the memory of friction"
+        size_of_load = f"{share:.1e} of what makes an edge of contact slip"
+        yield f"{name}: {size_of_load} is below rounding and was left out of the memory of friction"
 
 
 def _notes_of_path(

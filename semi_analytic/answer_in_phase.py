@@ -170,12 +170,12 @@ def _stick_zones(
     share_of_stroke = np.clip(
         (tangential_load - forward_stroke.loads_at_begin[1]) / forward_stroke.load_changes[1], 0, 1
     )
-    middle, half_width = np.where(
+    stick_middle, stick_half_width = np.where(
         is_forward,
         forward_stroke.stick_zone(share_of_stroke),
         reverse_stroke.stick_zone(1 - share_of_stroke),
     )
-    return middle, half_width
+    return stick_middle, stick_half_width
 
 
 def _work_and_error(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:

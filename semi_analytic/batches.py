@@ -114,14 +114,18 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses > _ELLIPSES_AT_ONCE:
         maxima_of_blocks = [
-            maxima_of(ellipses.take(slice(first, first + _ELLIPSES_AT_ONCE)), contact)
-            for first in range(0, n_ellipses, _ELLIPSES_AT_ONCE)
+            maxima_of(
+                ellipses.take(slice(first_ellipse, first_ellipse + _ELLIPSES_AT_ONCE)), contact
+            )
+            for first_ellipse in range(0, n_ellipses, _ELLIPSES_AT_ONCE)
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
-        forward, reverse = work_density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
-        return forward + reverse
+        density_of_forward_slip, density_of_reverse_slip = work_density_of(
+            ellipses.take(ellipse_numbers), contact, x, node_stride
+        )
+        return density_of_forward_slip + density_of_reverse_slip
 
     # (m, n) from the edge of permanent stick to the largest contact
     sample_places = _sample_points(ellipses, contact)
@@ -176,10 +180,10 @@ class _LocalMaxima(NamedTuple):
 
     def largest_of_ellipses(self, n_ellipses: int) -> Indices:
         """Number of the largest maximum of each ellipse, -1 where there is none: (m,)."""
-        numbers = self.numbers_by_ascending_work()
-        largest = np.full(n_ellipses, -1)
-        largest[self.ellipse[numbers]] = numbers
-        return largest
+        maximum_numbers = self.numbers_by_ascending_work()
+        largest_maximum = np.full(n_ellipses, -1)
+        largest_maximum[self.ellipse[maximum_numbers]] = maximum_numbers
+        return largest_maximum
 
 
 def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMaxima:
@@ -380,11 +384,11 @@ def _sampled_density(
     is_above_level_change = (density_at_samples[:-1] > level_change) & (
         density_at_samples[1:] > level_change
     )
-    is_level = (np.abs(np.diff(density_at_samples)) < level_change) & is_above_level_change
-    is_wide = (
+    is_level_interval = (np.abs(np.diff(density_at_samples)) < level_change) & is_above_level_change
+    is_wide_interval = (
         np.diff(sample_places) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
     )
-    level_intervals = np.flatnonzero(is_level & is_wide)
+    level_intervals = np.flatnonzero(is_level_interval & is_wide_interval)
     # at a quarter, a half and three quarters of each level interval
     added_places = (
         sample_places[level_intervals]
@@ -496,14 +500,16 @@ def _narrowed_brackets(
         vertex = _vertex_of_parabola(
             bracket_places[:, wide_brackets], bracket_works[:, wide_brackets]
         )
-        is_wide = vertex.possible_rise > rise_tolerance * np.abs(bracket_works[1, wide_brackets])
-        wide_brackets = wide_brackets[is_wide]
+        is_wide_bracket = vertex.possible_rise > rise_tolerance * np.abs(
+            bracket_works[1, wide_brackets]
+        )
+        wide_brackets = wide_brackets[is_wide_bracket]
         if not len(wide_brackets):
             break
         places_before = bracket_places[:, wide_brackets]
         width_before = places_before[2] - places_before[0]
         # (3, n): at the vertex and on each side of it
-        places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide])
+        places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide_bracket])
         even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
         new_works = [density(ellipse_of_maximum[wide_brackets], places) for places in new_places]
@@ -1027,9 +1033,9 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     scaled_ellipses = ellipses.divided_by(load_unit)
     works_and_error = np.empty((3, len(load_unit)))
     # loads of a group lie between two powers of two, these octaves
-    for numbers, first_octave, last_octave in groups_by_largest_load(scaled_ellipses):
+    for ellipse_numbers, first_octave, last_octave in groups_by_largest_load(scaled_ellipses):
         table = _kernel_table(first_octave, last_octave)
-        ellipses_of_table = scaled_ellipses.take(numbers)
+        ellipses_of_table = scaled_ellipses.take(ellipse_numbers)
         quick_kernel = table.quick_kernel  # to round-off of P - P_c
         careful_kernel = table.careful_kernel  # to round-off of itself
         largest_log_half_width = table.largest_log_half_width
@@ -1040,10 +1046,10 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
             _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
             LEAST_LOAD_SHARE,
         )
-        works_and_error[0, numbers] = forward_work
-        works_and_error[1, numbers] = reverse_work
+        works_and_error[0, ellipse_numbers] = forward_work
+        works_and_error[1, ellipse_numbers] = reverse_work
         # _DEEP_SLIP_LOAD_SHARE_ON_TABLE: 0.04 of P0; LEAST_LOAD_SHARE: 2^-48
-        works_and_error[2, numbers] = error_of_works_by_lam(
+        works_and_error[2, ellipse_numbers] = error_of_works_by_lam(
             ellipses_of_table,
             forward_work + reverse_work,
             _DEEP_SLIP_LOAD_SHARE_ON_TABLE,
@@ -1139,14 +1145,18 @@ class Members:
             return
         # numbers of the members of one shape, its ratios of parameters, and a unit of length and of
         # height for each
-        for numbers, ratios, length_unit, height_unit in _members_by_shape(
+        for member_numbers, ratios, length_unit, height_unit in _members_by_shape(
             self.kind, self.parameters
         ):
             # E* times the unit of height
             load_unit = self.modulus * height_unit
-            ellipses = self.ellipses.take(numbers).divided_by(load_unit)
+            ellipses = self.ellipses.take(member_numbers).divided_by(load_unit)
             yield ShapeGroup(
-                numbers, _contact_in_own_units(self.kind, ratios), ellipses, load_unit, length_unit
+                member_numbers,
+                _contact_in_own_units(self.kind, ratios),
+                ellipses,
+                load_unit,
+                length_unit,
             )
 
 
@@ -1518,8 +1528,15 @@ def _members_by_shape(
     order_by_group = np.argsort(group_of_member, kind="stable")
     group_ends = np.cumsum(np.bincount(group_of_member, minlength=len(different_ratios)))
     numbers_of_groups = np.split(order_by_group, group_ends[:-1])
-    for common_ratios, numbers in zip(different_ratios.tolist(), numbers_of_groups, strict=True):
-        yield numbers, tuple(common_ratios), length_unit[numbers], height_unit[numbers]
+    for common_ratios, member_numbers in zip(
+        different_ratios.tolist(), numbers_of_groups, strict=True
+    ):
+        yield (
+            member_numbers,
+            tuple(common_ratios),
+            length_unit[member_numbers],
+            height_unit[member_numbers],
+        )
 
 
 @lru_cache(maxsize=512)

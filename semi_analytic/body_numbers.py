@@ -45,14 +45,14 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
         )
     # every attribute that is an Estimate
     for field in fields(effects):
-        number = getattr(effects, field.name)
-        if not isinstance(number, Estimate):
+        estimate = getattr(effects, field.name)
+        if not isinstance(estimate, Estimate):
             continue
-        value = np.asarray(number.value)
-        is_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
-        if not (is_number and abs(float(value.real)) <= LARGEST_NUMBER):
+        value = np.asarray(estimate.value)
+        is_real_number = value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+        if not (is_real_number and abs(float(value.real)) <= LARGEST_NUMBER):
             raise InputError(
-                f"effects.{field.name}: a finite number is needed, not {number.value!r}"
+                f"effects.{field.name}: a finite number is needed, not {estimate.value!r}"
             )
     if not 0 < effects.datum_length <= LARGEST_NUMBER:
         raise InputError(

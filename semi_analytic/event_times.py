@@ -254,9 +254,13 @@ def _load_extremes(span: Span) -> Iterator[Event]:
         for time in searched_segment.turning_points(combination):
             if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
                 # From the turning point to just after it, and to just before it.
-                rise_after = float(segment.change_of(combination, time + time_difference, time))
-                rise_before = float(segment.change_of(combination, time - time_difference, time))
-                extreme_name = "largest" if rise_after + rise_before < 0 else "least"
+                change_to_after = float(
+                    segment.change_of(combination, time + time_difference, time)
+                )
+                change_to_before = float(
+                    segment.change_of(combination, time - time_difference, time)
+                )
+                extreme_name = "largest" if change_to_after + change_to_before < 0 else "least"
                 yield _event_at(span, time, f"{load_name} {extreme_name}")
 
 

@@ -620,7 +620,7 @@ def _means_along_records(
         _closeness_of_loads(smooth_parts, np.empty(0)),
         _closeness_of_loads(smooth_parts, contact.corner_loads),
     )
-    means = np.zeros(len(records.step_number))
+    mean_of_records = np.zeros(len(records.step_number))
     n_nodes = 0
     # six rules: Gauss' of 4, 6, 12 and 24 nodes, graded, and crowded to both ends
     for rule_number, (rule, _) in enumerate(_RULES_AND_NODE_COUNTS):
@@ -641,9 +641,11 @@ def _means_along_records(
         )
         share_of_record = parts_of_rule.step_share_at_end
         means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
-        means += np.bincount(parts_of_rule.step_number, means_of_parts, len(means))
+        mean_of_records += np.bincount(
+            parts_of_rule.step_number, means_of_parts, len(mean_of_records)
+        )
         n_nodes += load.size
-    return means, n_nodes
+    return mean_of_records, n_nodes
 
 
 def _gauss_rule(count: int) -> QuadratureRule:
@@ -1044,25 +1046,27 @@ class LoopWorkOfSeries:
         )
 
         # -int U dQ: U at the begin of the record plus the mean of its growth
-        displacement_after = self._scaled_displacement + np.cumsum(rise_at_end - rise_at_begin)
+        displacement_after_record = self._scaled_displacement + np.cumsum(
+            rise_at_end - rise_at_begin
+        )
         # mean of the function along each record
         mean_rise, _ = _means_along_records(contact, records, displacement_rise)
         self._scaled_integral -= float(
-            np.sum(force_change * (displacement_after - rise_at_end + mean_rise))
+            np.sum(force_change * (displacement_after_record - rise_at_end + mean_rise))
         )
         self._total_change_of_force += float(np.sum(np.abs(force_change)))
-        self._scaled_displacement = float(displacement_after[-1])
+        self._scaled_displacement = float(displacement_after_record[-1])
 
     @property
     def work(self) -> LoopWork:
         """The integral so far, and its round-off error."""
-        rounding = (
+        roundoff = (
             _ROUNDOFF_SHARE_OF_DISPLACEMENT
             * self._friction
             * self._displacement_size
             * self._total_change_of_force
         )
-        return LoopWork(self._compliance * self._scaled_integral, self._compliance * rounding)
+        return LoopWork(self._compliance * self._scaled_integral, self._compliance * roundoff)
 
 
 class LoopWork(NamedTuple):
@@ -1145,12 +1149,12 @@ def integrals_by_halving(
             all_cut_places[number_of_place_above - 1],
             all_cut_places[number_of_place_above],
         ):
-            is_inside = (nearest_place > begins + least_length) & (
+            is_place_inside = (nearest_place > begins + least_length) & (
                 nearest_place < ends - least_length
             )
-            cut_of_parts = np.where(is_inside, nearest_place, cut_of_parts)
+            cut_of_parts = np.where(is_place_inside, nearest_place, cut_of_parts)
             # After a cut at a place the halvings count from 0 again.
-            n_halvings = np.where(is_inside, -1, n_halvings)
+            n_halvings = np.where(is_place_inside, -1, n_halvings)
         # In one call: the lower halves of all parts, then the upper ones.
         integrals_of_halves = integrals_over(
             np.tile(integrand_numbers, 2), np.r_[begins, cut_of_parts], np.r_[cut_of_parts, ends]

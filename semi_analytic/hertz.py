@@ -27,13 +27,13 @@ def log_excess(ratio: ArrayLike) -> Array:
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
     (1.000000000..., 0.19314718056)
     """
-    r = np.asarray(ratio, dtype=float)
+    ratios = np.asarray(ratio, dtype=float)
     # _LARGEST_RATIO_OF_SERIES: 0.3
-    if not np.any(r > _LARGEST_RATIO_OF_SERIES):
-        return _log_series(r)
-    excess = np.asarray(-np.log1p(-np.minimum(r, _NUMBER_BELOW_ONE)) - r)
-    is_small = r <= _LARGEST_RATIO_OF_SERIES
-    excess[is_small] = _log_series(r[is_small])
+    if not np.any(ratios > _LARGEST_RATIO_OF_SERIES):
+        return _log_series(ratios)
+    excess = np.asarray(-np.log1p(-np.minimum(ratios, _NUMBER_BELOW_ONE)) - ratios)
+    is_small_ratio = ratios <= _LARGEST_RATIO_OF_SERIES
+    excess[is_small_ratio] = _log_series(ratios[is_small_ratio])
     return excess
 
 
@@ -200,8 +200,8 @@ class HertzContact:
         under the load eta; a^2/P is `square_width_per_load`.
         """
         del x, advance
-        square = self.square_width_per_load * np.asarray(excess, dtype=float)
-        return 1 / np.sqrt(np.where(square > 0, square, np.inf))
+        difference_of_squares = self.square_width_per_load * np.asarray(excess, dtype=float)
+        return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Error of the values of the method called `name` at its `arguments`: 0, in their common

@@ -575,9 +575,9 @@ def _directions_on(
     force_roundoff = _ROUND_OFF_SHARE * (
         friction * piece.anchor.normal_load + abs(piece.anchor.tangential_load)
     )
-    forces_above = force_above_curve(sample_times)
+    forces_above_curve = force_above_curve(sample_times)
     side_of_samples = np.where(
-        np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)
+        np.abs(forces_above_curve) <= force_roundoff, 0, np.sign(forces_above_curve)
     ).astype(int)
     if not np.any(side_of_samples):
         return [(begin, end, 0)]
@@ -705,13 +705,13 @@ class History:
         span_delays = np.array([span.delay for span in spans])
         # ends of the spans in the time of the path; a delay is a number of whole periods
         path_ends = span_ends + span_delays
-        path_time, slack = time_in_followed_path(
+        path_time, time_slack = time_in_followed_path(
             time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
         )
         # Minus the slack: a turning point that is right to round-off still belongs to the span
         # that it ends.
         span_number = np.minimum(
-            np.searchsorted(path_ends, path_time - slack, side="left"), len(spans) - 1
+            np.searchsorted(path_ends, path_time - time_slack, side="left"), len(spans) - 1
         )
         times_in_segments = np.clip(
             path_time - span_delays[span_number],
@@ -881,13 +881,13 @@ def time_in_followed_path(
     InputError
         For a time outside the path.
     """
-    slack = INSTANT_SLACK_SHARE * (end - start)
+    time_slack = INSTANT_SLACK_SHARE * (end - start)
     path_time = time
     if period is not None:
-        path_time = time - period * np.maximum(np.ceil((time - end - slack) / period), 0.0)
-    if np.any(path_time < start - slack) or np.any(path_time > end + slack):
+        path_time = time - period * np.maximum(np.ceil((time - end - time_slack) / period), 0.0)
+    if np.any(path_time < start - time_slack) or np.any(path_time > end + time_slack):
         raise InputError(f"time: outside the load path, which runs from {start:.6g} to {end:.6g}")
-    return path_time, slack
+    return path_time, time_slack
 
 
 def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
@@ -1001,8 +1001,8 @@ def corner_times(contact: Contact, span: Span) -> Array:
         )
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
     sorted_times = np.sort(np.concatenate(times_of_passing))
-    is_inside = (sorted_times - begin.time > shortest_time) & (
+    is_inside_span = (sorted_times - begin.time > shortest_time) & (
         end.time - sorted_times > shortest_time
     )
-    inner_times = sorted_times[is_inside]
+    inner_times = sorted_times[is_inside_span]
     return inner_times[np.diff(inner_times, prepend=-np.inf) > shortest_time]

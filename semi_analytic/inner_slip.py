@@ -112,10 +112,10 @@ def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive:
     kernel_integral = np.diff(primitive, axis=1)
     moment_integral = np.diff(moment_primitive, axis=1)
     # On an interval the hat of its upper end rises from 0 to 1, that of its lower end falls.
-    with_rising_hat = (moment_integral - begin_width * kernel_integral) / interval_length
-    hat_integrals = kernel_integral - with_rising_hat
-    hat_integrals[:, 1:] += with_rising_hat[:, :-1]
-    hat_integrals[:, -1] += with_rising_hat[:, -1]
+    integral_with_rising_hat = (moment_integral - begin_width * kernel_integral) / interval_length
+    hat_integrals = kernel_integral - integral_with_rising_hat
+    hat_integrals[:, 1:] += integral_with_rising_hat[:, :-1]
+    hat_integrals[:, -1] += integral_with_rising_hat[:, -1]
     return hat_integrals
 
 
@@ -176,7 +176,7 @@ class InnerSlip:
             x, self.half_widths, self.modulus
         )
         number_of_half_width_within = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside = number_of_half_width_within < len(self.is_slipping)
+        is_inside_contact = number_of_half_width_within < len(self.is_slipping)
         next_point_slips = np.append(self.is_slipping[1:], False)
         slips_at_both_ends = (self.is_slipping & next_point_slips)[
             np.minimum(number_of_half_width_within, len(self.is_slipping) - 1)
@@ -184,7 +184,7 @@ class InnerSlip:
         return SlipAtPoints(
             shear=shear_per_density @ self.densities,
             slip=self.slip_at_middle + slip_per_density @ self.densities,
-            is_slipping=is_inside & slips_at_both_ends,
+            is_slipping=is_inside_contact & slips_at_both_ends,
             direction=self.direction,
         )
 
@@ -323,11 +323,11 @@ def _slip_on_punches(
         points, half_widths, contact.modulus
     )
     # q and f p of the memory curve at the points
-    shear, limit = contact.tractions(points)
+    shear, coulomb_limit = contact.tractions(points)
     excess = (
-        direction * shear - limit
+        direction * shear - coulomb_limit
     )  # beyond the limit of slip in the direction `direction` [stress]
-    excess_of_reverse = -direction * shear - limit
+    excess_of_reverse = -direction * shear - coulomb_limit
     # _ROUND_OFF_SHARE: 1e-9
     excess_tolerance = _ROUND_OFF_SHARE * float(np.max(excess))
     # points outside the stick zone slip at the edge
@@ -348,11 +348,11 @@ def _slip_on_punches(
     for trial in range(_MOST_TRIALS):
         # A sticking point does not slip further, w = 0; the shear of a slipping one comes to the
         # limit. Slip at the edge is at its limit already: r = 0.
-        is_resting = states == _STICKING
+        is_sticking_point = states == _STICKING
         equations_matrix[:n_points, :n_points] = np.where(
-            is_resting[:, None], slip_per_density, shear_per_density
+            is_sticking_point[:, None], slip_per_density, shear_per_density
         )
-        equations_matrix[:n_points, n_points] = is_resting
+        equations_matrix[:n_points, n_points] = is_sticking_point
         right_hand_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
         right_hand_side[:n_points] += np.where(
             (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse, 0.0
@@ -366,9 +366,11 @@ def _slip_on_punches(
         moves_back = (states == _SLIPPING) & (slip < -slip_roundoff)
         moves_back |= (states == _SLIPPING_BACK) & (slip > slip_roundoff) & ~is_at_edge
         new_states = np.where(moves_back, _STICKING, states)
-        exceeds_limit = is_resting & (excess + added_shear > excess_tolerance)
+        exceeds_limit = is_sticking_point & (excess + added_shear > excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)
-        exceeds_limit_of_reverse = is_resting & (excess_of_reverse - added_shear > excess_tolerance)
+        exceeds_limit_of_reverse = is_sticking_point & (
+            excess_of_reverse - added_shear > excess_tolerance
+        )
         new_states = np.where(exceeds_limit_of_reverse, _SLIPPING_BACK, new_states)
         changed_points = np.flatnonzero(new_states != states)
         if not len(changed_points):

@@ -185,8 +185,8 @@ def _contact_of_one_curve(scene: Scene) -> Contact | None:
     """
     if not scene.unsymmetric:
         return contact_of(scene.profile, scene.material)
-    family = one_curve(scene)
-    return None if family is None else family.contact
+    contact_and_loads = one_curve(scene)
+    return None if contact_and_loads is None else contact_and_loads.contact
 
 
 class _Search:
@@ -352,10 +352,10 @@ class _Search:
             edges = answer.contact_edges[cycle_rows]
             # 1e-10 of the contact width at the largest load
             edge_tolerance = _EDGE_TOLERANCE_SHARE * float(np.diff(self.widest_edges)[0])
-            within_edges = (x >= edges[:, :1] - edge_tolerance) & (
+            is_within_edges = (x >= edges[:, :1] - edge_tolerance) & (
                 x <= edges[:, 1:] + edge_tolerance
             )
-            is_in_contact = within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
+            is_in_contact = is_within_edges & (answer.normal_load[cycle_rows] > 0)[:, None]
             # largest minus smallest slip while in contact
             return range_of_slip(answer.slip[cycle_rows], is_in_contact)
 
@@ -471,12 +471,12 @@ def _monotonic_parts(
         # _EDGE_TOLERANCE_SHARE: 1e-10
         first_cycle = math.floor((start - path.cycle_start) / path.period + _EDGE_TOLERANCE_SHARE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _EDGE_TOLERANCE_SHARE)
-        for number in range(max(first_cycle, 0), last_cycle):
-            segments += path.segments_of_cycle(number)
+        for cycle_number in range(max(first_cycle, 0), last_cycle):
+            segments += path.segments_of_cycle(cycle_number)
 
     # cut at the turning points of P
     least_duration = _EDGE_TOLERANCE_SHARE * (end - start)
-    parts = []
+    monotonic_parts = []
     for segment in segments:
         part_begin = max(segment.start, start)
         part_end = min(segment.end, end)
@@ -486,11 +486,11 @@ def _monotonic_parts(
             if part_begin < time < part_end
         ]
         if part_end - part_begin > least_duration:
-            parts += [
+            monotonic_parts += [
                 (segment, begin_time, end_time)
                 for begin_time, end_time in pairwise([part_begin, *turning_times, part_end])
             ]
-    return parts
+    return monotonic_parts
 
 
 def _largest_value_and_place(
@@ -592,8 +592,10 @@ class _LocalMaximum(NamedTuple):
 
     def places_around(self) -> Array:
         """Equally spaced places between the neighbours, and that of the vertex."""
-        between = np.linspace(self.places[0], self.places[-1], _PLACES_IN_ROUND + 2)[1:-1]
-        return np.unique(np.append(between, self.vertex()))
+        evenly_spaced_places = np.linspace(self.places[0], self.places[-1], _PLACES_IN_ROUND + 2)[
+            1:-1
+        ]
+        return np.unique(np.append(evenly_spaced_places, self.vertex()))
 
     def narrowed(self, places: Array, values: Array) -> _LocalMaximum:
         """The local maximum among `values` at `places` between the neighbours, (n,) each, with its
@@ -614,8 +616,8 @@ def _local_maxima(places: Array, values: Array) -> list[_LocalMaximum]:
     is_above_last = values >= np.concatenate([below_all_values, values[:-1]])
     is_above_next = values >= np.concatenate([values[1:], below_all_values])
     # _LEAST_CANDIDATE_SHARE: 0.97
-    is_high = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
-    numbers_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_high)
+    is_nearly_largest = values >= _LEAST_CANDIDATE_SHARE * np.max(values)
+    numbers_of_maxima = np.flatnonzero(is_above_last & is_above_next & is_nearly_largest)
     highest_numbers = numbers_of_maxima[np.argsort(-values[numbers_of_maxima], kind="stable")][
         :_MOST_CANDIDATES
     ]

@@ -714,10 +714,10 @@ class StepBlock(NamedTuple):
         """The largest P - P_c [force per thickness], P_c the load at the stick edge; 0 where
         nothing slips.
         """
-        at_ends = np.maximum(
+        loads_at_ends = np.maximum(
             self.records.slip_zone_load_at_begin, self.records.slip_zone_load_at_end
         )
-        return float(np.max(at_ends, initial=0.0))
+        return float(np.max(loads_at_ends, initial=0.0))
 
 
 def line_count_of(curve: Line | None) -> int:
@@ -1353,8 +1353,8 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
     step has one record or more, each up to its `step_share_at_end`; `record_number` (n,) selects
     them.
     """
-    is_first = np.diff(records.step_number, prepend=-1) > 0
-    share_at_begin = np.where(is_first, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[
+    is_first_record = np.diff(records.step_number, prepend=-1) > 0
+    share_at_begin = np.where(is_first_record, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[
         record_number
     ]
     share_length = np.maximum(
@@ -1365,8 +1365,8 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:
     """P and Q, (n,) each, at shares of steps between rows (m + 1, 2), from the nearer row."""
-    change = rows[step + 1] - rows[step]
-    from_begin = rows[step] + share_of_step[:, None] * change
-    from_end = rows[step] + change - (1 - share_of_step)[:, None] * change
-    load, force = np.where(share_of_step[:, None] > 0.5, from_end, from_begin).T
+    change_of_loads = rows[step + 1] - rows[step]
+    loads_from_begin = rows[step] + share_of_step[:, None] * change_of_loads
+    loads_from_end = rows[step] + change_of_loads - (1 - share_of_step)[:, None] * change_of_loads
+    load, force = np.where(share_of_step[:, None] > 0.5, loads_from_end, loads_from_begin).T
     return np.maximum(load, 0.0), force  # a path that unloads fully may end below 0 by rounding

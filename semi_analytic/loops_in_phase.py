@@ -210,10 +210,11 @@ class Stroke:
             )
             return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
 
-        at_begin = approach_and_moment(*self.load_and_tilt(np.zeros(1)))
-        of_contact = approach_and_moment(*self.load_and_tilt(u))
-        of_stick_zone = approach_and_moment(*self.equivalent_load_and_tilt_of_stick(u))
-        change_since_begin = of_contact - 2 * of_stick_zone + at_begin
+        # rows: approach and moment of the pressure
+        values_at_begin = approach_and_moment(*self.load_and_tilt(np.zeros(1)))
+        values_of_contact = approach_and_moment(*self.load_and_tilt(u))
+        values_of_stick_zone = approach_and_moment(*self.equivalent_load_and_tilt_of_stick(u))
+        change_since_begin = values_of_contact - 2 * values_of_stick_zone + values_at_begin
         return self.direction * self.friction * change_since_begin
 
     def work_density(self, x: Array, count: int = STROKE_NODE_COUNT) -> Array:
@@ -233,17 +234,19 @@ class Stroke:
                 np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
             )
 
-        is_inside = depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
+        is_in_slip_zone = depth_in_slip_zone(x, _SAMPLED_STROKE_FRACTIONS[:, None]) > 0
         # Fractions u at which an edge of the slip zone passes a point, by bisection between 129
         # samples.
-        interval_of_crossing, crossed_points = np.nonzero(is_inside[1:] != is_inside[:-1])
+        interval_of_crossing, crossed_points = np.nonzero(
+            is_in_slip_zone[1:] != is_in_slip_zone[:-1]
+        )
         least_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing]
         largest_fraction = _SAMPLED_STROKE_FRACTIONS[interval_of_crossing + 1]
         for _ in range(_BISECTIONS_OF_CROSSING):
             middle_fraction = (least_fraction + largest_fraction) / 2
-            has_crossed = (depth_in_slip_zone(x[crossed_points], middle_fraction) > 0) != is_inside[
-                interval_of_crossing, crossed_points
-            ]
+            has_crossed = (
+                depth_in_slip_zone(x[crossed_points], middle_fraction) > 0
+            ) != is_in_slip_zone[interval_of_crossing, crossed_points]
             least_fraction = np.where(has_crossed, least_fraction, middle_fraction)
             largest_fraction = np.where(has_crossed, middle_fraction, largest_fraction)
         # Parts of the stroke between its ends and these fractions, point by point.

@@ -636,11 +636,14 @@ def _roots_of(
     from scipy.optimize import elementwise  # noqa: PLC0415
 
     log_f, works, is_solvable, _ = curve
-    is_valid = np.isfinite(target) & (target > 0) & is_solvable[member]
-    is_above = works[:, member] > np.where(is_valid, target, np.inf)
+    is_valid_target = np.isfinite(target) & (target > 0) & is_solvable[member]
+    is_above_target = works[:, member] > np.where(is_valid_target, target, np.inf)
     is_work_known = np.isfinite(works[:, member])
     encloses_root = (
-        (is_above[:-1] != is_above[1:]) & is_work_known[:-1] & is_work_known[1:] & is_valid
+        (is_above_target[:-1] != is_above_target[1:])
+        & is_work_known[:-1]
+        & is_work_known[1:]
+        & is_valid_target
     )
     # the sample below each root in f, and the target to which the root belongs
     sample_before, target_of_root = np.nonzero(encloses_root)

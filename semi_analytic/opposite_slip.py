@@ -101,8 +101,8 @@ def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
         residual = np.abs(np.stack(loads_of_slip_depths(*depths)) - loads)
     if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
-    left, right = depths
-    return left, right
+    left_depth, right_depth = depths
+    return left_depth, right_depth
 
 
 def _depths_by_newton(loads: Array) -> Array:
@@ -163,9 +163,9 @@ def _newton_step(depth: Array, residual: Array) -> Array:
 
 def _gauss_nodes(begin: Array, end: Array) -> tuple[Array, Array]:
     """Eight nodes and weights of Gauss' rule on [begin, end], a new last axis."""
-    node, weight = gauss_rule(8)
-    length = (end - begin)[..., None]
-    return begin[..., None] + length * node, length * weight
+    unit_nodes, unit_weights = gauss_rule(8)
+    range_length = (end - begin)[..., None]
+    return begin[..., None] + range_length * unit_nodes, range_length * unit_weights
 
 
 @lru_cache(maxsize=8)  # the same zones under other values of `kernel_quantity`
@@ -259,7 +259,7 @@ class OppositeSlip(TiltedProfile):
         stick zone after |Q| = f (P - eta); P - eta is the unloading. `_contact` holds P, middle and
         half-width of the contact.
         """
-        largest_load, middle, half_width = self._contact
+        largest_load, contact_middle, contact_half_width = self._contact
         unloading = np.clip(
             largest_load - np.asarray(load, dtype=float), 0.0, self._largest_unloading
         )
@@ -267,16 +267,19 @@ class OppositeSlip(TiltedProfile):
         left_edge_at, right_edge_at = self._stick_edges
         left_edge = left_edge_at(unloading)
         right_edge = right_edge_at(unloading)
-        stick_middle = middle + half_width * (left_edge + right_edge) / 2
-        return stick_middle, half_width * (right_edge - left_edge) / 2
+        stick_middle = contact_middle + contact_half_width * (left_edge + right_edge) / 2
+        return stick_middle, contact_half_width * (right_edge - left_edge) / 2
 
     def is_nested(self, load: float) -> bool:
         """Whether the stick zones recede at both ends while |Q| grows to its largest; `load` is the
         constant P.
         """
-        ends = self.interval(load - self._largest_unloading * np.linspace(0, 1, 200))
-        slack = 1e-12 * self._contact[2]
-        return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
+        stick_edges = self.interval(load - self._largest_unloading * np.linspace(0, 1, 200))
+        length_slack = 1e-12 * self._contact[2]
+        return bool(
+            np.all(np.diff(stick_edges[:, 0]) >= -length_slack)
+            and np.all(np.diff(stick_edges[:, 1]) <= length_slack)
+        )
 
     def load(self, half_width: ArrayLike) -> Array:
         """The load P_x = P - |Q|/f of the |Q| at which a stick edge passes x = `half_width`, by
@@ -286,21 +289,21 @@ class OppositeSlip(TiltedProfile):
         Beyond the contact the value is above P, in proportion to the distance from its edge; it is
         0 where the point sticks up to the largest |Q|.
         """
-        largest_load, middle, contact_half_width = self._contact
-        relative_x = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
+        largest_load, contact_middle, contact_half_width = self._contact
+        relative_x = (np.asarray(half_width, dtype=float) - contact_middle) / contact_half_width
         lower_bound = np.zeros(relative_x.shape)
         upper_bound = np.full(relative_x.shape, self._largest_unloading)
         # functions of the unloading, edges over the contact half-width
         left_edge_at, right_edge_at = self._stick_edges
         for _ in range(60):
             unloading = (lower_bound + upper_bound) / 2
-            is_outside = np.where(
+            is_outside_stick_zone = np.where(
                 relative_x < 0,
                 relative_x < left_edge_at(unloading),
                 relative_x > right_edge_at(unloading),
             )
-            lower_bound = np.where(is_outside, lower_bound, unloading)
-            upper_bound = np.where(is_outside, unloading, upper_bound)
+            lower_bound = np.where(is_outside_stick_zone, lower_bound, unloading)
+            upper_bound = np.where(is_outside_stick_zone, unloading, upper_bound)
         largest_unloading = np.array(self._largest_unloading)
         always_sticks = (relative_x >= left_edge_at(largest_unloading)) & (
             relative_x <= right_edge_at(largest_unloading)
@@ -311,15 +314,15 @@ class OppositeSlip(TiltedProfile):
 
     def slip_direction_at(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
-        _, middle, _ = self._contact
-        side = np.where(np.asarray(x, dtype=float) > middle, -1.0, 1.0)
-        return side * np.sign(self.pressure_skewness)
+        _, contact_middle, _ = self._contact
+        sign_of_side = np.where(np.asarray(x, dtype=float) > contact_middle, -1.0, 1.0)
+        return sign_of_side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with its sign of slip: q/f where x slips [stress]."""
-        _, middle, half_width = self._contact
+        _, contact_middle, contact_half_width = self._contact
         pressure = self.shape.pressure(
-            np.asarray(x, dtype=float), np.array(middle), np.array(half_width)
+            np.asarray(x, dtype=float), np.array(contact_middle), np.array(contact_half_width)
         ) / (np.pi * self.intervals.compliance)
         return np.asarray(self.slip_direction_at(x) * pressure + 0 * np.asarray(load, dtype=float))
 
@@ -359,10 +362,10 @@ class OppositeSlip(TiltedProfile):
 
         # integrals over the ranges between neighbouring loads, (ranges, places)
         range_integrals = np.zeros(is_integrated.shape)
-        is_near = distance_to_edge_load < 3 * (load_above - load_below)
+        is_near_edge_load = distance_to_edge_load < 3 * (load_above - load_below)
         for takes_rule, rule in (
-            (is_integrated & is_near, graded_nodes),
-            (is_integrated & ~is_near, _gauss_nodes),
+            (is_integrated & is_near_edge_load, graded_nodes),
+            (is_integrated & ~is_near_edge_load, _gauss_nodes),
         ):
             range_numbers, place_numbers = np.nonzero(takes_rule)
             # _MOST_INTEGRALS_AT_ONCE: 10,000
@@ -371,10 +374,10 @@ class OppositeSlip(TiltedProfile):
                     range_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
                     place_numbers[first_pair : first_pair + _MOST_INTEGRALS_AT_ONCE],
                 )
-                eta, weight = rule(begin_loads[pairs], end_loads[pairs])
+                eta, weights = rule(begin_loads[pairs], end_loads[pairs])
                 # the kernel method of that name
                 kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)
-                range_integrals[pairs] = np.sum(weight * kernel_at_nodes, axis=-1)
+                range_integrals[pairs] = np.sum(weights * kernel_at_nodes, axis=-1)
 
         # summed from the largest load down
         integrals = np.cumsum(range_integrals[::-1], axis=0)[::-1]
@@ -402,8 +405,8 @@ class OppositeSlip(TiltedProfile):
         """
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
-        eta, weight = graded_nodes(least_load, np.full(np.shape(least_load), largest_load))
-        return np.asarray(-np.sum(weight * self.log_datum_ratio(eta), axis=-1))
+        eta, weights = graded_nodes(least_load, np.full(np.shape(least_load), largest_load))
+        return np.asarray(-np.sum(weights * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load, g the
@@ -416,5 +419,5 @@ class OppositeSlip(TiltedProfile):
         # `log_datum_ratio` of the same contact for U + kappa m_q
         rate = self._conjugate_contact.log_datum_ratio
         edge_load = load - slip_zone_load
-        eta, weight = crowded_nodes(edge_load, load)
-        return np.asarray(np.sum(weight * (rate(edge_load)[..., None] - rate(eta)), axis=-1))
+        eta, weights = crowded_nodes(edge_load, load)
+        return np.asarray(np.sum(weights * (rate(edge_load)[..., None] - rate(eta)), axis=-1))

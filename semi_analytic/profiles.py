@@ -260,7 +260,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
     coefficients_of_powers[2::2] = coefficients_of_squares
     # h as a polynomial of x, which is scaled to [-1, 1]; `deriv` gives its derivatives
-    height = Polynomial(coefficients_of_powers, domain=[-length, length])
+    height_polynomial = Polynomial(coefficients_of_powers, domain=[-length, length])
     # The rule averages over theta, x = m + c cos(theta). Its n equal steps, each with the weight
     # 1/n, are exact for polynomials of degree below 2 n.
     n_nodes = len(coefficients_of_squares) + 2
@@ -269,9 +269,9 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     return CurvedProfile(
         knots=np.zeros(0),
         typical_half_length=length,
-        height=height,
-        gradient=height.deriv(),
-        second_derivative=height.deriv(2),
+        height=height_polynomial,
+        gradient=height_polynomial.deriv(),
+        second_derivative=height_polynomial.deriv(2),
         rule=quadrature_rule,
     )
 
@@ -1061,10 +1061,10 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
     distances = np.square(roots)
     # P and dP/da/a as sums over the knots, each a flat punch with rounded edges
-    sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
+    knot_sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
     # at all half-widths knot + u^2, (intervals, nodes and ends) each
     load, stiffness_over_width = np.moveaxis(
-        _sums_over_all_knots(sums, knot_of_interval, distances), -1, 0
+        _sums_over_all_knots(knot_sums, knot_of_interval, distances), -1, 0
     )
     stiffness = stiffness_over_width * (knot_of_interval[:, None] + distances)
     # series without the ends

@@ -440,13 +440,13 @@ class PunchSuperposition:
             n_corners_between > 1, _CLOSE_SQUARE_SHARE_ACROSS_CORNERS, _CLOSE_SQUARE_SHARE
         )
         outer_square = np.square(outer_advance + self.least_half_width)
-        is_close = (inner_advance >= 0) & (
+        are_close = (inner_advance >= 0) & (
             difference_of_squares < largest_close_share * outer_square
         )
-        if np.any(is_close):
+        if np.any(are_close):
             # mean of dP/d(a^2) between the two
-            mean_rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
-            difference_of_squares[is_close] = load_between[is_close] / np.where(
+            mean_rate = self._mean_rate(inner_advance[are_close], outer_advance[are_close])
+            difference_of_squares[are_close] = load_between[are_close] / np.where(
                 mean_rate > 0, mean_rate, np.inf
             )
         return difference_of_squares
@@ -526,19 +526,17 @@ class PunchSuperposition:
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        all_loads, loads_above_stick = np.broadcast_arrays(
-            as_floats(load), as_floats(slip_zone_load)
-        )
-        is_by_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
+        loads, loads_above_stick = np.broadcast_arrays(as_floats(load), as_floats(slip_zone_load))
+        is_by_difference = self._is_exact_as_difference(loads, loads_above_stick)
         is_by_integral = ~is_by_difference & (loads_above_stick > 0)
-        kernel = np.zeros(all_loads.shape)
+        kernel = np.zeros(loads.shape)
         if np.any(is_by_difference):
             kernel[is_by_difference] = self._kernel_as_difference(
-                all_loads[is_by_difference], loads_above_stick[is_by_difference]
+                loads[is_by_difference], loads_above_stick[is_by_difference]
             )
         if np.any(is_by_integral):
             kernel[is_by_integral] = self._kernel_as_integral(
-                all_loads[is_by_integral], loads_above_stick[is_by_integral]
+                loads[is_by_integral], loads_above_stick[is_by_integral]
             )
         return kernel
 
@@ -562,8 +560,8 @@ class PunchSuperposition:
         next_corner_load = np.append(self._corner_loads, np.inf)[corner_below + 1]
         load_from_corner = stick_edge_load - self._corner_loads[corner_below]
         # _SHORT_LOAD_RANGE_SHARE: 0.3
-        is_short = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
-        suits_gauss_rule = is_short & (load <= next_corner_load)
+        is_short_range = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
+        suits_gauss_rule = is_short_range & (load <= next_corner_load)
         # P may hardly grow with a somewhere
         if self.half_width_may_be_steep:
             # twelve nodes would miss a half-width at which P hardly grows
@@ -846,12 +844,12 @@ class PunchSuperposition:
         ratio of advances. Where these are wider apart they are grouped into bands, each within that
         ratio, and integrated band by band.
         """
-        is_positive = advance > 0
-        if not np.any(is_positive) or not np.size(x):
+        has_contact = advance > 0
+        if not np.any(has_contact) or not np.size(x):
             zeros = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(advance)))
             return zeros, zeros
         largest_advance = float(np.max(advance))
-        least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
+        least_advance = float(np.min(advance, where=has_contact, initial=np.inf))
         # _advance_ratio_of_primitive: the ratio of advances that one primitive serves
         if largest_advance < least_advance * self._advance_ratio_of_primitive:
             return self._integral_and_error_in_band(kind, load_power, x, advance)
@@ -965,11 +963,11 @@ class PunchSuperposition:
         """
         # half-width a under the load, minus that without load
         advance = self.law.edge_advance(load)
-        is_inside = distance < self.least_half_width + advance
+        is_inside_contact = distance < self.least_half_width + advance
         pressure, error = self._integral_and_error(
-            "pressure", load_power, distance, np.where(is_inside, advance, 0.0)
+            "pressure", load_power, distance, np.where(is_inside_contact, advance, 0.0)
         )
-        pressure = np.where(is_inside & (advance > 0), pressure, 0.0)
+        pressure = np.where(is_inside_contact & (advance > 0), pressure, 0.0)
         if self._is_sharp_wedge and load_power == 0:
             with np.errstate(divide="ignore"):
                 pressure_at_tip = (
@@ -1373,12 +1371,12 @@ def _resolved_series(
             size_of_integral = np.maximum(size_of_integral, term_at_end)
         truncation_errors = last_coefficients * half_length
         # _NEGLIGIBLE_COEFFICIENT_SHARE: 4e-15
-        is_small = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
+        has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
         # _COEFFICIENT_RATIO_WITHOUT_GAIN: 0.9 of the coefficients before halving
-        is_round_off = (
+        has_roundoff_alone = (
             last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_before
         )
-        is_finished = is_small | is_round_off | (n_halvings == _MOST_HALVINGS)
+        is_finished = has_small_error | has_roundoff_alone | (n_halvings == _MOST_HALVINGS)
         # finished panels are set aside, the others halved
         series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
         finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))

@@ -113,11 +113,11 @@ def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     5.333333333333
     """
     # nodes t and weights on [0, 1]
-    t, weight = gauss_rule(24)
+    t, weights = gauss_rule(24)
     begin_column = np.asarray(begin, dtype=float)[..., None]
     range_column = np.asarray(end, dtype=float)[..., None] - begin_column
     return begin_column + range_column * (t * t * (3 - 2 * t)), range_column * (
-        weight * 6 * t * (1 - t)
+        weights * 6 * t * (1 - t)
     )
 
 

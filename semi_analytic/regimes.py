@@ -106,9 +106,9 @@ def fretting_map(
     factors = np.broadcast_arrays(
         np.array(real_numbers(stroke, "stroke")), np.array(real_numbers(normal_load, "normal_load"))
     )
-    for name, values in zip(("stroke", "normal_load"), factors, strict=True):
-        if not np.all(values > 0):
-            raise InputError(f"fretting_map: {name} has {values.min():.6g}: factors are above 0")
+    for name, factor in zip(("stroke", "normal_load"), factors, strict=True):
+        if not np.all(factor > 0):
+            raise InputError(f"fretting_map: {name} has {factor.min():.6g}: factors are above 0")
     # the normal contact and the compliance of contact, bodies and springs
     rig = rigged_scene(scene, checked_effects(effects))
     cycles = max(scene.cycles, 2)
@@ -122,7 +122,7 @@ def fretting_map(
 
     # follow each scaled path, up to its first steady cycle
     for index_in_map in np.ndindex(shape):
-        stroke_factor, load_factor = (float(values[index_in_map]) for values in factors)
+        stroke_factor, load_factor = (float(factor[index_in_map]) for factor in factors)
         scaled_rows = rows._replace(
             load_or_approach=load_factor * rows.load_or_approach,
             displacement=stroke_factor * rows.displacement,

@@ -220,8 +220,10 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
     # relative errors along curved pieces of the memory curve
     errors_of_arcs = {
-        name: largest_error(sums.arc_errors[name]) / size if size > _SMALLEST_FLOAT else 0.0
-        for name, size in largest_values.items()
+        name: largest_error(sums.arc_errors[name]) / largest_value
+        if largest_value > _SMALLEST_FLOAT
+        else 0.0
+        for name, largest_value in largest_values.items()
     }
     if contact.has_closed_form or isinstance(contact, TiltedProfile):
         return {name: error for name, error in errors_of_arcs.items() if error > PROMISED_ERROR}
@@ -271,17 +273,19 @@ def _error_beside_edges(
     the contact has the half-width a, `relative_roundoff` its relative error, and g is `stiffness`.
     The `half_widths` a (n,) may be NaN.
     """
-    a = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
+    half_width_of_edge = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
-    point_after = np.clip(np.searchsorted(x, a), 1, max(last_point, 1))
-    distance_before = np.abs(x[point_after - 1] - a)
-    distance_after = np.abs(x[np.minimum(point_after, last_point)] - a)
-    distance = np.maximum(np.minimum(distance_before, distance_after), nearest_share * a)
-    stiffness = contact.stiffness(a)
+    point_after = np.clip(np.searchsorted(x, half_width_of_edge), 1, max(last_point, 1))
+    distance_before = np.abs(x[point_after - 1] - half_width_of_edge)
+    distance_after = np.abs(x[np.minimum(point_after, last_point)] - half_width_of_edge)
+    distance = np.maximum(
+        np.minimum(distance_before, distance_after), nearest_share * half_width_of_edge
+    )
+    stiffness = contact.stiffness(half_width_of_edge)
     # of P(a) by round-off
-    error_of_load = contact.relative_roundoff * contact.load(a)
+    error_of_load = contact.relative_roundoff * contact.load(half_width_of_edge)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)
     # 40 last digits of a, and what the error of P makes of it
-    error_of_edge = _DIGITS_OF_EDGE * _EPS * a + error_of_load / positive_stiffness
+    error_of_edge = _DIGITS_OF_EDGE * _EPS * half_width_of_edge + error_of_load / positive_stiffness
     change_of_root = np.sqrt(distance + error_of_edge) - np.sqrt(distance)
-    return largest_error(stiffness / np.pi * np.sqrt(2 / a) * change_of_root)
+    return largest_error(stiffness / np.pi * np.sqrt(2 / half_width_of_edge) * change_of_root)

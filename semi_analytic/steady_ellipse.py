@@ -534,9 +534,9 @@ def _graded_piece_rule() -> PieceRule:
     turn, whose sum over an integrand is 0 but for the error.
     """
     # GRADED_RULE holds the nodes as distances from both ends
-    weight = graded_nodes(0.0, 1.0)[1]
-    error_check = weight.copy()
-    error_check[::2] -= 2 * weight[::2]
+    weights = graded_nodes(0.0, 1.0)[1]
+    error_check = weights.copy()
+    error_check[::2] -= 2 * weights[::2]
     is_in_lower_half = GRADED_RULE.distance_from_begin[:, None] < 0.5
     # from the nearer end, negative from the upper one
     distance_from_end = np.where(
@@ -544,7 +544,7 @@ def _graded_piece_rule() -> PieceRule:
         GRADED_RULE.distance_from_begin[:, None],
         -GRADED_RULE.distance_from_end[:, None],
     )
-    return PieceRule(distance_from_end, is_in_lower_half, weight, error_check[None])
+    return PieceRule(distance_from_end, is_in_lower_half, weights, error_check[None])
 
 
 def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
@@ -556,23 +556,23 @@ def _legendre_piece_rule(count: int, crowded_ends: int) -> PieceRule:
     (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     # nodes and weights (count,) on [0, 1]
-    node, unit_weights = gauss_rule(count)
+    nodes, unit_weights = gauss_rule(count)
     # the last three Legendre polynomials at the nodes, (3, count), times 2 k + 1 for the order k
     orders = np.arange(count - 3, count)
-    polynomials = legendre.legvander(2 * node - 1, count - 1)[:, orders].T
+    polynomials = legendre.legvander(2 * nodes - 1, count - 1)[:, orders].T
     coefficients_of_values = polynomials * (2 * orders[:, None] + 1)
     if crowded_ends == 0:
-        distance_from_end = node[:, None]
+        distance_from_end = nodes[:, None]
         starts_at_lower_end = np.array(True)
     elif crowded_ends == 1:
-        unit_weights = unit_weights * 2 * node
-        distance_from_end = node[:, None] ** 2
+        unit_weights = unit_weights * 2 * nodes
+        distance_from_end = nodes[:, None] ** 2
         starts_at_lower_end = np.array(True)
     else:
-        unit_weights = unit_weights * 6 * node * (1 - node)
-        t = np.minimum(node, 1 - node)  # from the nearer end
+        unit_weights = unit_weights * 6 * nodes * (1 - nodes)
+        t = np.minimum(nodes, 1 - nodes)  # from the nearer end
         crowded_distance = (t * t * (3 - 2 * t))[:, None]
-        starts_at_lower_end = node[:, None] < 0.5
+        starts_at_lower_end = nodes[:, None] < 0.5
         distance_from_end = np.where(starts_at_lower_end, crowded_distance, -crowded_distance)
     # distances, the end from which they count, weights, weights of the error checks
     return PieceRule(
@@ -638,12 +638,12 @@ class AnglePieces(NamedTuple):
 
     def halved(self) -> AnglePieces:
         """Both halves of each interval, side by side so that groups stay in order."""
-        middle = (self.begin_angle + self.end_angle) / 2
+        middle_angle = (self.begin_angle + self.end_angle) / 2
         return AnglePieces(
             group=np.repeat(self.group, 2),
             ellipse=np.repeat(self.ellipse, 2),
-            begin_angle=np.ravel([self.begin_angle, middle], order="F"),
-            end_angle=np.ravel([middle, self.end_angle], order="F"),
+            begin_angle=np.ravel([self.begin_angle, middle_angle], order="F"),
+            end_angle=np.ravel([middle_angle, self.end_angle], order="F"),
             rule_number=np.repeat(self.rule_number, 2),
         )
 
