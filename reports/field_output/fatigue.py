@@ -67,11 +67,13 @@ class Criteria:
 
 
 def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
-    """A table of fatigue measures of the last cycle beside the contact, in both bodies, by theory
-    and finite elements; one row for each place.
+    """A table of fatigue measures of the last cycle at places beside the contact in both bodies, by
+    half-plane theory and by finite elements; one row for each place.
 
     Columns: body; x in theory and x in finite elements [length]; y, positive out of the lower body,
-    0 for averages over depth [length]; each measure by both engines.
+    0 for averages over depth [length]; each measure, which is a stress or a strain of the whole
+    cycle, by both engines (`ENGINES`). `criteria` has the constants of the measures, and the
+    critical distance, a depth over which the stress is averaged; points are taken if it is None.
 
     Both engines are evaluated at the same places relative to their own contact at the instant of
     the largest tension. So the contact edges, where stress has an infinite slope, are among the
@@ -89,31 +91,38 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     import semi_analytic
     from halfplane_fe.body_fields import why_tension_is_unknown
 
+    # the largest tension s_xx of the cycle beside an edge of contact: its time, and both edges then
     edge_tension = halfplane_fe.largest_edge_tension(solution)
     if edge_tension is None:
         reason = why_tension_is_unknown(solution) or "nothing touches in the last cycle"
         raise InputError(f"--fatigue: no stress is known beside the contact: {reason}")
+
+    # half-plane theory at instants of the cycle, and the contact of both engines at that time
     times = np.unique([*_times_of_cycle(solution), edge_tension.time])
-    reference = semi_analytic.solve(
+    theory = semi_analytic.solve(
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
     )
-    theory_edges = reference.contact_edges[np.searchsorted(times, edge_tension.time)]
+    theory_edges = theory.contact_edges[np.searchsorted(times, edge_tension.time)]
     edges_of_engines = np.array([theory_edges, edge_tension.edges])  # a row for each engine
     centres = edges_of_engines.mean(axis=1)
     half_widths = (edges_of_engines[:, 1] - edges_of_engines[:, 0]) / 2
-    # with a critical distance stress is averaged over depth, by these weights
+
+    # places, the same in each contact; with a critical distance stress is averaged over depth, by
+    # these weights
     depths, weights = _depths_and_weights(criteria, half_widths[0])
     depth, x_over_half_width = (
         axis.ravel() for axis in np.meshgrid(depths, _PLACES_OVER_HALF_WIDTH, indexing="ij")
     )
     x_theory, x_elements = centres[:, None] + half_widths[:, None] * x_over_half_width
+
+    # a table for each body; stresses of both engines are (n_instants, n_points, 4)
     tables = []
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
         y = -depth if body == "lower" else depth
         material = getattr(solution.scene.material, body)
         stresses = [
-            semi_analytic.stress(reference, x_theory, y, times, body=body),
+            semi_analytic.stress(theory, x_theory, y, times, body=body),
             halfplane_fe.stress(solution, x_elements, y, times, body=body),
         ]
         is_known = ~np.isnan(stresses[1]).any(axis=(1, 2))  # (n_instants,)
@@ -123,6 +132,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
             places = _PLACES_OVER_HALF_WIDTH
             y = np.zeros(len(_PLACES_OVER_HALF_WIDTH))
+        # for each engine, name of a measure -> its value at each place
         measures_by_engine = [
             measures(stress, criteria, material.young_modulus, material.poisson_ratio)
             for stress in stresses
@@ -142,20 +152,26 @@ def _times_of_cycle(solution: FiniteElementSolution) -> Array:
     """Times of the last cycle of a solution at which stress is evaluated: evenly chosen ones, and
     those at which P or Q is largest or least.
     """
-    cycle = np.asarray(solution.last_cycle)
-    even_steps = np.linspace(0, len(cycle) - 1, min(_MOST_INSTANTS, len(cycle))).round().astype(int)
-    turning_steps = []
-    for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
-        turning_steps += [int(load.argmax()), int(load.argmin())]
-    return np.asarray(solution.time[cycle[np.unique([*even_steps, *turning_steps])]])
+    # indices of the cycle's instants in the solution; those chosen are indices into them
+    cycle_indices = np.asarray(solution.last_cycle)
+    n_even = min(_MOST_INSTANTS, len(cycle_indices))
+    even_indices = np.linspace(0, len(cycle_indices) - 1, n_even).round().astype(int)
+    turning_indices = []
+    for load in (solution.normal_load[cycle_indices], solution.tangential_load[cycle_indices]):
+        turning_indices += [int(load.argmax()), int(load.argmin())]
+    chosen_indices = np.unique([*even_indices, *turning_indices])
+    return np.asarray(solution.time[cycle_indices[chosen_indices]])
 
 
 def _depths_and_weights(criteria: Criteria, half_width: float) -> tuple[Array, Array | None]:
-    """Depths below the face [length], and the weights of an average over them; None for points."""
+    """Depths below the face [length] at which stress is evaluated, and the weights of its average
+    over them; None where there is no critical distance, over which it would be averaged.
+    `half_width` is that of the contact.
+    """
     if criteria.critical_distance is None:
         return half_width * _DEPTHS_OVER_HALF_WIDTH, None
-    node, weight = np.polynomial.legendre.leggauss(_N_POINTS_OVER_DEPTH)
-    return criteria.critical_distance * (1 + node) / 2, weight / 2
+    nodes, weights = np.polynomial.legendre.leggauss(_N_POINTS_OVER_DEPTH)
+    return criteria.critical_distance * (1 + nodes) / 2, weights / 2
 
 
 def _averaged_over_depth(stress: Array, weights: Array) -> Array:
@@ -165,11 +181,15 @@ def _averaged_over_depth(stress: Array, weights: Array) -> Array:
 
 
 def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """The largest values in a table of `survey`: for each body and measure a dict with the largest
-    value and its place, by both engines.
+    """The largest values in a table of fatigue measures: for each body and measure a dict with the
+    largest value and its place, by half-plane theory and by finite elements (`ENGINES`).
+
+    The table has a row for each place, with the columns "body", "y", and "MEASURE, ENGINE" for each
+    measure and for x.
     """
     largest_values = []
     for body, rows_of_body in table.groupby("body", sort=False):
+        # those of the first engine name all measures
         first_columns = (column for column in table.columns if column.endswith(f", {ENGINES[0]}"))
         for measure in (column.removesuffix(f", {ENGINES[0]}") for column in first_columns):
             if measure == "x":
@@ -189,8 +209,8 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
 def measures(
     stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float
 ) -> dict[str, Array]:
-    """Fatigue measures of a cycle of stress: name in words -> (n_points,) [stress], for Fatemi and
-    Socie a strain.
+    """Fatigue measures of a cycle of stress, at each point: name in words -> (n_points,) [stress],
+    for Fatemi and Socie a strain.
 
     Largest values through the cycle: principal stress; shear stress (s_1 − s_3)/2; von Mises stress
     of the difference of two instants.
@@ -230,6 +250,7 @@ def measures(
     >>> round(float(values["Findley"][0]), 9), round(float(values["Fatemi-Socie"][0]), 12)
     (25.0, 0.000325)
     """
+    # of the stress itself, without planes: principal stresses in descending order
     s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     principal_stress = principal(stress)
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
@@ -240,6 +261,8 @@ def measures(
         "range of von Mises stress": _von_mises_range(stress),
         "Smith-Watson-Topper": np.zeros(stress.shape[1]),
     }
+
+    # on planes whose normals have these angles from x (_N_PLANES: 180)
     for angle in np.pi * np.arange(_N_PLANES) / _N_PLANES:
         cosine = np.cos(2 * angle)
         sine = np.sin(2 * angle)
@@ -250,6 +273,8 @@ def measures(
         stress_along_plane = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
         shear_amplitude = np.ptp(stress_along_plane, axis=0) / 2
         largest_normal_stress = normal_stress.max(axis=0)
+
+        # the measures on this plane, and their largest values so far
         measures_on_plane = {
             "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2
         }
@@ -263,6 +288,8 @@ def measures(
             measures_on_plane["Findley"] = shear_amplitude + k * largest_normal_stress
         for name, value in measures_on_plane.items():
             largest_values[name] = np.maximum(value, largest_values.get(name, value))
+
+    # by the path of the stress deviator
     amplitude, hydrostatic_stress = _crossland_measures(stress)
     largest_values["Crossland, amplitude of sqrt(J2)"] = amplitude
     largest_values["Crossland, largest hydrostatic stress"] = hydrostatic_stress
@@ -283,6 +310,7 @@ def _crossland_measures(stress: Array) -> tuple[Array, Array]:
     # difference
     path = np.stack([(s_xx - s_yy) / 2, s_xy, (s_zz - mean_stress) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
+    # _N_STEPS_TO_CENTRE: 1000
     for step in range(_N_STEPS_TO_CENTRE):
         farthest_instants = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
         farthest_points = path[farthest_instants, np.arange(path.shape[1])]
@@ -292,7 +320,9 @@ def _crossland_measures(stress: Array) -> tuple[Array, Array]:
 
 
 def _von_mises_range(stress: Array) -> Array:
-    """Largest von Mises stress of the difference of two instants, at each point."""
+    """Largest von Mises stress, (n_points,), of the difference between the stresses of any two
+    instants, from `stress` (n_instants, n_points, 4).
+    """
     largest_range = np.zeros(stress.shape[1])
     for stress_at_instant in stress:
         xx, yy, xy, zz = np.moveaxis(stress - stress_at_instant, -1, 0)
@@ -302,7 +332,8 @@ def _von_mises_range(stress: Array) -> Array:
 
 
 def principal(stress: Array) -> Array:
-    """Principal stresses in descending order, (..., 3) from (..., 4).
+    """Principal stresses in descending order, (..., 3), from s_xx, s_yy, s_xy, s_zz (..., 4) in
+    plane strain.
 
     >>> principal(np.array([3.0, 1.0, 0.0, 2.0])).tolist()
     [3.0, 2.0, 1.0]

@@ -43,8 +43,9 @@ class Instant:
 
 
 def instant_of(text: str, option: str, start: float, end: float) -> float:
-    """The time that was given on the command line as `text`. InputError, naming the `option`, where
-    it is no number or lies outside the path from `start` to `end`.
+    """The time of the load path that was given on the command line as `text`. InputError, naming
+    the `option`, where it is no number or lies outside the path, whose times go from `start` to
+    `end`.
     """
     try:
         time = float(text)
@@ -64,13 +65,13 @@ def instants_of(
     texts: Sequence[str], solution: ContactSolution, option: str
 ) -> tuple[Instant, ...]:
     """Instants of a solution that the user asked for on the command line, in order of time, each
-    with a label.
+    with a label that says what happens there.
 
     Parameters
     ----------
     texts
-        each a time, or the word "events". That stands for the instants that the page names
-        (largest P, ...), except those without load
+        each a time, or the word "events". That stands for at most six instants of the last cycle
+        that the page shows (largest P, ...), except those without load
     option
         name of the option, for messages
 
@@ -83,6 +84,7 @@ def instants_of(
     label_at: dict[float, str] = {}
     for text in texts:
         if text == "events":
+            # instants and loads of the cycle; no event lies before the first row of a load table
             cycle = last_cycle(solution)
             for event in events(
                 cycle,
@@ -98,7 +100,9 @@ def instants_of(
 
 
 def require_series(every: int | None, frames: int | None) -> None:
-    """InputError for both at once, and for counts that make no series."""
+    """InputError where the options --every (each n-th stored instant) and --frames (number of
+    instants) are given both, or make no series of instants.
+    """
     if every is not None and frames is not None:
         raise InputError(
             "--every and --frames: both say how many instants of the cycle there are; leave one of"
@@ -113,11 +117,11 @@ def require_series(every: int | None, frames: int | None) -> None:
 def series_of(
     solution: ContactSolution, every: int | None, frames: int | None
 ) -> tuple[tuple[Instant, ...], list[str]]:
-    """Stored instants of the last whole cycle (of the whole path, where it does not repeat) for a
-    film, in order of time, and notes.
+    """Stored instants of a solution for a film, in order of time, and notes for the user: of the
+    last whole cycle, or of the whole path where it does not repeat.
 
     One of `every` and `frames` is None. The end of a cycle that repeats is left out, since it is
-    its start.
+    its start. The label of an instant is its number, as in "3 of 24".
 
     Parameters
     ----------
@@ -129,11 +133,13 @@ def series_of(
     """
     require_series(every, frames)
     repeats = solution.scene.load.path().period is not None
-    indices = solution.last_cycle
+    indices = solution.last_cycle  # of the stored instants
     start = solution.time[indices[0]]
     end = solution.time[indices[-1]]
     if repeats:
         indices = indices[:-1]
+
+    # choose
     notes = []
     if frames is not None:
         frame_times = np.linspace(start, end, frames, endpoint=not repeats)
@@ -146,6 +152,7 @@ def series_of(
             )
     else:
         indices = indices[::every]
+
     instants = tuple(
         Instant(float(solution.time[index]), f"{number} of {len(indices)}")
         for number, index in enumerate(indices, start=1)
@@ -156,7 +163,9 @@ def series_of(
 def snapshots_of(
     solution: FiniteElementSolution, instants: Sequence[Instant]
 ) -> Generator[Snapshot, None, None]:
-    """Snapshots at `instants`, so many at once as memory is for."""
+    """Fields of both bodies at each of the `instants`, one after the other. They are computed for
+    64 instants at once (`_SNAPSHOTS_AT_ONCE`), which bounds the memory.
+    """
     import halfplane_fe
 
     for first_instant in range(0, len(instants), _SNAPSHOTS_AT_ONCE):
@@ -170,7 +179,9 @@ def snapshots_of(
 
 
 def with_bodies(solution: ContactSolution, option: str) -> FiniteElementSolution:
-    """`solution` as one that has bodies; InputError where it has none."""
+    """`solution` as a finite-element one, which has bodies; InputError, naming the `option`, where
+    it has none.
+    """
     import halfplane_fe
 
     if not isinstance(solution, halfplane_fe.FiniteElementSolution):
@@ -196,8 +207,12 @@ def write_fields(
 
     Parameters
     ----------
+    solution
+        has the tractions, slip and state of the contact line at all stored instants, and the meshes
+        of both bodies, the lower one first
     snapshots
-        displacement and stress of both bodies at each instant
+        fields of both bodies, the lower one first, at an instant each: name, points, cells (nodes
+        of each element), displacement and stress at the nodes
     folder
         made if it does not exist
     report
@@ -208,6 +223,8 @@ def write_fields(
     import meshes
 
     folder.mkdir(exist_ok=True)
+
+    # the contact line: nodes of the lower body from left to right, and pairs of neighbours
     nodes_of_line = contact_line(solution.bodies[0])
     cells_of_line = np.column_stack(
         [np.arange(len(nodes_of_line) - 1), np.arange(1, len(nodes_of_line))]
@@ -215,9 +232,11 @@ def write_fields(
     entries = []
     for number, snapshot in enumerate(snapshots):
         report(number, total, f"time {snapshot.time:.6g}")
-        step = int(np.argmin(np.abs(solution.time - snapshot.time)))
+        instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
         # name, points, cells and nodal values of the bodies and of the contact line
         parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
+
+        # both bodies
         for body in snapshot.bodies:
             s_xx, s_yy, s_xy, s_zz = body.stress.T
             tensor = np.column_stack(
@@ -229,16 +248,20 @@ def write_fields(
                 "von_mises": body.von_mises,
             }
             parts.append((body.name, body.points, body.cells, nodal_values))
+
+        # the contact line
         lower_fields = snapshot.bodies[0]
         values_on_line = {
-            "pressure": solution.pressure[step],
-            "shear": solution.shear[step],
-            "slip": solution.slip[step],
-            "state": solution.state[step].astype(np.int32),
+            "pressure": solution.pressure[instant_index],
+            "shear": solution.shear[instant_index],
+            "slip": solution.slip[instant_index],
+            "state": solution.state[instant_index].astype(np.int32),
             "displacement": lower_fields.displacement[nodes_of_line],
         }
         points_of_line = lower_fields.points[nodes_of_line]
         parts.append(("contact", points_of_line, cells_of_line, values_on_line))
+
+        # a file each, with an entry of the collection
         for part_number, (part_name, points, cells, values_of_part) in enumerate(parts):
             file_name = f"{part_name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file_name, points, cells, values_of_part)
@@ -250,8 +273,12 @@ def write_fields(
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
     """Nodes of a body's contact face, or of the named `boundaries`, from left to right, as indices
     into the points of the body's fields. Nodes in the middle of element sides are among them.
+
+    The mesh (of scikit-fem) has places of nodes `p` (2, n), corner nodes of all element sides
+    `facets` (2, k), and indices of the facets on each boundary.
     """
     skfem_mesh = mesh.mesh
+    # indices of the facets on these boundaries
     facets = np.concatenate(
         [skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries]
     )
@@ -268,11 +295,12 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
 def peak(
     snapshot: Snapshot, stress_of: Callable[[BodyFields], Array] = lambda body: body.von_mises
 ) -> dict[str, Any]:
-    """The largest nodal value of a stress in both bodies [stress], with its body and its place in
-    the undeformed body [length]. It depends on the mesh: at an edge of contact the stress may be
-    infinite.
+    """The largest nodal value of a stress in both bodies [stress], with the name of its body and
+    its place in the undeformed body [length], by name. It depends on the mesh: at an edge of
+    contact the stress may be infinite.
 
-    `stress_of` returns the stress at each node of a body, (n_nodes,): von Mises' stress by default.
+    `snapshot.bodies` are the fields of both bodies at an instant. `stress_of` returns the stress at
+    each node of a body, (n_nodes,): von Mises' stress by default.
     """
     body = max(snapshot.bodies, key=lambda body: float(stress_of(body).max()))
     values = stress_of(body)
@@ -290,9 +318,13 @@ def tension(body: BodyFields) -> Array:
 
 
 def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
-    """The largest tension along the faces of both bodies at the edges of contact, at the instant of
-    `snapshot`: its value and uncertainty [stress], its body and its place x [length]. None out of
+    """The largest tension along the faces of both bodies at the edges of contact, at one instant:
+    its value and uncertainty [stress], its body and its place x [length], by name. None out of
     contact, and where the tension of one body is not known.
+
+    Of a body in `snapshot`, `edges` has x of the left and right edge of contact, NaN out of
+    contact, `edge_tension` and its uncertainty the stress along the face there, NaN where it is not
+    known.
     """
     if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
         return None
@@ -300,17 +332,25 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
     for body in snapshot.bodies:
         edges = zip(body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True)
         tensions += [
-            {"value": float(value), "uncertainty": float(error), "body": body.name, "x": float(x)}
-            for value, error, x in edges
+            {
+                "value": float(value),
+                "uncertainty": float(uncertainty),
+                "body": body.name,
+                "x": float(x),
+            }
+            for value, uncertainty, x in edges
             if np.isfinite(x)
         ]
     return max(tensions, key=lambda tension: tension["value"], default=None)
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
-    """Values at an instant whose fields were written (`snapshot`), for fields.json and the
-    terminal: time, loads [force / thickness], largest nodal stresses [stress], and tension at the
-    edges of contact [stress].
+    """Values at an instant whose fields of both bodies were written (`snapshot`), by name, for
+    fields.json and the terminal: time, loads [force / thickness], largest nodal stresses [stress],
+    and the largest tension at the edges of contact [stress].
+
+    `instant` is that which was asked for; the time of the snapshot is the nearest one that is
+    stored.
     """
     return {
         "asked": instant.time,
@@ -325,8 +365,9 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
 
 
 def record(solution: FiniteElementSolution, **command_content: Any) -> dict[str, Any]:
-    """The content of fields.json: meaning of the fields, bodies, settings, scene and convergence of
-    the solution. `command_content` holds further entries, those of the command.
+    """The content of fields.json, the file beside written fields: meaning of the fields, supports
+    and mesh quality of both bodies, settings, scene and convergence of the solution.
+    `command_content` holds further entries, those of the command.
     """
     scene = solution.scene
     return {

@@ -44,6 +44,7 @@ Indices = NDArray[np.int64]
 Window = tuple[float, float, float, float]
 """The part of the plane that a picture shows: left, right, bottom, top [length]."""
 
+# Boundaries of a meshed body, by their names in the mesh.
 BOUNDARIES = ("contact", "free", "sides", "base", "far_field")
 # Decades below the largest stress that the colours of whole bodies span: stress falls as 1/r away
 # from the contact.
@@ -64,8 +65,9 @@ class Skin:
     opacity_of_lines: float = 0.0  # of the lines between elements; 0: no lines
 
     def grid(self) -> Any:
-        """The mesh with its values as pyvista.UnstructuredGrid. Its elements have 3, 4, 6 or 9
-        nodes in the order of VTK.
+        """The mesh with its nodal values as a grid of pyvista, to be rendered. Its elements have 3,
+        4, 6 or 9 nodes in the order of VTK. `points` (n, 2) are the nodes, `cells` the nodes of
+        each element, (n_cells, nodes per cell).
         """
         import pyvista
         from pyvista import CellType
@@ -105,7 +107,9 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
     Parameters
     ----------
     skins
-        the meshes with their colours; a mesh is drawn over those before it
+        the meshes, each with a value at its nodes, the scale of colours of these values, the
+        values at its ends (`limits`), and how opaque the lines between elements are (0: none); a
+        mesh is drawn over those before it
     width
         of the picture [pixels]
 
@@ -124,6 +128,7 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
             f"pictures can't be drawn: {reason}; `halfplane doctor` says what is missing"
         ) from reason
 
+    # a square pixel; colours without light and shadow
     left_x, right_x, bottom_y, top_y = window
     window_height = top_y - bottom_y
     pixel_height = max(round(width * window_height / (right_x - left_x)), 2)
@@ -154,6 +159,8 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
                     opacity=skin.opacity_of_lines,
                     lighting=False,
                 )
+
+        # the camera looks straight at the middle of the window, without perspective
         x = (left_x + right_x) / 2
         y = (bottom_y + top_y) / 2
         camera = plotter.camera
@@ -181,11 +188,13 @@ def rendered(
 
     Parameters
     ----------
+    name
+        of the panel, used once on a page
     window
         left, right, bottom and top of the part of the plane that is shown [length]. It is widened
         to the shape of the panel, since a unit has the same length along both axes
     skins
-        the meshes with their colours
+        the meshes with the values that colour them
     pixels
         width of the picture [pixels]
     words
@@ -193,7 +202,7 @@ def rendered(
     marks_over
         marks that are drawn over the picture
     size
-        width and height of the panel
+        width and height of the panel [units of the drawing]
     """
     left_x, right_x, bottom_y, top_y = window
     x_axis = Axis(left_x, right_x, f"x  [{words.length_unit}]")
@@ -212,6 +221,7 @@ def rendered(
         notes=[words.note] if words.note else [],
         has_equal_scales=True,
     )
+    # the part of the plane that the panel shows, with its equal scales
     x_scale = panel.frame.x
     y_scale = panel.frame.y
     drawn_window = (x_scale.low, x_scale.high, y_scale.low, y_scale.high)
@@ -227,11 +237,16 @@ def mesh(
     *,
     with_boundaries: bool = False,
 ) -> Plate:
-    """A figure of the meshes of both bodies in three panels: whole bodies, the contact, and an edge
-    of the contact. y points out of the lower body.
+    """A figure of the finite-element meshes of both bodies in three panels: whole bodies, the
+    contact, and an edge of the contact. y points out of the lower body. The figure's table has
+    measures of the quality of both meshes.
 
     Parameters
     ----------
+    bodies
+        the lower and the upper body, each meshed in its own frame with y out of the body:
+        `mesh` has the places of its nodes `p` (2, n) and both nodes of each element side, `facets`
+        (2, k); `quality` has measures of the mesh by name
     half_width
         a_ref, the unit of both axes [length]
     contact_edge
@@ -240,6 +255,7 @@ def mesh(
         whether boundaries, such as contact and base, are drawn in colours and explained in the
         legend
     """
+    # sides of the elements in the common frame, the upper body turned over, and quality
     placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
     sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
     quality: dict[str, float] = {}
@@ -247,6 +263,8 @@ def mesh(
         ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
         sides[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
         quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
+
+    # the three views
     points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides.values()])
     least_corner = points.min(axis=0)
     largest_corner = points.max(axis=0)
@@ -261,11 +279,15 @@ def mesh(
         ("at the contact", np.zeros(2), 1.35 * max(edge_over_a, 1.0)),
         ("at the contact's edge", np.array([edge_over_a, 0.0]), 0.06),
     )
+
+    # the legend, and the boundaries
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     if with_boundaries:
         boundaries, keys_of_boundaries = _marks_of_boundaries(bodies, half_width)
         keys += keys_of_boundaries
+
+    # a panel for each view; the boundaries are drawn on the first
     panels = []
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
         left_x, bottom_y = (centre - half_size).tolist()
@@ -312,7 +334,9 @@ def _sides_of_boundary(body: BodyMesh, name: str, sign_of_y: float) -> Array:
 
 
 def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
-    """The supports of one boundary of both bodies, in brackets; empty for a free boundary."""
+    """How one boundary of both bodies is supported, in brackets; "" for a free boundary. A body's
+    `supports` has the kind of support by the name of the boundary.
+    """
     if boundary == "contact":
         return " (may touch)"
     if boundary == "free":
@@ -326,10 +350,11 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
 def _marks_of_boundaries(
     bodies: Sequence[BodyMesh], half_width: float
 ) -> tuple[list[Mark], list[Key]]:
-    """Marks for the boundaries of two meshed bodies, such as contact and base, each in its colour
-    and with places over a_ref = `half_width` [length]; and their entries in the legend, with
-    supports.
+    """Marks for the boundaries of two meshed bodies (lower, upper), such as contact and base, each
+    in its colour and with places over a_ref = `half_width` [length]; and their entries in the
+    legend, which name the supports.
     """
+    # BOUNDARIES: their names in a mesh; the upper body is turned over
     marks: list[Mark] = []
     keys = []
     for boundary in BOUNDARIES:
@@ -349,6 +374,10 @@ def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
     """Two numbers that all pictures of a run share: the largest nodal von Mises stress [stress], at
     the end of the scale of colours; and the factor by which displacements are magnified in pictures
     of whole bodies.
+
+    The factor is 1, 2 or 5 times a power of ten, with which the largest displacement is at most
+    0.06 of the size of the bodies (`_SHOWN_DISPLACEMENT`); 1 where nothing moves. `snapshots` are
+    the fields of both bodies, at an instant each.
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
@@ -371,20 +400,28 @@ def stress(
     pixels: int = 560,
 ) -> Plate:
     """A figure of von Mises' stress at some instants: both bodies, drawn apart and deformed; and
-    the contact to true scale, with its mesh.
+    the contact to true scale, with its mesh. Its table has the largest nodal stress of each
+    instant.
 
     Parameters
     ----------
     snapshots
-        displacement and stress of both bodies at each of the `instants`
+        displacement and stress of both bodies at each of the `instants`, which have a time and a
+        label
     scales
-        largest stress of the scale of colours, and factor of the displacements: see `scales_of`
+        largest stress of the scale of colours [stress], and factor by which displacements are
+        magnified in pictures of whole bodies
+    name
+        of the figure, and begin of the names of its panels
     pixels
         width of each picture [pixels]
     """
     _, length_unit, stress_unit = units(solution.scene)
+    # largest nodal von Mises stress of each instant, with its body and place
     peaks = [peak(snapshot) for snapshot in snapshots]
     largest_stress, _ = scales
+
+    # two cells of the figure, which are panels one under the other, for each instant
     cells: list[Cell] = []
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
         whole_name = f"{name}-{instant_number}-whole"
@@ -428,19 +465,28 @@ def _cell_of_whole_bodies(
 
     Parameters
     ----------
+    solution
+        has the meshes of both bodies, in the order of those in `snapshot`
     snapshot
-        displacement and stress of both bodies
+        fields of both bodies at the instant: name, points and cells (nodes of each element),
+        displacement and von Mises' stress at the nodes
     label
         name of the instant
     scales
-        largest stress of the scale of colours, and factor by which displacements are magnified
+        largest stress of the scale of colours [stress], and factor by which displacements are
+        magnified
+    name
+        of the panel, and begin of the name of that of the colours
     pixels
         width of the picture [pixels]
     """
+    # ends of the scale of colours; _DECADES_OF_COLOURS: 2.5
     largest_stress, factor = scales
     _, length_unit, stress_unit = units(solution.scene)
     least_stress = largest_stress * 10**-_DECADES_OF_COLOURS
     limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
+
+    # coloured meshes of the deformed bodies, and outlines; _SHOWN_DISPLACEMENT: 0.06
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
     skins = []
     outlines = []  # (n, 2, 2) ends of the sides of each boundary
@@ -456,6 +502,8 @@ def _cell_of_whole_bodies(
             _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
             for boundary in body_mesh.mesh.boundaries
         ]
+
+    # the part of the plane that holds both, with a margin
     points = np.concatenate(
         [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in outlines)]
     )
@@ -464,6 +512,8 @@ def _cell_of_whole_bodies(
     margin = 0.04 * (largest_corner - least_corner)
     left_x, bottom_y = (least_corner - margin).tolist()
     right_x, top_y = (largest_corner + margin).tolist()
+
+    # the panel with its words, and the colours
     loads_in_words = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
@@ -485,8 +535,8 @@ def _cell_of_whole_bodies(
 
 
 def outermost(solution: FiniteElementSolution) -> float:
-    """Half-width of the largest contact; of one that tilt moves, the largest |x| of its edges
-    [length].
+    """Half-width of the largest contact of a solution [length]; of a contact that tilt moves, the
+    largest |x| of its edges.
     """
     if solution.tilt is None:
         return float(np.nanmax(solution.contact_half_width))
@@ -505,15 +555,22 @@ def _cell_of_contact(
 
     Parameters
     ----------
+    solution
+        has the states of the contact points at all stored instants
     snapshot
-        displacement and stress of both bodies
+        fields of both bodies at the instant: name, points and cells (nodes of each element),
+        displacement and von Mises' stress at the nodes
     largest_stress
         at the end of the scale of colours [stress]
+    name
+        begin of the names of the panels
     pixels
         width of the picture [pixels]
     """
     _, length_unit, stress_unit = units(solution.scene)
-    half_size = 1.75 * outermost(solution)
+    half_size = 1.75 * outermost(solution)  # of the square that is shown
+
+    # the picture: coloured meshes of the deformed bodies
     skins = []
     for body in snapshot.bodies:
         # faces that are flat in the mesh are moved apart by the gap, which is drawn as well
@@ -521,16 +578,19 @@ def _cell_of_contact(
         points = body.points + body.displacement + lift_by_gap
         limits = (0.0, largest_stress)
         skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
-    peak_value = peak(snapshot)
+    largest_nodal = peak(snapshot)  # value and body
     note = minus(
-        f"largest nodal value {peak_value['value']:.4g} {stress_unit}, {peak_value['body']} body"
+        f"largest nodal value {largest_nodal['value']:.4g} {stress_unit},"
+        f" {largest_nodal['body']} body"
     )
     panel_words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
     panel = rendered(f"{name}-contact", window, skins, pixels, panel_words)
-    step = int(np.argmin(np.abs(solution.time - snapshot.time)))
+
+    # a strip with the states, and the colours
+    instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
     marks = [
-        *state_blocks(solution, step, half_size, 0.0, 1.0),
+        *state_blocks(solution, instant_index, half_size, 0.0, 1.0),
         Block((-half_size, half_size), (0.0, 1.0), "outline"),
     ]
     strip = Panel(
@@ -552,8 +612,9 @@ def _cell_of_contact(
 
 
 def gap_share(solution: FiniteElementSolution, body: BodyFields) -> Array:
-    """(n,) rise of the nodes of flat faces whose gap is the profile: h(x) on the upper body, else 0
-    [length].
+    """By how much each node of a body is raised in pictures, (n,) [length]: by the gap h(x) of the
+    scene's profile on the upper body, whose face is flat in the mesh; 0 on the lower body, and
+    where the faces have their true shape in the mesh.
     """
     if body.name == "lower" or solution.scene.bodies.faces_are_true:
         return np.zeros(len(body.points))
@@ -568,20 +629,24 @@ def state_blocks(
     upper_y: float,
 ) -> list[Block]:
     """Rectangles that show the state (open, stick, slip) of the contact points along x at one
-    stored instant, for |x| up to `half_length`. Neighbouring points of one state share a rectangle.
-    In y all rectangles go from `lower_y` to `upper_y`.
+    stored instant, the one of index `step`, for |x| up to `half_length` [length]. Neighbouring
+    points of one state share a rectangle. In y all rectangles go from `lower_y` to `upper_y`.
+
+    The solution's `x` are the contact points (n,), ascending; `state` (n_instants, n) is a number
+    from 0 to 3 each.
     """
     is_drawn = np.abs(solution.x) <= half_length
     x = solution.x[is_drawn]
     states = solution.state[step][is_drawn]
     # a rectangle ends in the middle between two points of different state
-    limits = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
-    first_points = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
+    borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
+    # index of the first point of each rectangle, and the end of all
+    first_indices = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [
         Block(
-            (float(limits[first_point]), float(limits[next_first_point])),
+            (float(borders[first_index]), float(borders[next_first_index])),
             (lower_y, upper_y),
-            f"state-{states[first_point]}",
+            f"state-{states[first_index]}",
         )
-        for first_point, next_first_point in itertools.pairwise(first_points)
+        for first_index, next_first_index in itertools.pairwise(first_indices)
     ]
