@@ -105,6 +105,7 @@ def read_field_report(
         One sentence with file, line, value and rule: for values that are not nodal, no places,
         several surfaces in contact.
     """
+    # InputError for a file that is too large or can't be read
     require_readable_size(
         path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )
@@ -270,6 +271,7 @@ def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:
     is_on_surface = (rows["pressure"] != 0).groupby(level=0).transform("any")
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     if "y" in rows:
+        # a millionth of the extent in x, plus 1e-9
         tolerance = _LEAST_TOLERANCE_OF_FLATNESS + _RELATIVE_TOLERANCE_OF_FLATNESS * np.ptp(
             rows["x"]
         )

@@ -231,7 +231,8 @@ def _face_by_stress(
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
     height = mesh.points[:, 1] - y_of_face
-    # material_heights: negative at the top face of the lower body
+    # within a millionth of the mesh's longest side; material_heights: negative at the top face of
+    # the lower body
     is_on_face = (np.abs(height) <= SAME_PLACE_SHARE * longest_side(mesh.points)) & (
         mesh.material_heights < 0
     )
@@ -273,6 +274,7 @@ def _face_by_contact(
     # material_heights: how far the material lies above each node
     body = _body_of_face(mesh.path, mesh.material_heights[touching_rows])
     face_rows, face_notes = _nodes_of_face(mesh, touching_rows)
+    # quantities: pressure, shear, slip
     factors = {
         quantity: _factor_with_sign(mapping, quantity, body)
         for quantity in _COMPONENT_BY_QUANTITY["CONTACT"]
@@ -468,6 +470,7 @@ def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integer
     the bodies apart.
     """
     height = mesh.points[:, 1]
+    # a millionth of the mesh's longest side
     tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
     if np.ptp(height[touching_rows]) > tolerance:
         return touching_rows, [

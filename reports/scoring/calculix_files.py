@@ -244,6 +244,7 @@ class _Lines(Iterator[str]):
         format_number = self.whole_number(
             header[73:].strip()[:1] or "1", "the form of the block (0 or 1)", header_line
         )
+        # forms whose node numbers have 5 characters (0) or 10 (1)
         if format_number not in _CHARACTERS_OF_LABEL:
             raise InputError(
                 f"{self.path}: line {header_line}: the file is binary (form {format_number}), and"
@@ -278,6 +279,7 @@ class _Lines(Iterator[str]):
         InputError where a number comes twice.
         """
         header_line = self.line_number
+        # characters of a node's number; records with their continuations
         label_width, records = self.records_below(header, "nodes", header_line)
         nodes, points = self.table_of_records(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
@@ -356,6 +358,7 @@ class _Lines(Iterator[str]):
             text_of_values = record_text[label_width:] + "".join(
                 continuation[label_width:] for continuation in continuations
             )
+            # each number has 12 characters
             if len(text_of_values) != _CHARACTERS_OF_NUMBER * n_columns:
                 # a record begins with a key of three characters
                 expected_length = 3 + label_width + _CHARACTERS_OF_NUMBER * n_columns

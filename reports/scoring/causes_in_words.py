@@ -75,10 +75,12 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
     numbers_in_sentence = {
         **_numbers_of_size(cause, size),
         "steps": float(len(discrepancy.comparison.result_cycle.time) - 1),
+        # of blocks that are too small, over a_ref
         "height": _height_of_blocks(size),
         # of the points, over a_ref
         "spacing": 1 / discrepancy.elements_per_half_width,
     }
+    # unlike materials, nodal forces, a wrong E*/R: sentences of their own
     if cause.key == COUPLING.key:
         return coupling_sentence(discrepancy)
     if cause.key == "coarse_edge":

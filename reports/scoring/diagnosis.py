@@ -159,6 +159,7 @@ def _findings_of_fit(
             evidence_sentences.append(
                 "it explains the pressure; the shear differs for a reason not found"
             )
+        # key and sentence of the finding, evidence, strength, size in words
         yield Diagnosis(
             key_of_sentence(cause, size),
             sentence_on_cause(judgement.discrepancy, cause, size, fit),
@@ -259,9 +260,9 @@ def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
 
 
 def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
-    """The finding that the mesh is too coarse at the edges: the mean squared difference within two
-    elements of an edge of contact or stick is at least nine times that elsewhere in contact, and
-    a coarse mesh explains all but a third of the difference. Nothing otherwise. `judgement` holds
+    """The finding that the mesh is too coarse at the edges. The mean squared difference within two
+    elements of an edge of contact or stick is at least nine times that elsewhere in contact. And
+    a coarse mesh leaves at most a third of the difference. Nothing otherwise. `judgement` holds
     the difference and the fits of causes to it.
     """
     from scipy.stats import f as f_distribution
@@ -295,6 +296,7 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
         or chance > LARGEST_PROBABILITY_BY_CHANCE
     ):
         return
+    # key and sentence of the finding, evidence, strength
     yield Diagnosis(
         "coarse_edge",
         # template of the sentence; spacing of the points over a_ref
@@ -333,6 +335,7 @@ def _finding_of_no_cause(judgement: Judgement, attribution: Attribution) -> Diag
     # what each cause alone leaves of the difference
     sentences += _shares_left_by_single_causes(judgement)
     sentences += _place_of_largest_difference(discrepancy)
+    # key and sentence of the finding, evidence, strength
     return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(sentences), strength=0.0)
 
 

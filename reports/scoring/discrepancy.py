@@ -137,6 +137,7 @@ class Discrepancy:
         result_sums = np.trapezoid(result_pressure, self.x, axis=1)
         reference_sums = np.trapezoid(reference_pressure, self.x, axis=1)
         ratio_to_load = float(np.median(result_sums / self.normal_load[self.is_loaded]))
+        # whether the first or the last point carries pressure
         reference_is_cut_off = self._ends_in_contact(self.reference_tractions)
         if reference_is_cut_off and not self._ends_in_contact(self.result_tractions):
             return ratio_to_load
@@ -189,9 +190,9 @@ class Discrepancy:
         return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
 
     def relative_errors(self) -> tuple[float, float]:
-        """Relative errors of a result's pressure and shear at the worst of the instants, ||p -
-        p_0||/||p_0|| and ||q - q_0||/(f ||p_0||), p_0 and q_0 being the reference's; norms are
-        roots of integrals of squares over x.
+        """Relative errors of a result's pressure p and shear q at the worst of the instants: ||p -
+        p_0||/||p_0|| and ||q - q_0||/(f ||p_0||). The reference has p_0 and q_0; norms are roots of
+        integrals of squares over x.
         """
         friction = self.comparison.scales.friction
         pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])
@@ -300,6 +301,7 @@ class Residual:
         """
         if not self.is_in_contact.any():
             return False
+        # 1 in x, 0 in time
         for axis in self._axes:
             # half the mean squared difference of neighbours
             noise, n_pairs = self._noise_along(axis)
@@ -318,6 +320,7 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     """
     path = comparison.scene.load.path()
     result_cycle = comparison.result_cycle
+    # is_whole: the instants make up a whole cycle
     if path.period is None or result_cycle.is_whole:
         # (k,) as the result's cycle has it
         return result_cycle.fraction

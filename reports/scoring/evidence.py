@@ -54,6 +54,7 @@ def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
     # tractions of both at instants of the last cycle
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
+        # title and words of each step
         return ()
     return (
         EvidenceStep("What was read", _fields_in_words(comparison)),
@@ -85,9 +86,9 @@ def _fields_in_words(comparison: Comparison) -> str:
 
 def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the integrals of the result's tractions over x: that of the pressure p beside P,
-    that of the shear q beside Q, and the centre of p, which a symmetric scene has at x = 0. They
-    are of instants with a load; nothing without one. `discrepancy` holds tractions of result and
-    reference.
+    and that of the shear q beside Q. A third one is on the centre of p, which a symmetric scene has
+    at x = 0. They are of instants with a load; nothing without one. `discrepancy` holds tractions
+    of result and reference.
     """
     is_loaded = discrepancy.is_loaded
     if not is_loaded.any():

@@ -174,9 +174,9 @@ def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
 
 
 def _factors_of_vector(mapping: Mapping, *, is_turned: bool) -> dict[ColumnQuantity, float]:
-    """Factors from the y and the x component of a traction, or from sigma_yy and sigma_xy of a
-    stress, to pressure p and shear q in the scene's unit. The traction on the lower body is (q,
-    -p), that on the upper one is turned (`is_turned`), (-q, p).
+    """Factors that turn components into pressure p and shear q in the scene's unit: the y and the x
+    component of a traction, or sigma_yy and sigma_xy of a stress. The traction on the lower body is
+    (q, -p), that on the upper one is turned (`is_turned`), (-q, p).
     """
     factor = mapping.factors.stress or 1.0
     if is_turned:

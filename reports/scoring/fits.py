@@ -322,8 +322,8 @@ class Search:
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
         """Differences of the result from the tractions that theory predicts with these `causes`
-        (known faults) of these sizes, over p_ref or f p_ref, times the root of their weight; 1e20
-        where theory has no solution.
+        (known faults) of these sizes. They are over p_ref or f p_ref, times the root of their
+        weight; 1e20 where theory has no solution.
 
         All k instants and n points of each of the `channels` (pressure, shear) in one row.
         """
@@ -467,8 +467,8 @@ def probability_of_gain(
 def leaves_clearly_more(
     square_left: float, least_square: float, n_values: int, *, is_noise: bool
 ) -> bool:
-    """Whether a fit with the mean square `square_left` leaves so much more of n values than the
-    best one, with `least_square`, that it is no rival of it: four times as much.
+    """Whether a fit, which leaves the mean square `square_left` of n values, is no rival of the
+    best one, which leaves `least_square`: it leaves four times as much.
 
     `is_noise` is whether the best one leaves noise alone. Then chance sets how far both may differ:
     the sums of squares by 16 variances of the noise.

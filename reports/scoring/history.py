@@ -75,8 +75,8 @@ def resultants(surface: SurfaceResult) -> Loads:
 
 
 def has_no_tangential_load(scene: Scene) -> bool:
-    """Whether the tangential load Q is 0 throughout the load path of a scene (below a millionth of
-    the largest P), so that P alone tells the instants of a result apart.
+    """Whether the tangential load Q is 0 throughout the load path of a scene, below a millionth of
+    the largest P. Then P alone tells the instants of a result apart.
     """
     path = scene.load.path()
     normal_load, tangential_load = path.at(_sample_times(path, 1))
@@ -284,8 +284,9 @@ def _history_by_time(
 
 
 def _times_on_ends_of_segments(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times of a result's instants, put on the ends of segments of the load path (where loads turn,
-    where cycles end) that they miss by less than 1e-5 of a cycle, as a printed time may.
+    """Times of a result's instants, put on a near end of a segment of the load path, where loads
+    turn or a cycle ends. Near is a distance of less than 1e-5 of a cycle, by which a printed time
+    may miss it.
     """
     ends = np.array([path.start, *(segment.end for segment in path.segments(scene.cycles))])
     largest_miss = (path.period or ends[-1] - ends[0]) * _ERROR_OF_PRINTED_TIME

@@ -181,10 +181,10 @@ class Judgement:
         )
 
     def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
-        """The fit of the causes (known faults) that explain the pressure, in a list, to be named
-        though the shear differs for a reason that is not found. It is to pressure and shear, at the
-        sizes that the causes have in `pressure_fit`, or `pressure_fit` itself where the shear has
-        no theory.
+        """The fit of the causes (known faults) that explain the pressure, in a list. They are named
+        though the shear differs for a reason that is not found. The fit is to pressure and shear,
+        at the sizes that the causes have in `pressure_fit`. It is `pressure_fit` itself where the
+        shear has no theory.
 
         Empty without causes, and where they leave more than a tenth of the difference in pressure
         (norm) that is not noise.
@@ -504,7 +504,7 @@ class Judgement:
         """Whether the shear tractions of a result are right but for one constant factor, as a fit
         of likely causes has it.
 
-        Two things are required: less than a tenth of the difference in shear is left, and the
+        Two things are required. Less than a tenth of the difference in shear is left. And the
         integrals of the shear over x follow the fitted factor, to a third of its difference from 1.
         Another coefficient of friction would leave these integrals as they are; another Q would
         move the edges of stick.
@@ -632,6 +632,7 @@ class Judgement:
         possible_causes = [
             cause
             for cause in CAUSES
+            # coupling by unlike materials is tried apart from these
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
             or cause.key in ("other_times", "coarse_edge")
         ]
@@ -671,6 +672,7 @@ class Judgement:
                 < LARGEST_PROBABILITY_BY_CHANCE
                 else None
             )
+        # COUPLING: unlike materials, whose size is Dundurs' beta
         fits = self._explanations_of_shear([(*fit_before.causes, COUPLING)], fit_before)
         return fits[0] if fits else None
 

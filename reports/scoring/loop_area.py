@@ -91,9 +91,9 @@ def polygon_area(
     displacement: Array, load: Array, phase: Array, displacement_noise: float, load_noise: float
 ) -> LoopArea:
     """Area W of a measured loop of Q over U per cycle [energy per thickness], by the polygon
-    through its rows, with its errors by the distance of the rows and by their noise (95 %). As many
-    whole cycles count as the rows cover, at least one; where they cover less, the gap counts as an
-    error.
+    through its rows. With it come its errors by the distance of the rows and by their noise (95 %).
+    As many whole cycles count as the rows cover, at least one; where they cover less, the gap
+    counts as an error.
 
     Parameters
     ----------
@@ -254,6 +254,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
     return LoopArea(
         value=loop.area + area_beside_fit,
+        # the second term: error of the loop's area by samples of its curve
         error_by_distance=error_by_distance + _RELATIVE_ERROR_BY_SAMPLES * loop.area,
         error_by_scatter=math.hypot(error_by_scatter, error_by_digits),
         n_cycles=max(math.floor(cycles), 1),
@@ -313,8 +314,8 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
 
 
 def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
-    """Change of the area W of a measured loop [energy per thickness] by a distance of one sigma
-    between a row and the fitted loop, for each of the `rows`: (k,).
+    """Change of the area W of a measured loop [energy per thickness] if a row lies one sigma away
+    from the fitted loop, for each of the `rows`: (k,).
 
         dW = n_Q sigma_Q (change of U) - n_U sigma_U (change of Q)
 

@@ -243,9 +243,9 @@ def _record_of_two_cycles(
 
 
 def _refuse_few_rows(record: _CyclicRows, source: str) -> None:
-    """InputError where fewer than eight rows make a cycle of a measured loop, in the mean, or where
-    there are fewer than three crossings of the middle of Q. `record.rows_before` and `rows_after`
-    are the last row before and the first row after each crossing.
+    """InputError where fewer than eight rows make a cycle of a measured loop, in the mean. Also
+    where there are fewer than three crossings of the middle of Q. `record.rows_before` and
+    `rows_after` are the last row before and the first row after each crossing.
     """
     n_half_cycles = len(record.rows_before) - 1
     rows_between = record.rows_after[-1] - record.rows_before[0]

@@ -227,8 +227,10 @@ class LoopsOverFriction:
         return self.sliding_friction * self.load_scale(highest, lowest)
 
     def first_frictions(self, highest: float, lowest: float) -> Array:
-        """(k,) values of the friction coefficient f to try first, ascending from 1.04 to 40 times
-        that of gross sliding between the turning points `highest` and `lowest` of the file's Q.
+        """(k,) values of the friction coefficient f to try first, ascending. They go from 1.04 to
+        40 times that of gross sliding between the turning points `highest` and `lowest` of the
+        file's Q.
+
         Their roots sqrt(ln(f/f of sliding)) are multiples of 0.02 (`_ROOT_STEP`), at which loops of
         theory are cached: one solution of theory is enough for each.
         """
@@ -288,9 +290,9 @@ class LoopsOverFriction:
         )
 
     def ends_of_branch(self, *, rising: bool) -> tuple[int, int]:
-        """Numbers of the first and the last instant of a branch of the scene's cycle, on which Q
-        rises from its lowest to its highest value, or falls (`rising` False). Beyond the end of the
-        cycle they count on.
+        """Numbers of the first and the last instant of a branch of the scene's cycle. Q rises on it
+        from its lowest to its highest value, or falls (`rising` False). Beyond the end of the cycle
+        the numbers count on.
         """
         # self.load (m,): Q of the scene through a cycle; its last instant is the first of the next
         # one
@@ -306,8 +308,8 @@ class LoopsOverFriction:
         """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
         of the falling one (False), may lie: for each branch a list of up to three arrays.
 
-        They are those of the branch itself, and those of the other branch before and behind it in
-        which Q is within 5 % of its range from the turning point (`_SHARE_BESIDE_TURN`): noise can
+        They are those of the branch itself, and some of the other branch before and behind it.
+        There Q is within 5 % of its range from the turning point (`_SHARE_BESIDE_TURN`): noise can
         lay a row beyond it.
         """
         # self.load (m,): Q of the scene through a cycle, the first instant repeated at its end
@@ -333,10 +335,9 @@ class LoopsOverFriction:
         return instants_of_branches
 
     def _count_of_instants_near_turn(self, loads_from_turn: Array) -> int:
-        """How many instants of the scene's cycle pass, from a turning point of Q on, before Q is
-        farther than 5 % of its range (`_SHARE_BESIDE_TURN`) from both ends of this range.
-        `loads_from_turn` (k,) is Q at these instants, from the turning point away; all count
-        where Q never is.
+        """How many instants of the scene's cycle pass from a turning point of Q on, until Q is
+        farther than 5 % of its range (`_SHARE_BESIDE_TURN`) from both ends of it. `loads_from_turn`
+        (k,) is Q at these instants, from the turning point away; all count where Q never is.
         """
         margin = _SHARE_BESIDE_TURN * self.range_of_load
         distance_to_end = np.minimum(
@@ -348,8 +349,8 @@ class LoopsOverFriction:
     def start_of_rig(
         self, rows: LoopRows, friction: float, highest_load: float, lowest_load: float
     ) -> tuple[float, float]:
-        """C [1/stress] and U0 [length] of the rig from which a fit begins, U = r U_theory + C Q +
-        U0, with r the factor of the file's Q over the scene's.
+        """C [1/stress] and U0 [length] of the rig from which a fit begins: U = r U_theory + C Q +
+        U0. r is the factor of the file's Q over the scene's.
 
         Each row is compared with theory's loop at the same Q, on the same branch. Rows near the
         turning points, where the branch is not certain, are left out as long as more than eight
@@ -724,8 +725,8 @@ class _Search:
         self, friction: float, start: Array, *, fits_friction: bool
     ) -> tuple[float, float, Array]:
         """Least sum of squares between measured rows and theory's loop, and the friction
-        coefficient f and terms that give it, by Levenberg and Marquardt's method from `friction`
-        and the terms `start`.
+        coefficient f and terms that give it. Levenberg and Marquardt's method begins from
+        `friction` and the terms `start`.
 
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
@@ -770,9 +771,9 @@ class _Search:
         return 2 * float(minimum.cost), friction_of_answer, terms
 
     def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
-        """A search for the best fit with rows beside a turning point moved to the other branch,
-        where theory's loop is less than a quarter as far from them there. A turning point is known
-        to within one row only.
+        """A search for the best fit in which rows beside a turning point are moved to the other
+        branch. A row is moved if theory's loop is less than a quarter as far from it there. A
+        turning point is known to within one row only.
 
         `terms` (4,) are highest Q, lowest Q, C and U0.
         """
@@ -927,6 +928,7 @@ def fit_loop(
     least_sum, friction, terms = search.best_fit(friction, terms)
     friction = max(friction, sliding_friction * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
+    # correlation of neighbouring rows, and the systematic part of their distances
     misfit = misfit_of(distances, search.noise.displacement)
     # widening: factor of an interval where neighbouring rows lie on one side of the loop
     largest_sum = least_sum + _CHI_SQUARED * misfit.widening**2 * max(

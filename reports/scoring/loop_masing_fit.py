@@ -455,8 +455,8 @@ class _Search:
         """The best loop of one kind for measured rows, sought from `start_parameters` (7,) on:
         partial, or gross (the contact slides as a whole at its ends).
 
-        Where the best partial loop would slide as a whole, or the slide of the best gross loop is
-        negative, it is the best loop at the limit between both kinds: gross with a slide of 0.
+        The best partial loop may slide as a whole, or the best gross one may have a negative slide.
+        Then the best loop at the limit between both kinds is returned: gross with a slide of 0.
         `LOG_F`, `RANGE` and `SLIDE` are indices of ln f, range of Q and slide.
         """
         fit = self.least_squares_fit(start_parameters, is_gross=is_gross)
@@ -861,9 +861,9 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
-    """Find the loop that fits measured rows of Q over U best, of those that slip partially or slide
-    as a whole (gross), with the noise of U and Q. Loop and noise are found by turns until the noise
-    changes by less than 5 %.
+    """Find the loop that fits measured rows of Q over U best, with the noise of U and Q. Loops slip
+    partially, or slide as a whole at their ends (gross). Loop and noise are found by turns until
+    the noise changes by less than 5 %.
 
     Parameters
     ----------
@@ -1063,9 +1063,9 @@ def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross
 
 
 def _fitted_parameters(rows: MeasuredRows, *, is_gross: bool) -> list[int]:
-    """Indices of those of the seven parameters of a loop that are fitted: all but the slide of a
-    partial loop, the range of Q of a gross one, which follows from f, and a compliance of the rig
-    that is stated (`rows.compliance`, else None).
+    """Indices of those of the seven parameters of a loop that are fitted. Not fitted are the slide
+    of a partial loop; the range of Q of a gross one, which follows from f; and a compliance of the
+    rig that is stated (`rows.compliance`, else None).
     """
     held_indices = {RANGE} if is_gross else {SLIDE}
     if rows.compliance is not None:

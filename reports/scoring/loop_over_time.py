@@ -391,8 +391,8 @@ def _friction_changes_by_load_noise(
     log_friction_bounds: tuple[float, float],
     friction: float,
 ) -> tuple[float, tuple[float, float]]:
-    """Noise of the load Q of the rows of a measured loop, a standard deviation [force per
-    thickness], and two changes of the fitted friction coefficient f that it may cause.
+    """Noise of the load Q of the rows of a measured loop, and two changes of the fitted friction
+    coefficient f that it may cause. The noise is a standard deviation [force per thickness].
 
     Noise leaves a small error in when the load acts, and in how large it is. A loop that is shifted
     in time opens: f is fitted again with all rows late, and with the scene's load larger, each by
@@ -430,9 +430,9 @@ def _friction_changes_by_load_noise(
 def _noise_of_load(
     loop: MeasuredLoop, share_of_cycle: Array, scale: float, load_of_cycle: Array
 ) -> tuple[float, float, float]:
-    """Noise of the load Q of the rows of a measured loop, the standard deviation about r Q of the
-    scene [force per thickness], and the standard errors that it leaves in the place on the cycle
-    [share of a cycle] and in r, over r.
+    """Noise of the load Q of the rows of a measured loop: its standard deviation about r Q of the
+    scene [force per thickness]. With it come the standard errors that it leaves in the place on the
+    cycle [share of a cycle] and in r, over r.
 
     Parameters
     ----------

@@ -36,9 +36,9 @@ _WIDTH = 900.0  # of both figures [pixels]
 
 
 def content(score: LoopScore) -> dict[str, Any]:
-    """The entries of loop.json for a measured loop of Q over U: whether the scene's friction
-    coefficient f lies in the interval of the loop's f, that interval, the rig's compliance, and
-    area, slope and distance from the rows of each loop, measured or computed.
+    """The entries of loop.json for a measured loop of Q over U. They state whether the scene's
+    friction coefficient f lies in the interval of the loop's f, that interval, and the rig's
+    compliance; and area, slope and distance from the rows of each loop, measured or computed.
     """
     return {
         "kind": "loop",
@@ -191,6 +191,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         f"U [{unit_of_length}]": score.displacement,
     }
     legend_keys = [Key(curve.css, curve.label) for curve in curves]
+    # with caption and texts from templates, the CSV columns and a legend
     return figure_with_texts(
         "loop", [panel], columns, legend_keys, slope=f"{slope:.4g}", **caption_numbers
     )
@@ -225,6 +226,7 @@ def _figure_of_residuals(
         260.0,
         css="broad",
     )
+    # with caption and texts from templates
     return figure_with_texts(
         "loop_residuals",
         [panel],

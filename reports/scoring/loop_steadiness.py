@@ -149,8 +149,8 @@ def explained_change(
     distances: Array, derivatives: Array, added_derivatives: Array
 ) -> ExplainedChange:
     """Whether a fit with further parameters brings rows nearer to it than chance does, by the F
-    test. Returns the chance of scatter alone to bring them as near, the root mean square of the
-    distances that the added parameters explain, and the values of these. The chance is 1 where the
+    test. Returns the chance of scatter alone to bring them as near; the root mean square of the
+    distances that the added parameters explain; and the values of these. The chance is 1 where the
     fit leaves nothing to explain.
 
     Parameters
@@ -305,8 +305,8 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 def lasting_growth(
     displacement: Array, load: Array, time: Array, first_row: int, noise: float
 ) -> Literal["", "grow", "shrink"]:
-    """Whether the cycles of a measured loop "grow" or "shrink" in Q or U over all rows, and may do
-    so at the same rate from the row `first_row` on: then the rows before it are no run-in. "" where
+    """Whether the cycles of a measured loop "grow" or "shrink" in Q or U, over all rows and perhaps
+    at the same rate from the row `first_row` on. Then the rows before it are no run-in. "" where
     this is not so.
 
     Parameters

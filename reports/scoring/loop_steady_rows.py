@@ -283,8 +283,8 @@ class _Candidate:
 
     @property
     def unsteady_share_of_opening(self) -> float:
-        """Part of the distances of the rows from the loop, over the loop's mean opening in U, that
-        is no scatter, or that a change with time explains; the larger of both.
+        """Part of the distances of the rows from the loop that is no scatter, or that a change with
+        time explains; the larger of both, over the loop's mean opening in U.
         """
         # explained_rms: in sigma of the noise of U
         share_by_change = self.change_with_time.explained_rms * self.sigma_over_opening
@@ -586,7 +586,7 @@ def _noise_of_load(loop: MeasuredLoop) -> float:
 
 
 def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
-    """The fit of a measured loop with a sentence on how much wider its interval of f is, since
+    """Add a sentence to the fit of a measured loop: how much wider its interval of f is, since
     neighbouring rows lie on the same side of the loop. `share_of_opening` is how far, over the mean
     opening of the loop in U, its area over the range of Q; below 0.1 % nothing is stated.
 
@@ -603,8 +603,8 @@ def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> 
 
 
 def _drift_of_cycle(loop: MeasuredLoop) -> float:
-    """Drift of U of a measured loop in a cycle, over the range of U, where it is too large for the
-    drift of a gauge (3 %, and what noise gives); else 0.
+    """Drift of U of a measured loop in a cycle, over the range of U. It is 0 unless it is too large
+    for the drift of a gauge: more than 3 %, plus what noise gives.
     """
     # branch of each row by Q, and cycles that have passed
     branches = find_branches(

@@ -601,8 +601,8 @@ def _most_changed_instants(
 
 # ---------------------------------------------------------------------------------------- the shear
 def _fit_of_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of tractive rolling to a result's shear: the stick zone begins at the leading edge, and q
-    = f [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
+    """Fit of tractive rolling to a result's shear. The stick zone begins at the leading edge: q = f
+    [p(x, P) - p(x -+ (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
     Returns the tractions (2, k, n) with this shear, those of the reference that they must do better
     than, and the side of the leading edge: the one that fits better.
 
@@ -657,9 +657,9 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     the tractions (2, k, n) with this shear, those with the best coefficient that they must do
     better than, and the points in slip.
 
-    None where such a law leaves more than a tenth of the norm that a coefficient leaves, where its
-    constant is small or it falls with p, for fewer than eight points in slip, and without friction
-    or shear. `discrepancy` holds the tractions of result and reference.
+    None where such a law leaves more than a tenth of the norm that a coefficient leaves. None too
+    where its constant is small or it falls with p, for fewer than eight points in slip, and without
+    friction or shear. `discrepancy` holds the tractions of result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:
@@ -793,4 +793,5 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         *problem_fit.evidence,
         f"tractions of that problem, its sizes fitted, leave {share_left:.1%} of the difference",
     )
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis(problem.key, sentence, evidence, 1 - share_left)

@@ -67,9 +67,9 @@ _HEADING_WITH_NUMBER = re.compile(
 
 
 def read_result(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The external result in a file, tractions on points of the contact surface, in the scene's
-    units and this program's signs as far as the mapping states them. The suffix of the file decides
-    which reader takes it.
+    """The external result in a file: tractions on points of the contact surface. They are in the
+    scene's units and this program's signs as far as the mapping states those of the file. The
+    suffix of the file decides which reader takes it.
 
     Raises
     ------

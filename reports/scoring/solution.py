@@ -822,8 +822,9 @@ def _centred_surface(
     """An external result with its x shifted so that the centroid of its largest pressure lies where
     theory has it (x = 0 without a tilt), and a sentence that says so.
 
-    As it is, with an empty sentence, where it is centred to half the half-width, where it is more
-    than twice as wide as theory's contact, or where the mapping states an offset other than 0.
+    It stays as it is, with an empty sentence, where it is centred to half the half-width, or more
+    than twice as wide as theory's contact. So it does where the mapping states an offset other than
+    0.
     `theory` holds half-widths and edges (n_steps, 2) of the contact through the whole path, and
     `tilt`, None for a scene without.
     """

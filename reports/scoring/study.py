@@ -161,6 +161,8 @@ class MeshStudy:
             "metrics": {
                 row.metric.key: {
                     "values": row.values,
+                    # order of convergence, how the values change with size, limit, and the rule
+                    # in words
                     "order": row.extrapolation.order,
                     "kind": row.extrapolation.kind,
                     "at_zero": row.extrapolation.value,

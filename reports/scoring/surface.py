@@ -207,8 +207,8 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
 
 def _mean_x_of_points(source: str, x: Array) -> tuple[Array, str]:
     """The mean x of each point of an external result, (n_points,), from its x at every instant
-    (n_steps, n_points), and a sentence where points move from instant to instant; "" where they do
-    not. InputError where one moves by more than a tenth of the median spacing.
+    (n_steps, n_points). With it comes a sentence where points move from instant to instant, else
+    "". InputError where one moves by more than a tenth of the median spacing.
     """
     mean_x = x.mean(axis=0)
     movement = np.abs(x - mean_x)
@@ -258,9 +258,9 @@ def longest_side(points: Array) -> float:
 
 
 def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Of the nodes of a mesh in the `chosen` rows of `points` (n, 3), those in the plane z = const
-    that holds most of them, ascending in x. With their rows come the distance from the first to the
-    last plane [length], 0 for a plane model, and a list with a note where there are several planes.
+    """Rows of those `chosen` nodes of a mesh that lie in the plane z = const with the most of them,
+    ascending in x. `chosen` are rows of `points` (n, 3). With them come the distance from the first
+    to the last plane [length], 0 for a plane model; and a list with a note on several planes.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))

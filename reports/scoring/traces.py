@@ -126,6 +126,7 @@ def find_outliers(comparison: Comparison) -> list[Diagnosis]:
     sentence = WORDS["others"]["outlier"].format(
         count=len(values_in_words), first=values_in_words[0]
     )
+    # key and sentence of the finding, evidence, strength from 0 to 1
     return [Diagnosis("outlier", sentence, tuple(values_in_words[1:6]), 1.0)]
 
 
@@ -167,6 +168,7 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         f"|q| is f p at {share_at_limit:.0%} of the {n_sticking} points and instants at which the"
         " reference sticks"
     )
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
 
 
@@ -226,6 +228,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
         ),
         f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
     )
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
 
 
@@ -317,6 +320,7 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         f"{n_points} points of an instant have both neighbours in contact; their means over three"
         f" points leave {share_left:.0%} of the difference",
     )
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - share_left)
 
 
@@ -375,13 +379,14 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         )
     # WORDS: templates of sentences
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
 
 
 def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
-    """A finding of load steps that are too long where the tractions show nothing: the dissipation
-    of an external result is wrong beside that of the smooth load path, and less than half as wrong
-    beside that of straight lines between the instants.
+    """A finding of load steps that are too long where the tractions show nothing. The dissipation
+    of an external result is wrong beside that of the smooth load path. It is less than half as
+    wrong beside that of straight lines between the instants.
 
     Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the
     corner is left behind.
@@ -404,6 +409,7 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
         "the tractions are within their tolerances",
     )
     sentence = FAULTS["steps"].format(steps=n_steps)
+    # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_lines / error))
 
 

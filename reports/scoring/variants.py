@@ -165,9 +165,9 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved_tractions(self, variant: Variant, *, with_shear: bool) -> Tractions:
-        """Pressure p and shear q of half-plane theory with faults put in (`variant`, such as other
-        times or a coarse mesh), (2, k, n), at the n points of a result and k instants. The points
-        are shifted or stretched where that is among the faults.
+        """Pressure p and shear q of half-plane theory with faults put in, (2, k, n), at the n
+        points of a result and k instants. `variant` states the faults, such as other times or a
+        coarse mesh. The points are shifted or stretched where that is among the faults.
 
         Where the reference is not theory itself its difference from theory is added. Without
         `with_shear` only the pressure is solved, and q is the reference's.
@@ -404,9 +404,9 @@ def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) 
 
 
 def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
-    """Pressure p and shear q, (2, k, n), at points x and at the given times, as if each load were
-    the first one, without memory of those before (Cattaneo): q = sign(Q) f [p(x, P) - p(x, P -
-    |Q|/f)].
+    """Pressure p and shear q, (2, k, n), at points x and at the given times, without memory of
+    earlier loads. Each load acts as if it were the first one (Cattaneo): q = sign(Q) f [p(x, P) -
+    p(x, P - |Q|/f)].
 
     Raises
     ------
