@@ -60,7 +60,8 @@ class MeshSettings:
     cells: Cells = "triangles"
 
     def __post_init__(self) -> None:
-        """Refuse settings of a mesh outside their ranges.
+        """Refuse settings of a mesh outside their ranges. LEAST_SIZE is the least size of elements,
+        1e-4 of the contact half-width.
 
         Raises
         ------
@@ -206,11 +207,16 @@ _FAR_RADIUS = 1000.0
 
 
 def number_of_contact_nodes(grading: SurfaceGrading, order: int) -> int:
-    """Number of surface nodes that may touch, on |x| <= outer, to a few nodes."""
-    elements = 2 * (
+    """Number of surface nodes that may touch, on |x| <= outer, to a few nodes. `order` is that of
+    the elements, 1 or 2.
+
+    The `grading` has elements of one `size` up to |x| = `inner`, of `edge_size` from there to
+    `outer`, and so many halvings of those next to x = 0.
+    """
+    n_elements = 2 * (
         grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size
     )
-    return round(elements + 2 * grading.halvings) * order + 1
+    return round(n_elements + 2 * grading.halvings) * order + 1
 
 
 def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
@@ -230,7 +236,9 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
     Parameters
     ----------
     grading
-        sizes of the surface elements at the contact edges (`edge_size`) and between (`size`)
+        sizes of the surface elements at the contact edges (`edge_size`, |x| from `inner` to
+        `outer`) and between (`size`); radius of the half-disc, of which a thousand times `outer`
+        counts at most
     growth
         g
     order
@@ -244,6 +252,7 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
     ):
         if surface_length > 0:
             r = g * min(grading.radius, _FAR_RADIUS * grading.outer) / h
+            # the terms pi d and L of the integrand
             integral_around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
             integral_below_surface = surface_length / (g * h) * r / (1 + r)
             n_triangles += 4 / math.sqrt(3) * (integral_around_ends + integral_below_surface)
@@ -251,7 +260,8 @@ def number_of_body_nodes(grading: SurfaceGrading, growth: float, order: int) -> 
 
 
 def require_few_nodes(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
-    """Refuse a mesh with too many nodes for memory, before it is made.
+    """Refuse a mesh with too many nodes for memory, before it is made: more than 8,000 on the
+    contact, or more than 500,000 in the body.
 
     Parameters
     ----------
@@ -313,7 +323,8 @@ def surface_points(grading: SurfaceGrading) -> Array:
     `grading.outer` [length].
 
     Elements are about `grading.size` long up to `grading.inner`, and `grading.edge_size` from there
-    on. Where the profile has a tip at x = 0, the first is halved `grading.halvings` times.
+    on, the zone in which edges of contact and stick travel. Where the profile has a tip at x = 0,
+    the first is halved `grading.halvings` times.
 
     >>> surface_points(SurfaceGrading(inner=1.0, outer=2.0, size=1.0, edge_size=0.5, halvings=2))
     array([0.  , 0.25, 0.5 , 1.  , 1.5 , 2.  ])
@@ -346,12 +357,14 @@ def size_formula(
     Parameters
     ----------
     grading
-        sizes of the surface elements
+        sizes of the surface elements: `edge_size` from |x| = `inner` to `outer`, `size` inside, and
+        `tip_size` at x = 0 where elements are halved there (`halvings`)
     growth
         of the element size per distance
     sharp_corners
         (x, y) of corners of the body with infinite strain; y < 0: below the contact side
     """
+    # Around the zone where edges of contact and stick travel, and the middle of the contact.
     edge_zone_begin = grading.inner
     edge_zone_end = grading.outer
     formula = (
@@ -364,10 +377,13 @@ def size_formula(
             " + y^2))"
         )
     if grading.halvings:
-        # The elements of the surface are as long as they are far from the tip.
+        # The elements of the surface are as long as they are far from the tip: a growth of 0.5 at
+        # least inside the body.
         formula = (
             f"Min({formula}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
         )
+
+    # Around sharp corners, with elements of a 64th of the surrounding size in them.
     for x, y in sharp_corners:
         depth = -y
         size_without_corner = grading.edge_size + growth * math.hypot(
@@ -384,8 +400,8 @@ def size_formula(
 
 
 def corner_growth(growth: float) -> float:
-    """Growth of the element size with the distance from a sharp corner: twice that from the contact
-    up to 0.4, or the same.
+    """Growth of the element size with the distance from a sharp corner: twice the `growth` from the
+    contact, but no more than 0.4; and at least the same.
 
     >>> corner_growth(0.12), corner_growth(0.2), corner_growth(0.5)
     (0.24, 0.4, 0.5)

@@ -36,6 +36,7 @@ def write_vtu(
         third, 0
     """
     cell_type = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
+    # vectors with a third component 0, as VTU files have them
     nodal_fields = {name: _three_components(values) for name, values in point_data.items()}
     # Imported here: meshio loads a command line of its own, which only this needs.
     import meshio  # noqa: PLC0415

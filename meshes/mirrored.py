@@ -42,6 +42,7 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
         curved elements over `exact_area`, minus 1); size_ratio (longest over shortest side of an
         element in the mesh).
     """
+    # Sides of each element, as vectors at its corners, and the angles between them.
     is_triangular = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
     side_ahead = np.roll(corners, -1, axis=1) - corners  # from each corner to the next one
@@ -49,6 +50,8 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     side_lengths = np.linalg.norm(side_ahead, axis=0)
     cross_products = side_ahead[0] * side_behind[1] - side_ahead[1] * side_behind[0]
     angles = np.arctan2(np.abs(cross_products), np.sum(side_ahead * side_behind, axis=0))
+
+    # Shape of each element, (n_elements,), and area by quadrature of the Jacobian determinant.
     shape_measures = (
         _triangle_shape(cross_products, side_lengths)
         if is_triangular
@@ -155,6 +158,7 @@ def mirrored_mesh(
     skfem.Mesh
         MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
     """
+    # Half the mesh: points, elements, and the nodes of each named boundary.
     half_mesh = _mesh_of_half(draw, size, order, cells)
     if points_on_true_face is not None:
         half_mesh = _MeshArrays(
@@ -162,9 +166,14 @@ def mirrored_mesh(
             half_mesh.elements,
             half_mesh.boundary_nodes,
         )
+
+    # With its mirror image; corners have the first numbers, as scikit-fem keeps these.
     whole_mesh = _renumbered_corners_first(_with_mirror_image(half_mesh))
     points = np.ascontiguousarray(whole_mesh.points.T)
     elements = np.ascontiguousarray(whole_mesh.elements.T)
+
+    # As a mesh of scikit-fem, whose class goes by the number of nodes of an element. That with
+    # straight sides is checked: it raises where it is not valid.
     corners_of_elements = elements[: whole_mesh.corners_per_element]
     n_corners = int(corners_of_elements.max()) + 1
     straight_mesh = _MESH_CLASSES[whole_mesh.corners_per_element](
@@ -231,6 +240,7 @@ def _mesh_of_half(
     cells
         shape of the elements: "triangles" or "quadrilaterals"
     """
+    # Ctrl-C waits, since gmsh's one global state has to be left in order.
     with interrupts_wait(), _gmsh_model(cells):
         curves_by_name = draw()
         gmsh.model.geo.synchronize()
@@ -249,13 +259,17 @@ def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _MeshArrays:
     `curves` maps the name of a boundary to the gmsh tags of its curves. gmsh's tags of nodes may
     have gaps; here nodes are numbered from 0. ValueError where elements are of more than one kind.
     """
+    # Points, and the number of the node with each tag.
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
     node_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
     node_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
+
+    # Elements of dimension 2: tags of their nodes in one row, element after element.
     element_types, element_tags, connectivity = gmsh.model.mesh.getElements(2)
     if len(element_types) != 1:
         raise ValueError("gmsh left elements of more than one kind")
     elements = node_of_tag[connectivity[0].astype(np.int64)].reshape(len(element_tags[0]), -1)
+
     boundary_nodes = {}
     for name, curve_tags in curves.items():
         tags_of_curves = [
@@ -272,11 +286,14 @@ def _with_mirror_image(half_mesh: _MeshArrays) -> _MeshArrays:
     """Mesh of a whole body from that of its half x >= 0: the half and its mirror image in x = 0,
     which share the nodes on the axis.
 
-    The nodes of mirrored elements are listed in another order, so that their area stays positive.
+    The nodes of mirrored elements are listed in another order (`_NODES_OF_MIRRORED`, by their
+    number), so that their area stays positive. Nodes nearer to x = 0 than 1e-9 lie on the axis;
+    lengths are of order one.
     """
     points = half_mesh.points.copy()
     is_on_axis = np.abs(points[:, 0]) < _AXIS_DISTANCE
     points[is_on_axis, 0] = 0.0
+    # Number of each node's image: of one on the axis its own, of others a new one.
     mirror_image_of_node = np.empty(len(points), dtype=np.int64)
     mirror_image_of_node[is_on_axis] = np.flatnonzero(is_on_axis)
     mirror_image_of_node[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
@@ -295,7 +312,8 @@ def _with_mirror_image(half_mesh: _MeshArrays) -> _MeshArrays:
 
 def _renumbered_corners_first(mesh: _MeshArrays) -> _MeshArrays:
     """The mesh with its nodes renumbered: all corners of elements first, then mid-side and
-    middle nodes, so that scikit-fem keeps these numbers.
+    middle nodes, so that scikit-fem keeps these numbers. `elements` (n_elements, k) lists the node
+    numbers of each element, corners first.
 
     Points that belong to no element are dropped, such as the centre of an arc, which gmsh lists
     among the nodes.
@@ -309,7 +327,9 @@ def _renumbered_corners_first(mesh: _MeshArrays) -> _MeshArrays:
 
 
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:
-    """Boundary facets whose corners all belong to `nodes`."""
+    """Numbers of the element sides on the boundary of a mesh whose corners all belong to `nodes`
+    (numbers of nodes).
+    """
     facets = mesh.boundary_facets()
     is_inside = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
     return facets[is_inside].astype(np.int64)

@@ -71,7 +71,8 @@ def half_disc(
         MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for
         order 1; MeshQuad2 of nine-node quadrilaterals, MeshQuad.
     """
-    # gmsh draws in units of the half-width of the fine part of the contact face
+    # gmsh draws in units of the half-width of the fine part of the contact face; `element_size` is
+    # a formula in x and y
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
     element_size = size_formula(unit_grading, growth)
@@ -88,6 +89,8 @@ def _draw_quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     `grading` has the sizes of the surface elements and the radius, in gmsh's unit of length.
     Returns boundary name -> tags of its curves; the axis x = 0 has no name.
     """
+    # gmsh returns a tag, a number, for each point and curve. `surface_points`: abscissae of the
+    # ends of the surface elements.
     geometry = gmsh.model.geo
     surface = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
     end_of_surface = geometry.addPoint(grading.radius, 0, 0)
@@ -147,7 +150,8 @@ def solid(
         base.
     """
     check_face(name, shape, profile, grading)
-    face = face_of(shape, profile)
+    face = face_of(shape, profile)  # depth of the face below its highest point
+
     # gmsh draws in units of the half-width of the fine part of the contact face
     length_unit = grading.outer
     unit_grading = scaled_grading(grading, 1 / length_unit).grading_for_gmsh(cells)
@@ -160,6 +164,8 @@ def solid(
         cells,
         outline.points_on_true_face,
     )
+
+    # The quality compares the area of the mesh with that of the cross-section.
     mesh = unit_mesh.scaled(float(length_unit))
     return BodyMesh(
         name, mesh, grading, mesh_quality(mesh, _cross_section_area(shape, face)), _supports(shape)
@@ -202,8 +208,9 @@ def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGradin
 
 
 def _supports(shape: Solid) -> Mapping[str, str]:
-    """Supports of a body, boundary -> kind as in `BodyMesh`: those that a block or pad states, and
-    a fixed base of every other shape.
+    """Supports of a body, boundary ("base", "sides") -> kind: "fixed", "rollers" (moves along x
+    only) or "guided" (along y only). A block or pad states them; every other shape has a fixed
+    base.
     """
     if isinstance(shape, Block | Pad):
         return {"base": shape.base} | ({"sides": "guided"} if shape.sides == "guided" else {})
@@ -215,7 +222,15 @@ def _cross_section_area(shape: Solid, face: Face) -> float:
 
     The material between the profiled face and the tangent at its highest point is missing from the
     rectangle (two rectangles of a body with a step). Its area is integrated by 20 Gauss points on
-    each of 64 intervals of x > 0, and doubled.
+    each of 64 intervals of x > 0, and doubled. A cylinder is a half-disc.
+
+    Parameters
+    ----------
+    shape
+        the body: width of its face, height, and depth and half-width of a step
+    face
+        `depth` of the face below its highest point, at places x; `arc` is (x where an arc begins,
+        its radius), None without one
     """
     if isinstance(shape, Cylinder):
         return np.pi * shape.radius**2 / 2
@@ -224,7 +239,7 @@ def _cross_section_area(shape: Solid, face: Face) -> float:
     flat_half_length = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
     interval_ends = np.linspace(flat_half_length, shape.width / 2, 65)
     half_interval = (interval_ends[1] - interval_ends[0]) / 2
-    depths = face.depth(interval_ends[:-1, None] + half_interval * (1 + nodes))
+    depths = face.depth(interval_ends[:-1, None] + half_interval * (1 + nodes))  # (64, 20)
     area = shape.width * shape.height
     if isinstance(shape, TShape | ShoulderedPad):
         step = shape.step
@@ -261,6 +276,8 @@ class _Outline:
         self._half_width, self._height, self._face_drop = lengths_to_twelve_digits(
             [half_width, height, face_drop]
         ).tolist()
+
+        # Lower end of the sides, (x, y), and corners of a step between face and sides.
         self._side_end = (self._half_width, -self._height)
         supports = _supports(shape)
         self._has_sharp_base_corner = supports["base"] == "fixed" and "sides" not in supports
@@ -304,7 +321,15 @@ class _Outline:
         dict
             Boundary name ("contact", "free", "base", and "sides" if there are any) -> gmsh tags of
             its curves.
+
+        Notes
+        -----
+        The outline has, in the same unit, `_height`; `_face_drop`, the depth of the face at its
+        end; `_step_corners`, (x, y) of the corners of a step from the face downwards; and
+        `_side_end`, the lower end of the side.
         """
+        # Contact: one line for each surface element, since it has two nodes. gmsh returns a tag, a
+        # number, for each point and curve.
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
         surface_points_drawn = [
@@ -317,6 +342,8 @@ class _Outline:
         ]
         for line in contact:
             geometry.mesh.setTransfiniteCurve(line, 2)
+
+        # Rest of the face, sides, base and axis.
         free_line, face_end = self._draw_rest_of_face(
             float(surface_x[-1]), surface_points_drawn[-1], grading.edge_size, growth
         )
@@ -357,9 +384,16 @@ class _Outline:
         -------
         curves, last_point
             gmsh tags of the curves, and of the point at the end of the face.
+
+        Notes
+        -----
+        In the outline's unit of length the face ends at x = `_half_width`, `_face_drop` below its
+        highest point. `_face.arc` is (x where an arc begins, its radius), None without one.
         """
         geometry = gmsh.model.geo
         face_end = self._half_width
+
+        # One arc, where the contact ends on it.
         if self._face.arc is not None:
             arc_begin, radius = lengths_to_twelve_digits(
                 np.array(self._face.arc) / self._length_unit
@@ -368,7 +402,9 @@ class _Outline:
                 last_point = geometry.addPoint(face_end, -self._face_drop, 0)
                 centre = geometry.addPoint(arc_begin, -radius, 0)
                 return [geometry.addCircleArc(first_point, centre, last_point)], last_point
-        face_x = np.array([face_end])  # a flat face is one straight line
+
+        # Else one line of a flat face, or a polygon.
+        face_x = np.array([face_end])
         if not self._face.is_flat:
             face_x = self._graded_abscissae(start, face_end, size, growth)
         face_points = [first_point] + [
@@ -398,7 +434,8 @@ class _Outline:
         mid-side nodes on the chord between two corners.
 
         `named_nodes` maps the name of a boundary to the numbers of its nodes. Beside the contact
-        nothing is moved where gmsh has drawn the face as an arc.
+        nothing is moved where gmsh has drawn the face as an arc. `_face.arc` is (x where an arc
+        begins, its radius), None without one; points are in the outline's unit of length.
         """
         true_points = points.copy()
         nodes = named_nodes["contact"]
@@ -411,7 +448,18 @@ class _Outline:
 def check(
     name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
 ) -> None:
-    """Refuse a mesh that `build` would refuse, without making it.
+    """Refuse a mesh of one body that could not be made, without making it.
+
+    Parameters
+    ----------
+    name
+        "lower" or "upper", the body's name in the message
+    shape, profile
+        half-plane or other body, and the profile of its face
+    grading
+        sizes of the surface elements, and the |x| up to which nodes may touch [length]
+    mesh
+        growth of the element size per distance, and order of the elements
 
     Raises
     ------
