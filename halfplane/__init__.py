@@ -104,8 +104,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'halfplane' has no attribute {name!r}")
     # `_HOME`: for each public name its package, and its name there.
-    package, original_name = _HOME[name]
-    value = getattr(import_module(f"{__name__}.{package}"), original_name)
+    package, name_in_package = _HOME[name]
+    value = getattr(import_module(f"{__name__}.{package}"), name_in_package)
     _show_scenes_and_solutions(import_module(f"{__name__}.scenes.notebook_forms"))
     globals()[name] = value
     return value

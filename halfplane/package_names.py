@@ -91,8 +91,10 @@ class SecondNames:
         user; a folder without any code, such as one of scene files, is none.
         """
         for finder in sys.meta_path:
-            search = getattr(finder, "find_spec", None)
-            user_spec = None if finder is self or search is None else search(name, None)
+            find_user_spec = getattr(finder, "find_spec", None)
+            user_spec = (
+                None if finder is self or find_user_spec is None else find_user_spec(name, None)
+            )
             if user_spec is None:
                 continue
             folders = user_spec.submodule_search_locations

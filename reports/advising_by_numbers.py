@@ -242,6 +242,7 @@ def advise_by_numbers(
         effects=_without_tilt_and_strain(effects),
         fields=(WORK, "pressure"),
     )
+    # Largest pressure, half-width and more of theory over all x and instants.
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
 
@@ -249,6 +250,7 @@ def advise_by_numbers(
     uncertain_fraction_by_curvature = uncertain_fraction_of_curvatures(effects, half_width)
     # Fourth order over curvature in the bodies' responses.
     next_order_ratio = ratio_of_next_order(effects, half_width)
+    # Cause -> relative change of W with its uncertainty.
     parts = _parts_by_curvatures(
         effects, theory, corrected_solution, uncertain_fraction_by_curvature
     )
@@ -584,8 +586,8 @@ def _without_tilt_and_strain(effects: BodyEffects) -> BodyEffects:
     """The elastic responses of the bodies without the odd ones, tilt and bulk strain."""
     from semi_analytic.odd_memory import TILT_AND_STRAIN_NAMES
 
-    nothing: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, Estimate(0.0))
-    return replace(effects, **nothing)
+    zero_by_name: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, Estimate(0.0))
+    return replace(effects, **zero_by_name)
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:

@@ -224,9 +224,9 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
 
     # Rows that slide, with |Q| > f P, and the largest P of these.
     used_rows = rows[first_row:row_beyond]
-    slides = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
+    is_sliding = np.abs(used_rows[:, 2]) > friction * used_rows[:, 1]
     row_in_words = f"; that is row {row + 1:,} of {len(rows):,}"
-    largest_sliding_load = float(np.max(used_rows[slides, 1], initial=0.0))
+    largest_sliding_load = float(np.max(used_rows[is_sliding, 1], initial=0.0))
     largest_load = float(np.max(used_rows[:, 1]))
     # _LARGEST_NOISE_SHARE: 0.05 of the largest P
     if (
@@ -638,6 +638,7 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
     pressure_scale = composite_modulus(scene.material) / (2 * np.pi)
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
+        # A convex profile gives middle and half-width of the contact under a load and a tilt.
         shape = convex_profile(scene.profile)
         middle_x, half_width = shape.contact_centre_and_half_width(
             load / (np.pi * pressure_scale), tilt

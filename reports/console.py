@@ -54,13 +54,13 @@ class TimeLeft:
         >>> left.words(0, 4), left.words(1, 4)
         ('', '9 s left')
         """
-        now = self._clock()  # seconds
+        present_time = self._clock()  # seconds
         # another count has begun
         if total is None or count < self._count or total != self._total or not count:
-            self._start = now
+            self._start = present_time
         self._count = count
         self._total = total or 0
-        elapsed = now - self._start
+        elapsed = present_time - self._start
         if not count or not total or elapsed <= 0:
             return ""
         # The first steps are slower: in a stage of one minute they gave an estimate of 23 minutes.
@@ -93,10 +93,12 @@ class Stages:
         ----------
         steps_noun
             what the steps are, for messages
+        name
+            of the stage
         """
         start = time.perf_counter()
         self.note(f"{name} ...")
-        # A bar on a terminal, else a line every two seconds; `show` displays one step.
+        # A bar on a terminal, else a line every two seconds; `show_step` displays one step.
         progress_display = (
             self._progress_bar(name)
             if self.console.is_terminal
@@ -104,7 +106,7 @@ class Stages:
         )
         last_text = ""
 
-        with progress_display as show:
+        with progress_display as show_step:
 
             def report(count: int, total: int | None, text: str) -> None:
                 """Show a step; the last step of a total goes into the log too."""
@@ -112,7 +114,7 @@ class Stages:
                 if total and count == total and text != last_text:
                     last_text = text
                     self.note(f"  {text}")
-                show(count, total, text)
+                show_step(count, total, text)
 
             yield report
         self.seconds[name] = time.perf_counter() - start

@@ -247,10 +247,10 @@ def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> P
 def add_to_log(folder: Path, text: str) -> Path:
     """Append `text` to run.log in `folder`, whose other files stay; returns the path of run.log."""
     with results_folder(folder, stale_prefixes=()) as staging:
-        log = folder / "run.log"
-        log_before = log.read_text("utf-8", errors="replace") if log.is_file() else ""
-        (staging / "run.log").write_text(log_before + text, encoding="utf-8")
-    return log
+        log_file = folder / "run.log"
+        text_before = log_file.read_text("utf-8", errors="replace") if log_file.is_file() else ""
+        (staging / "run.log").write_text(text_before + text, encoding="utf-8")
+    return log_file
 
 
 @contextmanager
@@ -511,11 +511,17 @@ def _move_results(
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
     results = staging / "results"
-    old_results = staging / "before"  # where replaced files go, to be put back after an error
+    old_results_folder = (
+        staging / "before"
+    )  # where replaced files go, to be put back after an error
     # Names of files as paths relative to the folder.
     new_names = _names_of_files(results)
-    # The folder exists and is locked against other runs; `parents` makes folders in it.
-    with _existing_folder(folder), _locked_folder(folder, out, make=True), ExitStack() as parents:
+    # The folder exists and is locked against other runs; `inner_folders` makes folders in it.
+    with (
+        _existing_folder(folder),
+        _locked_folder(folder, out, make=True),
+        ExitStack() as inner_folders,
+    ):
         _refuse_foreign_files(folder, new_names, out)
         # Earlier files of this program; those of them that go; all that are moved away.
         # MANIFEST: "manifest.json"
@@ -533,27 +539,27 @@ def _move_results(
             staging / "ended.json", {*new_names, *(other_names - stale_names)}
         )
         for name in replaced_names:
-            (old_results / name).parent.mkdir(parents=True, exist_ok=True)
+            (old_results_folder / name).parent.mkdir(parents=True, exist_ok=True)
         for parent in {(folder / name).parent for name in new_names} - {folder}:
-            parents.enter_context(_existing_folder(parent))
+            inner_folders.enter_context(_existing_folder(parent))
         try:
-            # undoing: what is called, last first, if one of the moves fails
-            with interrupts_wait(), ExitStack() as undoing:
+            # undo_steps: what is called, last first, if one of the moves fails
+            with interrupts_wait(), ExitStack() as undo_steps:
                 if os.path.lexists(folder / MANIFEST):
                     old_manifest = staging / MANIFEST
                     shutil.copyfile(folder / MANIFEST, old_manifest)
-                    undoing.callback(os.replace, old_manifest, folder / MANIFEST)
+                    undo_steps.callback(os.replace, old_manifest, folder / MANIFEST)
                 else:
-                    undoing.callback((folder / MANIFEST).unlink, missing_ok=True)
+                    undo_steps.callback((folder / MANIFEST).unlink, missing_ok=True)
                 os.replace(first_manifest, folder / MANIFEST)
                 for name in replaced_names:
-                    os.rename(folder / name, old_results / name)
-                    undoing.callback(os.rename, old_results / name, folder / name)
+                    os.rename(folder / name, old_results_folder / name)
+                    undo_steps.callback(os.rename, old_results_folder / name, folder / name)
                 for name in sorted(new_names, key=lambda name: (name == _PAGE_NAME, name)):
                     os.replace(results / name, folder / name)
-                    undoing.callback(os.replace, folder / name, results / name)
+                    undo_steps.callback(os.replace, folder / name, results / name)
                 os.replace(last_manifest, folder / MANIFEST)
-                undoing.pop_all()
+                undo_steps.pop_all()
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
 

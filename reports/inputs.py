@@ -378,6 +378,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             "half_width": float(np.max(solution.contact_half_width[solution.last_cycle])),
             "permanent_stick": solution.permanent_stick_half_width,
         }
+    # Found by a search over all places and instants of the last cycle.
     largest_values = semi_analytic.extremes(solution, names=("slip", "edge_tension"))
     return {
         WORK: solution.dissipation,
@@ -658,9 +659,12 @@ class _ScalingLaws:
         if not isinstance(self.scene.profile, Hertz):
             return self.derivative_by_load("normal_load")
         heights = self._values_times_exponent("height_exponent")
-        by_radius = self.derivative_by_radius()
-        by_q = self.derivative_by_tangential_load()
-        return {key: heights[key] + by_radius[key] - by_q[key] for key in self.values_at_inputs}
+        derivatives_by_radius = self.derivative_by_radius()
+        derivatives_by_q = self.derivative_by_tangential_load()
+        return {
+            key: heights[key] + derivatives_by_radius[key] - derivatives_by_q[key]
+            for key in self.values_at_inputs
+        }
 
     def derivative_by_radius(self) -> _ValueByName:
         """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
@@ -672,15 +676,18 @@ class _ScalingLaws:
     def derivative_by_friction(self) -> _ValueByName:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
         shear = self._values_times_exponent("shear_exponent")
-        by_q = self.derivative_by_tangential_load()
-        return {key: shear[key] - by_q[key] for key in self.values_at_inputs}
+        derivatives_by_q = self.derivative_by_tangential_load()
+        return {key: shear[key] - derivatives_by_q[key] for key in self.values_at_inputs}
 
     def derivative_by_modulus(self) -> _ValueByName:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
         stress = self._values_times_exponent("stress_exponent")
-        by_p = self.derivative_by_normal_load()
-        by_q = self.derivative_by_tangential_load()
-        return {key: stress[key] - by_p[key] - by_q[key] for key in self.values_at_inputs}
+        derivatives_by_p = self.derivative_by_normal_load()
+        derivatives_by_q = self.derivative_by_tangential_load()
+        return {
+            key: stress[key] - derivatives_by_p[key] - derivatives_by_q[key]
+            for key in self.values_at_inputs
+        }
 
     def _values_times_exponent(self, exponent_name: str) -> _ValueByName:
         """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
@@ -904,12 +911,12 @@ class _LawOfModulus:
         uncertainty.
         """
         # x dV/dx of every difference V for x = P, then for x = Q, by name.
-        by_p = self.laws_of_loads.derivative_by_load("normal_load")
-        by_q = self.laws_of_loads.derivative_by_load("tangential_load")
+        derivatives_by_p = self.laws_of_loads.derivative_by_load("normal_load")
+        derivatives_by_q = self.laws_of_loads.derivative_by_load("tangential_load")
         relative_uncertainty = modulus.standard_uncertainty
         changes = {}
-        for key in by_p:
-            change = -relative_uncertainty * (by_p[key] + by_q[key])
+        for key in derivatives_by_p:
+            change = -relative_uncertainty * (derivatives_by_p[key] + derivatives_by_q[key])
             # The difference is nearly linear in 1/E, whose second order is u times its first.
             changes[key] = Estimate(change, abs(change) * relative_uncertainty)
         return _ChangeByInput(modulus.key, changes)
@@ -960,8 +967,8 @@ def difference_at(scene: Scene, effects: BodyEffects, *, by_quick_formula: bool)
 
 def _difference_of_work(scene: Scene, effects: BodyEffects, by_quick_formula: bool) -> float:
     """W of finite bodies/W of half-planes − 1; NaN where nothing is dissipated."""
-    works_of = _works_by_quick_formula if by_quick_formula else _works_by_solving
-    work_of_half_planes, work_of_bodies = works_of(scene, effects)
+    compute_works = _works_by_quick_formula if by_quick_formula else _works_by_solving
+    work_of_half_planes, work_of_bodies = compute_works(scene, effects)
     if not work_of_half_planes:
         return math.nan
     return work_of_bodies / work_of_half_planes - 1
@@ -1072,10 +1079,10 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
     count = N_DRAWS if is_ellipse and not moves_compound_profile else N_FEW_DRAWS
     drawn_changes = drawn_changes_of(scene, count)
-    values_of = values_of_ellipses if is_ellipse else values_one_by_one
+    compute_values = values_of_ellipses if is_ellipse else values_one_by_one
 
     # W and more by name, (count,) each; and which draws slide, (count,).
-    values, is_sliding = values_of(scene, drawn_changes)
+    values, is_sliding = compute_values(scene, drawn_changes)
     # Fractions of the draws; WORK is "dissipation".
     sliding_share = float(np.mean(is_sliding))
     return Draws(
@@ -1390,6 +1397,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     # values.
     sliding = None if scene.load.is_driven else nearness_to_sliding(scene)
     if RATIO in uncertain_values:
+        # Near sliding the larger of the changes up and down counts.
         changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
         ratio = uncertain_value(
             quantities[RATIO], values_at_inputs[RATIO], changes_of_ratio, RATIO, correlation

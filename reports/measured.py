@@ -385,14 +385,14 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
     """
     # The loads with noise, in words, and the load without it.
     noisy_loads = []
-    quiet_load = ""
+    noiseless_load = ""
     for name, sigma in zip("PQ", record_check.noise, strict=True):
         if sigma:
             noisy_loads.append(f"{sigma:.2g} {load_unit(scene)} of {name}")
         else:
-            quiet_load = f"; that of {name} does not show beside its changes from row to row"
+            noiseless_load = f"; that of {name} does not show beside its changes from row to row"
     noise_in_words = (
-        f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
+        f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{noiseless_load}"
     )
 
     # The record is averaged: how much that changes W.
@@ -754,16 +754,16 @@ def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) ->
     """
     wanted_force = force[first_row]
     direction = np.sign(wanted_force - force[last_row])
-    first_searched = last_row + 1
+    first_searched_row = last_row + 1
     rows_searched = 64  # rows that are looked at together
-    while first_searched < len(force):
-        searched_force = force[first_searched : first_searched + rows_searched]
+    while first_searched_row < len(force):
+        searched_force = force[first_searched_row : first_searched_row + rows_searched]
         rows_beyond = np.flatnonzero(direction * (searched_force - wanted_force) >= 0)
         if len(rows_beyond):
-            row = first_searched + int(rows_beyond[0])
+            row = first_searched_row + int(rows_beyond[0])
             fraction = (wanted_force - force[row - 1]) / (force[row] - force[row - 1])
             return float(time[row - 1] + fraction * (time[row] - time[row - 1]))
-        first_searched += rows_searched
+        first_searched_row += rows_searched
         rows_searched *= 2
     return float(time[-1])
 

@@ -198,9 +198,11 @@ def _is_at_rest(rows: Array, window_size: int) -> Mask:
     # A row is at rest where any window that holds it is. Windows at rest are counted: those that
     # begin at or before the row, minus those that end before it.
     is_start_at_rest = np.concatenate([is_window_at_rest, np.zeros(window_size - 1, dtype=bool)])
-    n_begun = np.cumsum(is_start_at_rest.astype(int))
-    n_ended = np.concatenate([np.zeros(window_size, dtype=int), n_begun[:-window_size]])
-    return np.asarray(n_begun > n_ended)
+    n_windows_begun = np.cumsum(is_start_at_rest.astype(int))
+    n_windows_ended = np.concatenate(
+        [np.zeros(window_size, dtype=int), n_windows_begun[:-window_size]]
+    )
+    return np.asarray(n_windows_begun > n_windows_ended)
 
 
 def _bounds_of_runs(mask: Mask) -> Iterator[tuple[int, int]]:
@@ -328,15 +330,17 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     rows = load.rows.values[first_row:row_beyond]
     # _NORMAL: column of P; below, _TANGENTIAL that of Q
     normal_load = rows[:, _NORMAL]
-    slides = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load
+    is_sliding = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load
     # _LEAST_SHARE_OF_LOAD: 0.05 of the largest P
-    slides &= normal_load >= _LEAST_SHARE_OF_LOAD * float(np.max(normal_load))
-    if not np.any(slides):
+    is_sliding &= normal_load >= _LEAST_SHARE_OF_LOAD * float(np.max(normal_load))
+    if not np.any(is_sliding):
         return ""
-    first_sliding_row, last_sliding_row = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
+    first_sliding_row, last_sliding_row = (
+        np.flatnonzero(is_sliding)[[0, -1]] + first_row + 1
+    ).tolist()
     # Runs of neighbouring rows that slide.
-    n_strokes = sum(1 for _ in _bounds_of_runs(slides))
-    largest_ratio = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal_load[slides]))
+    n_strokes = sum(1 for _ in _bounds_of_runs(is_sliding))
+    largest_ratio = float(np.max(np.abs(rows[is_sliding, _TANGENTIAL]) / normal_load[is_sliding]))
 
     # Keys of the scene that leave these rows out, where enough rows remain before or after.
     keys_that_leave_out = []
@@ -348,8 +352,8 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
     if keys_that_leave_out:
         keys_in_words = f"; or leave them out by {' or '.join(keys_that_leave_out)}"
     return (
-        f"{np.count_nonzero(slides):,} rows between {first_sliding_row:,} and {last_sliding_row:,}"
-        f" slide as a whole, in {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P"
+        f"{np.count_nonzero(is_sliding):,} rows between {first_sliding_row:,} and"
+        f" {last_sliding_row:,} slide as a whole, in {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P"
         f" up to {largest_ratio:.4g}. Given loads have no such state: prescribe the displacement"
         " that the rig measured, by tangential_displacement = true and a column U; or check"
         f" friction.coefficient{keys_in_words}"

@@ -247,13 +247,13 @@ def divided_difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     """
     sum_of_places = t + t_before
 
-    ones = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
+    unit_values = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
     # notation: d_k = D_k of T_k, t_k = T_k(t_before)
-    d_before = 0.0 * ones  # D_0
-    d_k = ones  # D_1
-    t_k_before = ones  # T_0
-    t_k = t_before * ones  # T_1
-    quotient = 0.0 * ones
+    d_before = 0.0 * unit_values  # D_0
+    d_k = unit_values  # D_1
+    t_k_before = unit_values  # T_0
+    t_k = t_before * unit_values  # T_1
+    quotient = 0.0 * unit_values
 
     # Each term adds c_k D_k; the recurrences of D_k and T_k give the next ones.
     for coefficient in coefficients[1:].tolist():
@@ -292,6 +292,7 @@ def piecewise_series_of(
         Where halving does not help: noise, a pole, a function that is too rough.
     """
     first_edges = np.asarray(edges, dtype=float)
+    # The function on intervals that were halved until each series is accurate.
     pieces = piecewise_series_by_halving(function, first_edges, scale)
     # Runs of very short intervals, as halving leaves them next to a corner: (index of the first
     # edge, index of the last edge) each.
@@ -371,7 +372,7 @@ def piecewise_series_by_halving(
     negligible_error = np.maximum(
         1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
     )
-    n_tried = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
+    n_series = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
 
     # Intervals that are done: their begins, and the coefficients of their series.
     accurate_begins = [begins[:0]]
@@ -379,7 +380,7 @@ def piecewise_series_by_halving(
     while len(begins):
         # One turn: a series on each interval, and whether it is accurate.
         coefficients = chebyshev_coefficients(values)
-        n_tried = n_tried + np.bincount(first_interval, minlength=len(n_tried))
+        n_series = n_series + np.bincount(first_interval, minlength=len(n_series))
         error_limits = np.maximum(
             1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
         )
@@ -388,7 +389,7 @@ def piecewise_series_by_halving(
         # _MOST_PIECES: 400 series for the parts of one first interval
         unresolved_intervals = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1)
-            | (to_be_halved & (n_tried[first_interval] > _MOST_PIECES))
+            | (to_be_halved & (n_series[first_interval] > _MOST_PIECES))
         )
         if len(unresolved_intervals):
             first_unresolved = unresolved_intervals[0]

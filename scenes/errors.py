@@ -23,12 +23,14 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str = "") -> None:
-        short = sentence
+        shortened_sentence = sentence
         if len(sentence) > _MOST_CHARACTERS_OF_MESSAGE:
             half_length = _MOST_CHARACTERS_OF_MESSAGE // 2
-            short = f"{sentence[:half_length]} ... {sentence[-half_length:]}"
+            shortened_sentence = f"{sentence[:half_length]} ... {sentence[-half_length:]}"
         super().__init__(
-            "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short)
+            "".join(
+                c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shortened_sentence
+            )
         )
 
 

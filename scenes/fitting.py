@@ -452,6 +452,7 @@ def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledF
     assumed_middle = trace.first_middle
     # _MOST_REPEATS_OF_FIT: 5 repeats
     for _ in range(_MOST_REPEATS_OF_FIT):
+        # Fit to the points within the extent of the assumed middle; its own middle may differ.
         scaled_fit = _fit_about(x, trace, request, assumed_middle)
         is_within_extent = np.abs(x - assumed_middle) <= extent
         if np.array_equal(np.abs(x - scaled_fit.middle) <= extent, is_within_extent):
@@ -512,6 +513,7 @@ def _fit_about(
     if request.first_guess is not None:
         _, half_length = request.first_guess
         first_half_length = half_length / length_unit
+    # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
     # A straight line through the points bends by round-off alone.
     # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `shape_heights` are the fitted
@@ -995,6 +997,7 @@ class _ScaledRows:
         fits = []
         expected_errors = []
         for smoothing_weight in trial_weights:
+            # Fit with the best middle for this smoothing weight.
             fit = self.fit_from(first_middle, smoothing_weight)
 
             # The smoother matrix takes basis weights without smoothing to those with it.

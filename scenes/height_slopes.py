@@ -156,6 +156,8 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         # The largest round-off that is expected outside counts as resolved.
         # _GROWTH_OF_ROUNDOFF, _RESOLUTION_OF_FIT: 10 and 4e-15, of the scale that the fit is given
         scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
+
+    # Beyond the polynomial: series on intervals, and their derivatives.
     outer_series, outer_errors = _series_of_height(
         height_above_middle,
         piecewise_series_of(height_above_middle, outer_edges, scale_of_fit).edges,
@@ -207,8 +209,8 @@ class _Samples:
         )
         residuals = heights - coefficients @ self.polynomials.T
         # Degrees of freedom of the residuals.
-        n_free = len(self.places) - CHEBYSHEV_DEGREE - 1
-        return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)
+        n_degrees_of_freedom = len(self.places) - CHEBYSHEV_DEGREE - 1
+        return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_degrees_of_freedom)
 
     @property
     def coefficient_roundoff_ratio(self) -> float:
@@ -442,6 +444,7 @@ def _polynomial_up_to(
     heights = height_above_middle(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
         return None
+    # Chebyshev coefficients of the height in this place, and standard deviation of its round-off.
     coefficients, roundoff_array = samples.series_and_roundoff(heights)
     height_roundoff = float(roundoff_array)
     # The last coefficients must be explained by round-off: else the series is cut off too early.
@@ -456,6 +459,7 @@ def _polynomial_up_to(
     last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
     # _LOWEST_POWERS: 1 to 4
     for lowest_power in _LOWEST_POWERS:
+        # Without the first powers the same degree takes fewer coefficients.
         coefficient_count = max(last_degree - lowest_power, 0) + 1
         polynomial = _polynomial_of_lowest_power(
             samples, heights, end, lowest_power, coefficient_count, height_roundoff
@@ -500,10 +504,10 @@ def _polynomial_of_lowest_power(
         s[:, None] ** lowest_power * samples.polynomials[:, :coefficient_count]
     )
     inverse_of_triangle = np.linalg.inv(triangular_factor)
-    g = inverse_of_triangle @ (orthogonal_factor.T @ heights)
+    g_coefficients = inverse_of_triangle @ (orthogonal_factor.T @ heights)
     # Once more for the residuals, which a single solution leaves too large by round-off.
-    g = g + inverse_of_triangle @ (
-        orthogonal_factor.T @ (heights - (orthogonal_factor @ (triangular_factor @ g)))
+    g_coefficients = g_coefficients + inverse_of_triangle @ (
+        orthogonal_factor.T @ (heights - (orthogonal_factor @ (triangular_factor @ g_coefficients)))
     )
 
     # B and its derivative dB/ds at s = 0 and s = 1 are linear in g: a column for each coefficient.
@@ -520,14 +524,15 @@ def _polynomial_of_lowest_power(
     stated_roundoff = _DEVIATIONS_IN_STATED_ERROR * height_roundoff
     b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
     b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
-    b_sizes = np.abs(b_at_ends @ g)
+    b_sizes = np.abs(b_at_ends @ g_coefficients)
     # _LARGEST_RELATIVE_LOAD_ERROR: 1e-7 of the load
     if not np.all(b_errors < _LARGEST_RELATIVE_LOAD_ERROR * b_sizes):
         return None
 
     # B as a series, and the errors of load and stiffness.
     slope_series = sum(
-        coefficient * term for coefficient, term in zip(g.tolist(), terms_of_b, strict=True)
+        coefficient * term
+        for coefficient, term in zip(g_coefficients.tolist(), terms_of_b, strict=True)
     )
     # _LEAST_LOAD_PER_SLOPE: 0.5, the least P/(E* a) over the largest slope
     load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE

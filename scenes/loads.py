@@ -319,6 +319,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         """
         if self.is_driven:  # a displacement is prescribed in the place of Q
             raise InputError(REFUSAL_OF_DISPLACEMENTS)
+        # P and Q alone.
         path = self.path_of_loads()
         # `has_bulk_or_tilt`: whether the load states a bulk stress, tilt or moment.
         if not self.has_bulk_or_tilt:
@@ -568,6 +569,8 @@ class EllipseLoad(CyclicLoad[Wave]):
 
         # |Q - Q0| is largest at t = phase and half a revolution later; P grows for pi < t < 2 pi.
         start_time = phase + math.pi if phase >= 0 else phase + 2 * math.pi
+
+        # One revolution of the ellipse as a load segment.
         revolution = ellipse_segment(
             start_time,
             start_time + 2 * math.pi,

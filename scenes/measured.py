@@ -325,6 +325,7 @@ class FromFile(Frozen):
             # _DEFAULT_UNITS: "N, mm, MPa"
             units = _DEFAULT_UNITS
         stated_columns = getattr(self, "columns", None)
+        # Optional columns, such as bulk stress, that the scene names.
         optional_names = self._optional_columns_in(stated_columns)
         kinds = self.column_kinds | {
             name: self.optional_column_kinds[name] for name in optional_names
@@ -436,6 +437,7 @@ class FromFile(Frozen):
         # numbers.
         heading = table.headings[column]
         is_time_of_day = bool(table.first_clock_text) and kind == "time"
+        # The unit with its factor to the scene's, and a remark for the user.
         unit = self._understood_unit(path, table, column, name, kind, units)
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load":
@@ -535,6 +537,7 @@ class FromFile(Frozen):
         `self.table` is the name of the key that holds the rows.
         """
         keys = super().merged(changes)
+        # Optional columns, such as bulk stress, that the scene names.
         optional_names = self._optional_columns_in(getattr(self, "columns", None))
         # Keys that were filled in from the file.
         keys_from_file = {"read_as"} | (set(optional_names) - changes.keys())

@@ -119,7 +119,7 @@ def read_netcdf(
 
     # Of a file that it could not open h5netcdf prints a traceback when it is deleted from memory:
     # silenced, since the error that is raised says all.
-    hook_before = sys.unraisablehook
+    former_hook = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
         # LARGEST_SOLUTION_BYTES: 2 GB; `_ROLE` is "the solution", for messages
@@ -147,7 +147,7 @@ def read_netcdf(
         traceback.clear_frames(reason.__traceback__)
         raise InputError(f"{path}: {_ROLE} can't be read: {first_line(reason)}") from reason
     finally:
-        sys.unraisablehook = hook_before
+        sys.unraisablehook = former_hook
 
 
 def _require_room(path: Path, file: Any) -> None:

@@ -255,10 +255,10 @@ class Fitted(Frozen):
         farthest from the middle, which lies at x = `centre`.
         """
         spikes = np.array(self.spikes, dtype=np.int64) - 1
-        without_spikes = np.setdiff1d(np.arange(len(self.rows)), spikes)
-        distances = np.abs(self.rows.values[without_spikes, 0] - self.centre)
+        rows_without_spikes = np.setdiff1d(np.arange(len(self.rows)), spikes)
+        distances = np.abs(self.rows.values[rows_without_spikes, 0] - self.centre)
         nearest_rows = np.argsort(distances, kind="stable")[: len(distances) - self.left_out]
-        return np.sort(without_spikes[nearest_rows])
+        return np.sort(rows_without_spikes[nearest_rows])
 
     def residuals(self, height: Callable[[Array], Array]) -> Array:
         """Rows minus offset, tilt and `height` of the profile, (n_rows,) [length]."""
@@ -601,6 +601,7 @@ class CallableProfile(Gap):
                 edges = height_slope.edges
                 slope_at = height_slope.slope
                 self._load_errors = height_slope.load_errors
+            # Chebyshev series on intervals, halved until accurate.
             self._slope = piecewise_series_of(slope_at, edges)
         except UnresolvedError as fault:
             raise ValueError(

@@ -241,13 +241,15 @@ class LoadSegment(abc.ABC):
             return np.full(change.shape, begin)
         change_towards_end = change * math.copysign(1.0, total_change)
         is_before_begin = change_towards_end <= 0
-        is_between = ~(is_before_begin | (change_towards_end >= abs(total_change)))
+        lies_between = ~(is_before_begin | (change_towards_end >= abs(total_change)))
         time = np.where(is_before_begin, begin, end)
-        if np.any(is_between):
+        if np.any(lies_between):
             time_inside = self._time_inside(
-                combination, change[is_between], total_change, begin, end
+                combination, change[lies_between], total_change, begin, end
             )
-            time[is_between] = np.minimum(np.maximum(time_inside, min(begin, end)), max(begin, end))
+            time[lies_between] = np.minimum(
+                np.maximum(time_inside, min(begin, end)), max(begin, end)
+            )
         return time
 
     def _time_inside(
@@ -390,8 +392,8 @@ class LoadSegment(abc.ABC):
                     )
                 )
                 if (np.abs(step) <= longest_final_step).all():
-                    is_between = (time - begin) * (end - time) >= 0
-                    return time if is_between.all() else None
+                    lies_between = (time - begin) * (end - time) >= 0
+                    return time if lies_between.all() else None
         return None
 
     def slope_and_bend(
@@ -464,13 +466,14 @@ class StraightSegment(LoadSegment):
         Loads are counted from the nearer end, so that both ends are met to the last digit.
         """
         t = _float_or_array(time)
-        near_start = t - self.start <= self.end - t
+        is_near_start = t - self.start <= self.end - t
         # `_choose` is `numpy.where` for single numbers.
         choose = _choose if isinstance(t, float) else np.where
-        time_from_nearer_end = t - choose(near_start, self.start, self.end)
+        time_from_nearer_end = t - choose(is_near_start, self.start, self.end)
         share_of_segment = time_from_nearer_end / (self.end - self.start)
         p, q = (
-            choose(near_start, first_load, last_load) + (last_load - first_load) * share_of_segment
+            choose(is_near_start, first_load, last_load)
+            + (last_load - first_load) * share_of_segment
             for first_load, last_load in zip(self.first_point, self.last_point, strict=True)
         )
         return p, q
@@ -619,8 +622,10 @@ class HarmonicSegment(LoadSegment):
 
     @property
     def most_turning_points(self) -> int:
-        order = self._fourier_coefficients.shape[1] - 1 if np.any(self._fourier_coefficients) else 0
-        return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
+        highest_harmonic = (
+            self._fourier_coefficients.shape[1] - 1 if np.any(self._fourier_coefficients) else 0
+        )
+        return 2 * highest_harmonic * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
         """Loads P and Q [force per thickness] at `time` [rad], each in its shape: mean plus sum of
@@ -653,8 +658,8 @@ class HarmonicSegment(LoadSegment):
     @cached_property
     def _horner_terms_of_loads(self) -> tuple[WaveTerms, WaveTerms]:
         """Terms of P and of Q for Horner's scheme, as of `_horner_terms`."""
-        of_normal, of_tangential = self._fourier_coefficients
-        return _horner_terms(of_normal), _horner_terms(of_tangential)
+        normal_coefficients, tangential_coefficients = self._fourier_coefficients
+        return _horner_terms(normal_coefficients), _horner_terms(tangential_coefficients)
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         if self.ellipse:
@@ -761,6 +766,7 @@ class HarmonicSegment(LoadSegment):
         # time.
         z_before = _unit_vector(time_before)
         half_rotation = np.exp(0.5j * (time - time_before))
+        # Terms of the rate for Horner's scheme.
         _, rate_terms = self._series_of(combination)
         change = self._change_between(combination, z_before, half_rotation)
         return change, _wave_sum_at(rate_terms, half_rotation * half_rotation * z_before, time)
@@ -986,6 +992,7 @@ class ChebyshevSegment(LoadSegment):
         """
         t = _float_or_array(time)
         t0 = _float_or_array(time_before)
+        # Chebyshev coefficients of the combination.
         series, _ = self._series_of(combination)
         change_of_u = 2 * (t - t0) / (self.end - self.start)
         change: Array = np.multiply(
@@ -1322,11 +1329,13 @@ def largest_ratio(segments: Iterable[LoadSegment]) -> float:
     ratio = 0.0
     for segment in segments:
         # NORMAL_LOAD: P alone, as a combination
-        fixed_times = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
+        times_of_extreme_p = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
             times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))
             times_of_negative_q = segment.turning_points(Combination(ratio, 1.0))
-            candidate_times = np.array([*fixed_times, *times_of_positive_q, *times_of_negative_q])
+            candidate_times = np.array(
+                [*times_of_extreme_p, *times_of_positive_q, *times_of_negative_q]
+            )
             largest_candidate = largest_ratio_of(*segment.loads(candidate_times))
             if not largest_candidate > ratio * (1 + 1e-15):
                 break

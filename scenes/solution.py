@@ -640,8 +640,8 @@ def _instant_at(time: Array, target: float, round_off: float) -> int | None:
     steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
     shorter_step = float(steps.min()) if len(steps) else 0.0
     largest_distance = max(round_off, _MISSED_STEP_SHARE * shorter_step)
-    is_there = abs(time[nearest_index] - target) <= largest_distance
-    return nearest_index if is_there else None
+    is_at_target = abs(time[nearest_index] - target) <= largest_distance
+    return nearest_index if is_at_target else None
 
 
 FILE_FORMAT = "halfplane solution 2"

@@ -51,6 +51,7 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
         index_of_largest = int(np.argmax(residuals))
         if residuals[index_of_largest] <= LEAST_RESIDUAL_OF_SPIKE:
             return np.array(sorted(spikes), dtype=np.int64)
+        # The row, or near an end the three rows that share one cubic.
         indices_of_spike = _rows_with_same_window(index_of_largest, len(rows_left))
         spikes += rows_left[indices_of_spike].tolist()
         rows_left = np.delete(rows_left, indices_of_spike)
@@ -90,8 +91,8 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     # Rows of each window of five: the row itself, and its four neighbours.
     first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _N_NEIGHBOURS - 1)
     window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
-    is_itself = window_rows == np.arange(n_rows)[:, None]
-    neighbours = window_rows[~is_itself].reshape(n_rows, _N_NEIGHBOURS)
+    is_row_itself = window_rows == np.arange(n_rows)[:, None]
+    neighbours = window_rows[~is_row_itself].reshape(n_rows, _N_NEIGHBOURS)
 
     x_of_neighbours = x[neighbours]
     window_lengths = x_of_neighbours[:, -1] - x_of_neighbours[:, 0]

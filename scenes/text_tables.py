@@ -410,9 +410,9 @@ def _number_in_cell(text: str, has_decimal_comma: bool) -> float | None:
     """The number in a cell; None where it is none with this decimal sign."""
     if "_" in text or (has_decimal_comma and "." in text):
         return None
-    with_point = text.replace(",", ".") if has_decimal_comma else text
+    text_with_point = text.replace(",", ".") if has_decimal_comma else text
     try:
-        return float(with_point)
+        return float(text_with_point)
     except ValueError:
         return None
 
@@ -518,6 +518,7 @@ def _layout_of_table(request: _Request, lines: list[Line]) -> _Layout:
         # the same: that row is reported later as one at fault. Without any row of numbers there is
         # no separator to compare with.
         fewest_cells = max(len(quantities), 2)
+        # Index, separator and cells of the first row of numbers.
         _, separator_of_rows, cells_of_row = _first_numeric_row(
             lines_without_comments, fewest_cells
         )
@@ -773,8 +774,8 @@ def _are_units(cells: Sequence[str]) -> bool:
     (True, True, False)
     """
     words = [cell.strip("[](){}<> ") for cell in cells]
-    in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
-    if in_brackets and all(in_brackets):
+    is_in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
+    if is_in_brackets and all(is_in_brackets):
         return True
     # _RAW_UNITS: V, mV, counts and the like
     return any(is_unit(word) or word.lower() in _RAW_UNITS for word in words)

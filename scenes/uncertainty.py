@@ -133,6 +133,7 @@ def _in_degrees(value: Any) -> Any:
     """
     if not isinstance(value, str):
         return value
+    # Number and unit; None where the text does not begin with a number.
     amount = _parsed_amount(value)
     rule = 'write degrees as a number, such as 3.0, or "0.05 rad"'
     if amount is None or not amount.unit:
@@ -376,8 +377,8 @@ class Input(NamedTuple):
     @property
     def in_words(self) -> str:
         """Key, value and standard uncertainty."""
-        at = "" if self.value is None else f" {self.value:.6g}"
-        return f"{self.key}{at} ± {self.stated}"
+        value_in_words = "" if self.value is None else f" {self.value:.6g}"
+        return f"{self.key}{value_in_words} ± {self.stated}"
 
 
 _NAMES_IN_WORDS = {
@@ -632,6 +633,8 @@ def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
         elif "." not in key:
             changes_of_load[key] = change
         else:
+            # The part of the scene that holds the input, such as "bodies", and its new value,
+            # nested.
             table, entries = _changed_entry(scene, key, change)
             changed_tables[table] = _merged_entries(changed_tables.get(table, {}), entries)
 
