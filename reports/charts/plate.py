@@ -88,7 +88,9 @@ def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = Fa
 
 
 def _ticks_of_powers(lower_end: float, upper_end: float, count: int) -> list[float]:
-    """Powers of ten, at most about `count`; with two and five times them where there are few."""
+    """Ticks of a logarithmic axis from `lower_end` to `upper_end`: powers of ten, at most about
+    `count` of them; where there are fewer than three, with two and five times them.
+    """
     first_power = np.ceil(np.log10(lower_end) - 1e-9)
     last_power = np.floor(np.log10(upper_end) + 1e-9)
     powers = np.arange(first_power, last_power + 1)
@@ -96,7 +98,7 @@ def _ticks_of_powers(lower_end: float, upper_end: float, count: int) -> list[flo
         stride = -(-len(powers) // (count + 1))
         return [10.0**power for power in powers[::stride]]
     powers = np.arange(np.floor(np.log10(lower_end)), np.ceil(np.log10(upper_end)) + 1)
-    numbers = [step * 10.0**power for power in powers for step in (1, 2, 5)]
+    numbers = [digit * 10.0**power for power in powers for digit in (1, 2, 5)]
     return [n for n in numbers if lower_end * (1 - 1e-9) <= n <= upper_end * (1 + 1e-9)]
 
 
@@ -104,9 +106,10 @@ def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
     """Round numbers from `lower_end` to `upper_end` for the ticks of an axis, about `count` of
     them: multiples of 1, 2, 2.5 or 5 times a power of ten.
     """
+    # the least round distance of ticks that gives no more than about `count`
     rough_step = (upper_end - lower_end) / count
     power_of_ten = 10.0 ** np.floor(np.log10(rough_step))
-    steps = [step * power_of_ten for step in (1, 2, 2.5, 5, 10)]
+    steps = [factor * power_of_ten for factor in (1, 2, 2.5, 5, 10)]
     step_index = next(index for index, step in enumerate(steps) if step >= 0.999 * rough_step)
     ticks = _multiples(lower_end, upper_end, steps[step_index])
     # One number says nothing of an axis' scale: then the next finer step, which is below
@@ -124,7 +127,7 @@ def _multiples(lower_end: float, upper_end: float, step: float) -> Array:
 
 
 def tick_labels(numbers: Sequence[float]) -> list[str]:
-    """Numbers as they stand beside an axis, with a minus sign that is one.
+    """Texts of numbers beside an axis, with a real minus sign.
 
     >>> tick_labels([-0.5, 0.0, 0.5]), tick_labels([0.0, 20000.0]), tick_labels([1e-06, 2e-06])
     (['−0.5', '0', '0.5'], ['0', '20000'], ['1e−6', '2e−6'])
@@ -146,18 +149,19 @@ def _label(number: float) -> str:
 def axis_limits(
     *values: ArrayLike, margin: float = 0.06, least_range: float = 0.0, with_zero: bool = False
 ) -> tuple[float, float]:
-    """Lower and upper end of an axis for these values: the range of those that are finite, 0 to 1
-    without any, with a margin on both sides. The range is never empty.
+    """Lower and upper end of an axis for these arrays of values: the range of those that are
+    finite, 0 to 1 without any, with a margin on both sides. The range is never empty.
 
     Parameters
     ----------
     margin
-        of each side, as a fraction of the range
+        on each side, as a fraction of the range
     least_range
         smallest range, in the unit of the values
     with_zero
         whether the range must hold 0
     """
+    # least and largest of all values
     numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
     finite_numbers = numbers[np.isfinite(numbers)]
     lower_end = float(finite_numbers.min()) if finite_numbers.size else 0.0
@@ -165,6 +169,8 @@ def axis_limits(
     if with_zero:
         lower_end = min(lower_end, 0.0)
         upper_end = max(upper_end, 0.0)
+
+    # widen a range that is too small, about its middle: to 1e-9 of the values at least
     largest_size = max(abs(lower_end), abs(upper_end))
     range_shown = max(upper_end - lower_end, least_range, 1e-9 * largest_size, 1e-300)
     if upper_end - lower_end < range_shown:
@@ -375,10 +381,14 @@ class Panel:
 
     @property
     def frame(self) -> Frame:
-        """The part of the panel in which curves and dots are drawn, with the scales of both axes.
-        On a panel with `has_equal_scales` a unit of x is as long as a unit of y: one axis then
-        shows more than it was given, on both sides.
+        """The area of the panel in which curves and dots are drawn: the scales of both axes, which
+        turn numbers into places of the drawing, and the size of the drawing.
+
+        Around the area there is room for words and numbers. On a panel with `has_equal_scales` a
+        unit of x is as long as a unit of y: one axis then shows more than it was given (`low`,
+        `high`), on both sides. In the drawing y counts downwards.
         """
+        # room beside the area: that of the panel, or as its words need it
         room_left, room_above, room_right, room_below = self.room or self._automatic_room()
         low_x = self.x.low
         high_x = self.x.high
@@ -390,12 +400,15 @@ class Panel:
             length_of_unit = max((high_x - low_x) / panel_width, (high_y - low_y) / panel_height)
             low_x, high_x = _about_the_middle(low_x, high_x, length_of_unit * panel_width)
             low_y, high_y = _about_the_middle(low_y, high_y, length_of_unit * panel_height)
+        # ends in numbers, then in places of the drawing
         x_scale = Scale(low_x, high_x, room_left, self.width - room_right, self.x.log)
         y_scale = Scale(low_y, high_y, self.height - room_below, room_above, self.y.log)
         return Frame(x_scale, y_scale, self.width, self.height)
 
     def _automatic_room(self) -> tuple[float, float, float, float]:
-        """Left, top, right and bottom of the area: room for title, notes and the words of axes."""
+        """Room left of the area of curves, above, right of and below it, for the title, the notes
+        and the words of axes.
+        """
         lines_above = len(self.notes) + bool(self.title)
         bottom = _ROOM_BELOW if self.x.words else _ROOM_BELOW_WITHOUT_WORDS
         return _ROOM_LEFT, _ROOM_ABOVE + _LINE_HEIGHT * lines_above, ROOM_RIGHT, bottom
@@ -406,7 +419,9 @@ class Panel:
 
 
 def _about_the_middle(lower_end: float, upper_end: float, size: float) -> tuple[float, float]:
-    """An interval of that size about the middle of another."""
+    """Both ends of an interval of that size, about the middle of the one from `lower_end` to
+    `upper_end`.
+    """
     return (lower_end + upper_end - size) / 2, (lower_end + upper_end + size) / 2
 
 
@@ -461,14 +476,17 @@ class Plate:
         """The whole figure as the text of an SVG document that needs no style sheet: its legend,
         and beneath it its panels in columns.
 
-        Panels that belong together form a stack, one under the other. Stacks fill the columns row
-        by row; a row is as high as its highest stack.
+        Panels that belong together form a stack, one under the other. Stacks fill the columns
+        (at most `self.columns`) row by row; a row is as high as its highest stack.
         """
+        # tuples of panels, by column; a column is as wide as its widest stack [units of a drawing]
         panel_stacks = panel_stacks_of(self)
         n_columns = min(self.columns, len(panel_stacks))
         stacks_by_column = [panel_stacks[column::n_columns] for column in range(n_columns)]
         widths = [_width_of_stacks(stacks_of_column) for stacks_of_column in stacks_by_column]
         width = sum(widths)
+
+        # the legend, then row by row each stack from its top to its bottom
         elements, top_of_row = self._legend(width)
         for first_index in range(0, len(panel_stacks), n_columns):
             stacks_of_row = panel_stacks[first_index : first_index + n_columns]
@@ -486,6 +504,7 @@ class Plate:
                     top_of_panel += panel.height
                 bottom_of_row = max(bottom_of_row, top_of_panel)
             top_of_row = bottom_of_row
+
         background = _element("rect", width=width, height=top_of_row, fill="#ffffff")
         return _element(
             "svg",
@@ -500,9 +519,10 @@ class Plate:
 
     def _legend(self, width: float) -> tuple[list[str], float]:
         """SVG elements of the legend, in rows no wider than `width` [pixels], and the height that
-        they take, 0 without a legend. An entry is a short line or a patch of its colour, and its
-        text.
+        they take, 0 without a legend. An entry (`self.keys`) is a short line or a patch in the look
+        of its class in the style sheet (`css`), and its text.
         """
+        # in an SVG file each element carries its look itself
         pen = _Pen(Frame(_UNIT_SCALE, _UNIT_SCALE, 0, 0), is_standalone=True)
         x_of_entry = 10.0
         y_of_entry = 6.0
@@ -559,22 +579,25 @@ def figure_with_texts(
     columns
         how many panels stand side by side
     words
-        name of the texts in templates/figures.txt; `name` by default
+        name of the macro in templates/figures.txt that has the texts; `name` by default
     numbers
-        what is filled into the texts
+        values that are filled into the texts
     """
+    # three lines: title, caption, description
     texts = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, description = str(texts).strip().split("\n")
     return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), columns)
 
 
 def _width_of_stacks(column: Sequence[tuple[Panel, ...]]) -> float:
-    """The width that stacks of panels need, one under the other."""
+    """The width that stacks of panels need in one column: the largest of their first panels."""
     return max(stack[0].width for stack in column)
 
 
 def panel_stacks_of(plate: Plate) -> list[tuple[Panel, ...]]:
-    """The panels of a figure, those of a cell together."""
+    """The panels of a figure as stacks, which are drawn one under the other: those of a cell
+    together, each other panel alone.
+    """
     return [part.panels if isinstance(part, Cell) else (part,) for part in plate.panels]
 
 
@@ -592,6 +615,8 @@ def colour_scale(
 
     Parameters
     ----------
+    name
+        of the panel
     ends
         values at the lower and the upper end of the strip
     words
@@ -605,12 +630,14 @@ def colour_scale(
     width
         of the panel [pixels]
     """
+    # ends that differ, and ticks between them
     low_end, high_end = ends
     if high_end <= low_end:
         high_end = low_end + (abs(low_end) or 1.0)
     tick_numbers = [value for value in tick_values if low_end <= value <= high_end]
     if not tick_values:
         tick_numbers = _ticks(low_end, high_end, 4, log=log)
+
     # one row of 64 pixels, each of its own colour
     fractions_of_axis = (np.arange(64) + 0.5) / 64
     strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], colours_of(fractions_of_axis, colours))
@@ -628,8 +655,8 @@ def colour_scale(
 
 
 def _attributes(attributes: Mapping[str, object]) -> str:
-    """Attributes of an XML element as text: "_" in a name is written as "-", empty ones are left
-    out.
+    """Attributes of an XML element as text, each with a blank before it: "_" in a name is written
+    as "-", attributes that are None or empty are left out, numbers have two decimals at most.
 
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
@@ -645,7 +672,9 @@ def _attributes(attributes: Mapping[str, object]) -> str:
 
 
 def _element(name: str, content: str = "", /, **attributes: object) -> str:
-    """An element; `content` is SVG already. A place that is no number draws nothing."""
+    """The text of an SVG element with its attributes; `content` is SVG already. "" where an
+    attribute is no finite number, so that nothing is drawn.
+    """
     if any(isinstance(value, float) and not math.isfinite(value) for value in attributes.values()):
         return ""
     start = f"{name}{_attributes(attributes)}"
@@ -658,9 +687,10 @@ def _path_data(
     """The "d" attribute of an SVG path: a line through points given by their coordinates
     `horizontal` and `vertical` [pixels]. A NaN breaks the line into several.
 
-    Points that repeat the one before to a hundredth are left out; of a very long line so are those
-    that can't be seen. Then points are left out that lie within `tolerance` [pixels] of the
-    straight line between their neighbours. One pass looks at every other point; there are `passes`.
+    Points that repeat the one before to a hundredth are left out; of a line of more than 2000
+    points (`_LONGEST_LINE_DRAWN_WHOLE`) so are those that can't be seen. Then points are left out
+    that lie within `tolerance` [pixels] of the straight line between their neighbours. One pass
+    looks at every other point; there are `passes`.
 
     >>> (
     ...     _path_data([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
@@ -677,6 +707,8 @@ def _path_data(
     x = np.round(np.asarray(horizontal, dtype=float), 2)
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
+
+    # leave out what can't be seen, and what repeats the point before
     if len(x) > _LONGEST_LINE_DRAWN_WHOLE:
         visible_indices = _visible_indices(x, y, is_known)
         x = x[visible_indices]
@@ -689,12 +721,15 @@ def _path_data(
     x = x[is_kept]
     y = y[is_kept]
     is_first = is_first[is_kept]
+
+    # leave out points on the line between their neighbours
     for _ in range(passes):
         is_kept = ~_is_on_chord(x, y, is_first, tolerance)
         x = x[is_kept]
         y = y[is_kept]
         is_first = is_first[is_kept]
     is_last = np.append(is_first[1:], True)
+
     # as Python's numbers, which are formatted in half the time of numpy's
     points = zip(
         x.tolist(), y.tolist(), is_first.tolist(), (is_first & is_last).tolist(), strict=True
@@ -711,8 +746,8 @@ def _path_data(
 def _is_on_chord(
     x: Array, y: Array, is_first: NDArray[np.bool_], tolerance: float
 ) -> NDArray[np.bool_]:
-    """Whether a point of a line can be left out: of every other point, whether it lies within
-    `tolerance` [pixels] of the chord between its neighbours. False for all other points.
+    """Whether each point of a line can be left out, (n,): of the second, fourth, ... point, whether
+    it lies within `tolerance` [pixels] of the chord between its neighbours; False for all others.
 
     Parameters
     ----------
@@ -721,6 +756,7 @@ def _is_on_chord(
     is_first
         (n,) True where another line begins: neither this point nor the one before is left out
     """
+    # indices of the points that are looked at (`middle`), and of their neighbours
     before = slice(0, len(x) - 2, 2)
     middle = slice(1, len(x) - 1, 2)
     after = slice(2, None, 2)
@@ -739,9 +775,9 @@ def _is_on_chord(
 def _visible_indices(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
     """Indices of those points of a long line through (x, y) that can be seen when it is drawn.
 
-    The drawing is cut into upright strips one pixel wide. A visit is a run of points that follow
-    each other within one strip. Of each visit the first, the last, the highest and the lowest point
-    are kept.
+    The drawing is cut into upright strips one pixel wide (`_WIDTH_OF_STRIP`). A visit is a run of
+    points that follow each other within one strip. Of each visit the first, the last, the highest
+    and the lowest point are kept.
 
     Parameters
     ----------
@@ -750,11 +786,14 @@ def _visible_indices(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray
     is_known
         (n,) False where the line is broken
     """
-    # NaN is unequal to itself: each point where the line is broken is a visit of its own
+    # Numbers of strip and visit of each point, (n,). NaN is unequal to itself: each point where the
+    # line is broken is a visit of its own.
     strip = np.where(is_known, np.floor(x / _WIDTH_OF_STRIP), np.nan)
     visit = np.concatenate([[0], np.cumsum(strip[1:] != strip[:-1])])
-    # visit by visit, the points of each in the order of y
+
+    # indices of the points visit by visit, those of each in the order of y
     sorted_by_y = np.lexsort((np.where(is_known, y, 0.0), visit))
+    # of each visit the first and last index, in either order of the points
     first_index = np.flatnonzero(np.diff(visit, prepend=-1))
     last_index = np.append(first_index[1:], len(visit)) - 1
     return np.unique(
@@ -766,7 +805,8 @@ def _png(
     pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
 ) -> bytes:
     """A picture as the bytes of a PNG file. `pixels` are indices into `colours` (#rrggbb each), (n,
-    m), or colours themselves, (n, m, 3), which median cut reduces to 255 unless `all_colours`.
+    m), or without `colours` red, green and blue of each pixel, (n, m, 3). These are reduced to 255
+    different colours by median cut unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -792,22 +832,25 @@ class _Pen:
     is_standalone: bool  # True: in an SVG file without style sheet; False: on a page
 
     def look_attributes(self, css: str, *, text: bool = False) -> dict[str, object]:
-        """The attributes that give an element the look of the classes `css`: on a page the class
-        names, in an SVG file the declarations themselves.
+        """The attributes that give an SVG element the look of the classes `css` in the style sheet:
+        on a page the class names, in an SVG file of its own (`is_standalone`) the declarations of
+        these classes. `text` says whether the element is a text.
         """
         if not self.is_standalone:
             return {"class_": css}
-        declared = [
+        declarations = [
             f"{name}:{value}"
             for name, value in style_of(css, text=text).items()
             if name not in ("vector-effect", "cursor")
         ]
-        return {"style": ";".join(declared)}
+        return {"style": ";".join(declarations)}
 
     def text_element(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
-        """The SVG element of a text that begins at (x, y) of the drawing; "p_ref" gets a subscript.
-        `css` names its classes in the style sheet.
+        """The SVG element of a text at (x, y) of the drawing; in "p_ref" the letters "ref" become a
+        subscript. `css` names its classes in the style sheet; `attributes` are further ones of the
+        element.
         """
+        # each subscript, and the text behind it, is shifted (SUBSCRIPT_DROP: units of the drawing)
         content_of_element = ""
         was_subscript = False
         for part, is_subscript in parts_with_subscripts(text):
@@ -825,7 +868,9 @@ class _Pen:
         return _element("text", content_of_element, x=float(x), y=float(y), **look, **attributes)
 
     def data_attributes(self, attributes: Mapping[str, object]) -> dict[str, object]:
-        """Attributes for the page's script; none in an SVG file."""
+        """Attributes of an SVG element for the page's script, their names with "data_" before them;
+        none in an SVG file of its own.
+        """
         return (
             {}
             if self.is_standalone
@@ -833,8 +878,12 @@ class _Pen:
         )
 
     def draw(self, mark: Mark) -> str:
-        """The SVG element of one thing that is drawn in a panel: a curve, band, dot, rule, block,
-        bitmap, text, arrow, or a group of these.
+        """The SVG element of one mark in a panel: a curve, band, dot, rule (a line across the whole
+        area), block, bitmap, text, arrow, or a group of these. All have the look of their classes
+        in the style sheet (`css`); a `label` is what a pointer shows.
+
+        `frame` has the scales of both axes, whose `pixels_of` gives places in the drawing, and the
+        ends of the area (`box`).
         """
         frame = self.frame
         left_x, top_y, right_x, bottom_y = frame.box
@@ -901,12 +950,17 @@ class _Pen:
 
     def curve(self, mark: Curve) -> str:
         """The SVG element of a curve. On a page it keeps nearly all its points, which the pointer
-        picks; in an SVG file those on a straight line are left out.
+        picks; in an SVG file of its own those on a straight line are left out.
+
+        Of the mark, `x` and `y` are the curve's points in numbers of the axes, `css` its classes in
+        the style sheet, `label` the text that a pointer shows, `data` further values for the page's
+        script.
         """
         tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
         passes = 8 if self.is_standalone else 1
         x = self.frame.x.pixels_of(mark.x)
         y = self.frame.y.pixels_of(mark.y)
+        # in each pass every other point within the tolerance of its neighbours' line is left out
         path = _path_data(x, y, tolerance, passes) or "M0 0"
         if mark.is_closed:
             path += "Z"
@@ -914,20 +968,23 @@ class _Pen:
         return _element("path", d=path, **self.look_attributes(f"curve {mark.css}"), **attributes)
 
     def band(self, mark: Band) -> str:
-        """The SVG element of the area between a lower and an upper curve. Where either has a gap
-        (NaN) one outline ends and another begins.
+        """The SVG element of the area between a lower and an upper curve (`low` and `high` of the
+        mark, over its `x`). Where either has a gap (NaN) one outline ends and another begins.
         """
         x = np.asarray(mark.x, dtype=float)
-        lower_edge = np.asarray(mark.low, dtype=float)
-        upper_edge = np.asarray(mark.high, dtype=float)
-        is_known = np.isfinite(lower_edge) & np.isfinite(upper_edge)
+        lower_curve = np.asarray(mark.low, dtype=float)
+        upper_curve = np.asarray(mark.high, dtype=float)
+
+        # indices of points that follow each other, without a gap or all in one
+        is_known = np.isfinite(lower_curve) & np.isfinite(upper_curve)
         path = ""
         for run in np.split(np.arange(len(is_known)), np.flatnonzero(np.diff(is_known)) + 1):
             if len(run) and is_known[run[0]]:
-                around_x = np.concatenate([x[run], x[run][::-1]])
-                around_y = np.concatenate([lower_edge[run], upper_edge[run][::-1]])
+                # along the lower curve, and back along the upper one
+                outline_x = np.concatenate([x[run], x[run][::-1]])
+                outline_y = np.concatenate([lower_curve[run], upper_curve[run][::-1]])
                 path += (
-                    _path_data(self.frame.x.pixels_of(around_x), self.frame.y.pixels_of(around_y))
+                    _path_data(self.frame.x.pixels_of(outline_x), self.frame.y.pixels_of(outline_y))
                     + "Z"
                 )
         return _element("path", d=path or "M0 0", **self.look_attributes(f"band {mark.css}"))
@@ -935,6 +992,9 @@ class _Pen:
     def note(self, mark: Note) -> str:
         """The SVG elements of a text at a place of the panel, one for each of its lines, one below
         the other.
+
+        Of the mark, `x` and `y` are in numbers of the axes, `shift` moves the text (right, down) in
+        units of the drawing, `anchor` says whether it starts, ends or has its middle there.
         """
         x = float(self.frame.x.pixels_of(mark.x))
         y = float(self.frame.y.pixels_of(mark.y))
@@ -954,15 +1014,20 @@ class _Pen:
         """The SVG element of many straight lines as one path, such as the lines of a mesh.
 
         On a page a path with a name is written once, in whole multiples of a small length
-        (`_GRAIN`). Other panels, where the mark is repeated, use it again at their own scale. A
-        panel has one scale for x and y then, linear.
+        (`_GRAIN`, 2e-4 in numbers of the axes). Other panels, where the mark is repeated, use it
+        again at their own scale. A panel has one scale for x and y then, linear.
+
+        Of the mark, `end_points` (n, 2, 2) are the two ends of each line, x and y each.
         """
+        # written with its places in the drawing
         if self.is_standalone or not mark.name:
             return _element(
                 "path",
                 d=self.path_of_visible_lines(mark) or "M0 0",
                 **self.look_attributes(mark.css),
             )
+
+        # written in multiples of the small length, with the transform to places in the drawing
         x_scale = self.frame.x
         pixels_per_unit = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low)
         pixels_per_grain = pixels_per_unit * _GRAIN
@@ -974,6 +1039,8 @@ class _Pen:
         )
         if mark.is_repeated:
             return _element("g", _element("use", href=f"#{mark.name}"), transform=transform)
+
+        # the lines, each as its start and the move to its end
         grains = np.rint(mark.end_points / _GRAIN).astype(int)
         starts = grains[:, 0].tolist()
         moves = (grains[:, 1] - grains[:, 0]).tolist()
@@ -986,8 +1053,10 @@ class _Pen:
 
     def path_of_visible_lines(self, mark: Segments) -> str:
         """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
-        area: their bounding boxes do.
+        area: their bounding boxes do. `end_points` (n, 2, 2) of the mark are the two ends of each
+        line, x and y each, in numbers of the axes.
         """
+        # both ends of each line in the drawing, (n, 2); there y counts downwards
         x = self.frame.x.pixels_of(mark.end_points[..., 0])
         y = self.frame.y.pixels_of(mark.end_points[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
@@ -1001,9 +1070,11 @@ class _Pen:
         return "".join(lines)
 
     def block(self, mark: Block) -> str:
-        """The SVG elements of a rectangle given by its ends on both axes; where `mark.is_hatched`,
-        oblique lines are drawn over it.
+        """The SVG elements of a rectangle given by its ends on both axes (`x` and `y` of the mark);
+        where the mark `is_hatched`, oblique lines are drawn over it. `fill` is a colour that stands
+        for a number, `label` the text that a pointer shows.
         """
+        # in the drawing, where y counts downwards
         left_x, right_x = np.sort(self.frame.x.pixels_of(mark.x))
         least_y, largest_y = np.sort(self.frame.y.pixels_of(mark.y))
         place = {
@@ -1016,33 +1087,40 @@ class _Pen:
         rectangle = _element("rect", **place, **self.look_attributes(mark.css), **attributes)
         if not mark.is_hatched:
             return rectangle
-        # x + y is constant along each line
+
+        # The oblique lines: x + y is constant along each of them, a multiple of their distance
+        # (_HATCH_DISTANCE). They start and end at these x.
         first_line = np.ceil((left_x + least_y) / _HATCH_DISTANCE)
         last_line = np.floor((right_x + largest_y) / _HATCH_DISTANCE)
         sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH_DISTANCE
-        starts = np.maximum(left_x, sums_of_lines - largest_y)
-        ends = np.minimum(right_x, sums_of_lines - least_y)
+        starts_x = np.maximum(left_x, sums_of_lines - largest_y)
+        ends_x = np.minimum(right_x, sums_of_lines - least_y)
         path = ""
-        for start, end, sum_of_line in zip(
-            starts.tolist(), ends.tolist(), sums_of_lines.tolist(), strict=True
+        for start_x, end_x, sum_of_line in zip(
+            starts_x.tolist(), ends_x.tolist(), sums_of_lines.tolist(), strict=True
         ):
-            if end > start:
-                path += f"M{start:.1f} {sum_of_line - start:.1f}L{end:.1f} {sum_of_line - end:.1f}"
+            if end_x > start_x:
+                start_y = sum_of_line - start_x
+                end_y = sum_of_line - end_x
+                path += f"M{start_x:.1f} {start_y:.1f}L{end_x:.1f} {end_y:.1f}"
         if not path:
             return rectangle
         return rectangle + _element("path", d=path, **self.look_attributes("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
-        """The SVG elements of an arrow from mark.start to mark.end: its line, and a filled head
-        whose tip lies at the end.
+        """The SVG elements of an arrow from `mark.start` to `mark.end` (x and y in numbers of the
+        axes): its line, and a filled head whose tip lies at the end. Both have the look of the
+        mark's classes in the style sheet (`css`).
         """
+        # ends, and directions along the arrow and across it, in the drawing [pixels]
         start_x, end_x = self.frame.x.pixels_of([mark.start[0], mark.end[0]])
         start_y, end_y = self.frame.y.pixels_of([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
         vector_from_start = tip - np.array([start_x, start_y])
         direction = vector_from_start / np.hypot(*vector_from_start)
         normal_direction = np.array([-direction[1], direction[0]])
-        # 11 pixels long and 9 wide; the line ends within it
+
+        # corners of the head, 11 pixels long and 9 wide; the line ends within it
         head = np.array(
             [
                 tip,
@@ -1057,14 +1135,19 @@ class _Pen:
         return line + _element("path", d=outline, **self.look_attributes(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
-        """The SVG elements of the axes `x` and `y` of a panel: grid lines, the numbers beside them,
-        and the axis titles. A number or title for which there is no room below the panel is left
-        out.
+        """The SVG elements of the axes `x` and `y` of a panel: grid lines at the ticks, the numbers
+        beside them, and the axis titles. A number or title for which there is no room below the
+        area is left out.
+
+        `frame` has the scales of both axes, whose `pixels_of` gives places in the drawing, and the
+        ends of the area (`box`).
         """
         frame = self.frame
         left_x, top_y, right_x, bottom_y = frame.box
         room_below = frame.height - bottom_y
         elements = []
+
+        # ticks of x: upright grid lines, numbers below the area
         for number, text in _tick_pairs(x, frame.x):
             place = float(frame.x.pixels_of(number))
             look_of_grid = self.look_attributes("grid across")
@@ -1077,6 +1160,8 @@ class _Pen:
                         place, bottom_y + 15, text, "tick across", text_anchor="middle"
                     )
                 )
+
+        # ticks of y: level grid lines, numbers left of the area
         for number, text in _tick_pairs(y, frame.y):
             place = float(frame.y.pixels_of(number))
             look_of_grid = self.look_attributes("grid upright")
@@ -1086,6 +1171,8 @@ class _Pen:
             elements.append(
                 self.text_element(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
             )
+
+        # the titles
         if x.words and room_below > 30:
             middle_of_axis = (left_x + right_x) / 2
             elements.append(
@@ -1118,9 +1205,14 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
 
     With `is_standalone` it is for an SVG file without style sheet, at `place` (x, y, width, height)
     in it; else for a page, with the attributes that the page's script reads.
+
+    The area is the rectangle in which curves are drawn. Lines of text are the panel's title and its
+    `notes`, which hold numbers.
     """
-    frame = panel.frame
-    pen = _Pen(frame, is_standalone)
+    frame = panel.frame  # the area, with the scales of both axes
+    pen = _Pen(frame, is_standalone)  # makes SVG elements
+
+    # the marks, cut off at the area where there are axes
     left_x, top_y, right_x, bottom_y = frame.box
     area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
     content = "".join(map(pen.draw, panel.marks)) or " "
@@ -1135,6 +1227,7 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
             _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
             _element("path", d=corner, **pen.look_attributes("axis")),
         ]
+
     # lines of text above the area, each with its x and its class in the style sheet
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
@@ -1143,6 +1236,8 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
         elements.append(
             pen.text_element(x_of_line, y_of_first + _LINE_HEIGHT * line_number, text, css)
         )
+
+    # the element around all of them
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if is_standalone:
         return _element("svg", "".join(elements), **box, **place)
@@ -1175,7 +1270,8 @@ def _classes_of(panel: Panel) -> str:
 
 def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
     """Attributes of a panel's SVG element that the page's script reads: scales of both axes, their
-    titles and ticks. `frame` is the panel's area with its scales.
+    titles and ticks, and which axis is the time ("x", "y" or ""). `frame` is the panel's area with
+    its scales; an axis' `count` is about how many ticks it has, 5 by default.
     """
     attributes: dict[str, object] = {}
     if not _is_sketch(panel):
@@ -1192,10 +1288,12 @@ def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
 
 
 def write_tables(drawings: Sequence[Plate], folder: Path) -> dict[str, str]:
-    """The CSV of each figure, written to `figures/NAME.csv` of a folder; returns them by name."""
-    figures = folder / "figures"
-    figures.mkdir()
+    """Write the numbers of each figure as CSV to `figures/NAME.csv` of a folder; returns the texts
+    by the figures' names.
+    """
+    figure_folder = folder / "figures"
+    figure_folder.mkdir()
     tables = {drawing.name: drawing.csv() for drawing in drawings}
     for name, text in tables.items():
-        (figures / f"{name}.csv").write_text(text, encoding="utf-8")
+        (figure_folder / f"{name}.csv").write_text(text, encoding="utf-8")
     return tables

@@ -52,11 +52,13 @@ _MAPS = {
 
 
 def colours_of(values: ArrayLike, name: str = "viridis") -> list[str]:
-    """Colours #rrggbb of numbers from 0 to 1; those outside take the colour of the end.
+    """Colours #rrggbb of numbers from 0 to 1 on a scale of colours called `name`; numbers outside
+    take the colour of the end.
 
     >>> colours_of([0.0, 0.05, 2.0])
     ['#440154', '#461264', '#fde725']
     """
+    # red, green and blue at eleven points of the scale, (11, 3), straight lines between them
     knots = np.array([list(bytes.fromhex(code)) for code in _MAPS[name].split()])
     places = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(knots) - 1)
     channels = [np.interp(places, np.arange(len(knots)), knots[:, k]) for k in range(3)]
@@ -83,12 +85,14 @@ def parts_with_subscripts(text: str) -> list[tuple[str, bool]]:
 
 
 def marked(text: object) -> Markup:
-    """A text as HTML for a page: subscripts, and as code what stands between backticks.
+    """A text as HTML for a page: what stands between backticks becomes code, and the letters behind
+    "_" after a symbol of one letter become a subscript. Everything else is escaped.
 
     >>> print(marked("p_max; `--budget` gives it"))
     p<sub>max</sub>; <code>--budget</code> gives it
     """
     markup = Markup("")
+    # pieces outside and inside of backticks alternate
     for index, piece in enumerate(re.split("`([^`]+)`", str(text))):
         is_code = index % 2 == 1
         if is_code:
@@ -109,13 +113,17 @@ class _Rule(NamedTuple):
 
 @cache
 def _style_rules() -> list[_Rule]:
-    """The rules of the style sheet charts.css, those with the fewest classes first. Colours are
-    those of light pages, lengths are in pixels.
+    """The rules of the style sheet charts.css, those with the fewest classes first. A rule has its
+    classes, whether it is for text elements alone, and its declarations (name -> value). Colours
+    are those of light pages, lengths are in pixels.
     """
+    # the sheet without comments and @media rules (dark pages, print); colours by their names
     sheet = (_TEMPLATES / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
     colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
+
+    # each block of declarations, with its selectors; those that are no classes are left out
     rules = []
     for selectors, block in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
         # each var(--NAME) replaced by its colour
@@ -134,8 +142,8 @@ def _style_rules() -> list[_Rule]:
 
 @cache
 def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
-    """The declarations of the style sheet (name -> value) for an element with the classes in `css`,
-    on a light page. `text` says whether the element is a text.
+    """The declarations of the style sheet charts.css (name -> value) for an element with the
+    classes in `css`, on a light page. `text` says whether the element is a text.
 
     >>> style_of("curve f q")["stroke-dasharray"]
     '6 2.5'
@@ -169,9 +177,11 @@ class _CompiledOnce(SourceFileLoader):
         self.compiled = compiled
 
     def get_data(self, path: str) -> bytes:
+        """The source of the template; of another path, the file's content."""
         return self.source if path == self.path else super().get_data(path)
 
     def path_stats(self, path: str) -> Mapping[str, Any]:  # noqa: ARG002 there is no such file
+        """Checksum of source and settings in place of a time of change, and the size."""
         compiled_by = f"{jinja2.__version__} {_BLANKS}".encode()
         return {"mtime": zlib.crc32(self.source + compiled_by), "size": len(self.source)}
 
@@ -189,7 +199,8 @@ class CompiledTemplates(ChoiceLoader):
         globals: MutableMapping[str, Any] | None = None,
     ) -> Template:
         """The page template called `name`: its code is compiled once, stored beside the package,
-        and read from there the next time. `globals` are names that the template may use.
+        and read from there the next time. `globals` are names that the template may use,
+        `environment` has the settings and filters of all templates.
         """
         source, filename, uptodate = self.get_source(environment, name)
         module = _CompiledOnce(name, source, lambda: environment.compile(source, name, filename))
@@ -200,7 +211,9 @@ class CompiledTemplates(ChoiceLoader):
 
 @cache
 def _pages() -> Environment:
-    """The environment of the page templates: where they lie, and the filters that they use."""
+    """The environment of the page templates of jinja2: where they lie, and the filters that they
+    use. Texts in .html templates are escaped; a name that is missing is an error.
+    """
     pages = Environment(
         loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_source_of_macro)]),
         autoescape=select_autoescape(("html",)),
@@ -224,28 +237,36 @@ def template(name: str) -> Template:
 
 
 def in_template(macro: str, *values: Any) -> str:
-    """A sentence, or several, of templates/words.txt."""
+    """The text of a macro of templates/words.txt, filled in with `values`: a sentence or several,
+    with single blanks between words.
+    """
     return " ".join(str(words_of(macro)(*values)).split())
 
 
 @cache
 def words_of(macro: str) -> Any:
-    """A macro of templates/words.txt."""
+    """A macro of templates/words.txt by its name: a function that returns a text with its gaps
+    filled in.
+    """
     return getattr(template(_WORDS.format(macro)).module, macro)
 
 
 def _source_of_macro(name: str) -> str | None:
-    """The source of the template `name`, which has one macro (a text with gaps) of
-    templates/words.txt, and those that it calls. None where there is no macro for that name.
+    """The source of a page template with one macro (a text with gaps) of templates/words.txt, and
+    the macros that it calls. None where there is no macro for that `name`, which is "words of
+    MACRO.html" (`_WORDS`).
 
     To compile all macros together takes ten times as long.
     """
+    # name of a macro -> its text
     sources = _macro_sources()
     first_macro = next((macro for macro in sources if _WORDS.format(macro) == name), None)
     if first_macro is None:
         return None
+
+    # also those that it calls, and those that these call: the list grows
     macros_needed = [first_macro]
-    for macro in macros_needed:  # it grows
+    for macro in macros_needed:
         text_of_macro = sources[macro].partition(")")[2]  # behind its parameters
         macros_needed += [
             called_name
@@ -264,7 +285,8 @@ def _macro_sources() -> Mapping[str, str]:
 
 
 def _contents(page: str) -> Markup:
-    """Links to every section of a page that has a name and a heading, in their order.
+    """A list of links to every section of a page (HTML) that has a name and a heading, in their
+    order.
 
     >>> _contents('<section id="mesh"><h2>The mesh</h2>')
     Markup('<ul><li><a href="#mesh">The mesh</a></li></ul>')
@@ -276,8 +298,8 @@ def _contents(page: str) -> Markup:
 
 
 def script() -> tuple[Markup, str]:
-    """The script of all pages without its indents and notes, and what a page's policy calls it: no
-    other may run.
+    """The script of all pages, without its indents and comments; and its hash, by which a page's
+    security policy admits it and no other script.
     """
     text = (_TEMPLATES / "report.js").read_text("utf-8")
     text = re.sub(r"^ +(// .*\n|/\*.*\*/\n)?", "", text, flags=re.MULTILINE)
@@ -295,7 +317,7 @@ _FORMULA = ("=", "+", "-", "@", "\t")
 
 def without_formula(cell: str) -> str:
     """The text of a CSV cell, with an apostrophe before it where a spreadsheet would compute it as
-    a formula. Numbers stay as they are.
+    a formula: where it begins with one of =, +, -, @ or a tabulator. Numbers stay as they are.
 
     >>> (
     ...     without_formula("=HYPERLINK(A1)"),
@@ -330,21 +352,21 @@ def table_text(table: Table) -> str:
 def _cells(column: Sequence[Any] | NDArray[Any]) -> list[str]:
     """A column as cells of CSV; a number that stands in it often is written once and used again."""
     if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
-        values, places = np.unique(column, return_inverse=True, equal_nan=True)
-        texts = np.array([_number_cell(value) for value in values.tolist()], dtype=object)
-        return list(texts[places.ravel()])
+        unique_values, value_indices = np.unique(column, return_inverse=True, equal_nan=True)
+        texts = np.array([_number_cell(value) for value in unique_values.tolist()], dtype=object)
+        return list(texts[value_indices.ravel()])
     return [_quoted(_cell(value)) for value in column]
 
 
 def _cell(value: Any) -> str:
-    """A value as text that no spreadsheet runs."""
+    """A value of a column as text that no spreadsheet takes for a formula."""
     if isinstance(value, str):
         return without_formula(value)
     return _number_cell(value.item() if hasattr(value, "item") else value)
 
 
 def _number_cell(value: Any) -> str:
-    """All digits of a number; nothing of a NaN, which alone differs from itself."""
+    """All digits of a number; "" for NaN, which alone differs from itself."""
     return "" if value != value else repr(value)  # noqa: PLR0124
 
 
