@@ -952,6 +952,7 @@ def _force_error(snapshot: Snapshot) -> Array:
     stick_edge_load = snapshot.load - snapshot.slip_zone_load
     for piece, instants in snapshot.pieces_with_instants:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
+        # M at the stick edge, P_c
         force_error[instants] += force_on_piece(piece, stick_edge_load[instants])
     return force_error
 

@@ -109,7 +109,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
     changes. A maximum is looked for about every sample above its neighbours. All ellipses have the
-    same `contact`; 256 are taken at a time.
+    same `contact`; 256 are taken at a time. E* is the composite modulus, f the friction.
     """
     n_ellipses = len(ellipses.mean_load)
     if n_ellipses > _ELLIPSES_AT_ONCE:
@@ -122,6 +122,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
+        # W(x) pi E*/(2 f^2) of numbered ellipses at places x
         density_of_forward_slip, density_of_reverse_slip = work_density_of(
             ellipses.take(ellipse_numbers), contact, x, node_stride
         )
@@ -243,9 +244,10 @@ def _largest_maximum(
     above and its |x|, (m,) each.
 
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
-    far W may rise between the points of the bracket, the quadrature error and round-off. Round-off
-    counts for more where the load P - P_c carried by the slip zones is small; P_c is the load at
-    the stick edge, `largest_slip_zone_load` the largest P - P_c.
+    far W may rise between the points of the bracket, the quadrature error and round-off. P0 and P1
+    are the mean and the amplitude of P. Round-off counts for more where the load P - P_c carried by
+    the slip zones is small; P_c is the load at the stick edge, `largest_slip_zone_load` the largest
+    P - P_c.
 
     Parameters
     ----------
@@ -325,7 +327,7 @@ def _second_maximum(
     # From the sample of each maximum to that of the largest of its ellipse.
     sample_of_largest = maxima.sample[peaks.maximum_number[maxima.ellipse]]
     sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
-    # Every other minimum is that from one range to the next.
+    # Every other minimum of `reduceat` is that between two ranges: it is left out.
     least_work_in_range = np.minimum.reduceat(sampled_work, sample_ranges.T.ravel())[::2]
     # _LEAST_FALL_SHARE: 1e-3
     least_fall = np.maximum(_LEAST_FALL_SHARE * peaks.work, 2 * peaks.error)
@@ -820,6 +822,7 @@ def _works_of_members(members: Members) -> Array:
         works_and_error[:2] = works_by_lam(
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE
         )
+        # 1.0: size of ln a
         works_and_error[2] = error_of_works_by_lam(
             ellipses, works_and_error[0] + works_and_error[1], _DEEP_SLIP_LOAD_SHARE, 1.0
         )
@@ -827,7 +830,8 @@ def _works_of_members(members: Members) -> Array:
         exponent = members.parameters[0] if kind == "power_law" else 2
         works_and_error /= exponent
     elif kind == "flat_rounded":
-        # b^2/R: half-length of the flat and radius of its edges
+        # `_UNITS_AND_RATIOS`: units of length and of height, b^2/R of the half-length b and the
+        # edge radius R
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*members.parameters)
         works_and_error[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
@@ -857,10 +861,10 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
 
     `members` holds the loads as given, E* as `modulus`, and a contact for all, or None where
     profiles vary; groups by shape have one contact each, in units of length and load. It is the
-    work on half-planes, exact, plus the change by the curvatures. One quadrature rule gives the
-    works with and without curvatures, so that its error nearly cancels in the change. A curvature
-    is a second derivative of the gap, or of the displacement of the faces, per unit of load
-    [1/(stress length^2)].
+    work on half-planes, exact, plus the change by the curvatures (columns (k, 1) over k ellipses).
+    One quadrature rule gives the works with and without curvatures, so that its error nearly
+    cancels in the change. A curvature is a second derivative of the gap, or of the displacement of
+    the faces, per unit of load [1/(stress length^2)].
     """
     # on half-planes
     rows_of_results = _works_of_members(members)
@@ -1383,8 +1387,9 @@ def _reasons_of_loads(
     at some instant), or none; codes of `Reason`, (m,).
 
     |Q| = f P is admitted, to round-off. Separation goes before gross sliding. The largest Q - f P
-    is Q0 - f P0 + f u, the largest -Q - f P is -Q0 - f P0 + f v; u and v are the amplitudes of (Q -
-    f P)/f and (Q + f P)/f.
+    is Q0 - f P0 + f u, the largest -Q - f P is -Q0 - f P0 + f v; u and v (`forward_amplitude`,
+    `reverse_amplitude`) are the amplitudes of (Q - f P)/f and (Q + f P)/f, P0 and P1 mean and
+    amplitude of P.
 
     Parameters
     ----------
@@ -1458,7 +1463,8 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
 
     The profile may be a mapping of keys to arrays, one value for each member of a batch. The
     `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on; all other
-    parameters keep their names, in the order of `_PARAMETERS_OF_KIND`.
+    parameters keep their names, in the order of `_PARAMETERS_OF_KIND`, which lists them for each
+    kind.
 
     Raises
     ------

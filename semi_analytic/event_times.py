@@ -161,6 +161,7 @@ def event(scene: Scene, letter: str) -> Event:
     >>> round(end_of_slip.front_load / end_of_slip.normal_load, 6)
     0.691609
     """
+    # all events of the path, with the letters A to M where they have one
     for candidate in events(scene):
         if letter and candidate.letter == letter:
             return candidate

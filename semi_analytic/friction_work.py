@@ -394,12 +394,12 @@ def pointwise_dissipation(
     ... )
     (0.0, 0.008438314611, 0.008438314611)
     """
-    edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
+    contact_edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
     slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
     ranges_of_spans = []
     for span in slip_spans:
         # (k,) each; the end is not after the begin where a point never slips
-        begin_time, end_time = slip_times(span, edge_loads)
+        begin_time, end_time = slip_times(span, contact_edge_loads)
         points_with_slip = np.flatnonzero(end_time > begin_time)
         ranges_of_spans.append(
             SpanRanges(
@@ -415,8 +415,8 @@ def pointwise_dissipation(
         x_of_points = x[span_range.integral_number, None]
         load, _ = span.segment.loads(times)
         stick_edge_load = load - span.slip_zone_load_at(times, load)
-        edge_load_of_points = edge_loads[span_range.integral_number, None]
-        load_outside_stick = np.maximum(edge_load_of_points - stick_edge_load, 0.0)
+        contact_edge_load_of_points = contact_edge_loads[span_range.integral_number, None]
+        load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
         arccosh_ratio = contact.arccosh_ratio(
             x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
         )
@@ -606,8 +606,8 @@ def _means_along_records(
     linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
     which a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P - P_c at its
     begin and end, the number of its record as `step_number` and its share of the record as
-    `step_share_at_end`. Behind a load d above that of a corner of the profile it goes as d^(3/2),
-    which nodes that crowd to both ends resolve.
+    `step_share_at_end`. At a load d above that of a corner of the profile the function goes as
+    d^(3/2), which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
@@ -863,7 +863,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     `level_rise` of w.
     """
     # P_x
-    edge_loads = contact.load(x)
+    contact_edge_loads = contact.load(x)
     load_of_parts = parts.load_at_begin[:, None]
     load_growth = (parts.load_at_end - parts.load_at_begin)[:, None]
     stick_edge_load = load_of_parts - parts.slip_zone_load_at_begin[:, None]
@@ -872,7 +872,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     ] - load_growth
     # of the part, between which each point slips, (parts, k) each
     begin_shares, end_shares = _shares_in_slip(
-        load_of_parts, load_growth, stick_edge_load, stick_edge_drop, edge_loads
+        load_of_parts, load_growth, stick_edge_load, stick_edge_drop, contact_edge_loads
     )
 
     # pairs of a part and a point that slips in it
@@ -880,7 +880,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     begin_share = begin_shares[part_number, point_number][:, None]
     end_share = end_shares[part_number, point_number][:, None]
     x_of_pairs = x[point_number, None]
-    edge_load_of_pairs = edge_loads[point_number, None]
+    contact_edge_load_of_pairs = contact_edge_loads[point_number, None]
 
     def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
         """P and P_c at shares of the part, (n, nodes) each, for pairs of part and point (n,)."""
@@ -897,10 +897,12 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     load_at_end, stick_edge_load_at_end = loads_at(all_pairs, end_share)
     closeness_to_singularity = np.max(
         [
-            _closeness(load_at_begin - edge_load_of_pairs, load_at_end - edge_load_of_pairs),
             _closeness(
-                edge_load_of_pairs - stick_edge_load_at_begin,
-                edge_load_of_pairs - stick_edge_load_at_end,
+                load_at_begin - contact_edge_load_of_pairs, load_at_end - contact_edge_load_of_pairs
+            ),
+            _closeness(
+                contact_edge_load_of_pairs - stick_edge_load_at_begin,
+                contact_edge_load_of_pairs - stick_edge_load_at_end,
             ),
             _closeness(stick_edge_load_at_begin, stick_edge_load_at_end),
         ],
@@ -919,7 +921,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
             shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
             load_at_nodes, stick_edge_load_of_pairs = loads_at(pairs, shares_at_nodes)
             load_outside_stick = np.maximum(
-                edge_load_of_pairs[pairs] - stick_edge_load_of_pairs, 0.0
+                contact_edge_load_of_pairs[pairs] - stick_edge_load_of_pairs, 0.0
             )
             arccosh_ratio = contact.arccosh_ratio(
                 x_of_pairs[pairs],

@@ -404,6 +404,7 @@ def _slip_spans(
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
             if growth_in_part <= force_roundoff:
+                # a piece without length, of slope -s f
                 curve = Piece(curve, curve.top_load, begin_instant, -direction * friction)
                 break
             curve = curve.curve_below

@@ -138,6 +138,7 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED_VALUES) ->
     ... )  # a = 1
     (1.0, 1.0)
     """
+    # a path that is asked for again is not followed again
     with histories_kept():
         return _extremes(answer, tuple(names))
 

@@ -1158,7 +1158,7 @@ def _follow_cycles(
     Parameters
     ----------
     loading, cycle_parts
-        rows of the initial loading and of the cycles that are followed at most
+        rows of time, P and Q of the initial loading and of the cycles that are followed at most
     period
         of the cycle
     whole_cycles

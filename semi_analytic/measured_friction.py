@@ -181,7 +181,8 @@ def friction_from(
     ------
     InputError
         For a scene beside other arguments, one with bulk stress, tilt or an unsymmetric profile,
-        for arguments that are missing, and as `dissipation`.
+        for arguments that are missing, shapes that do not broadcast, and values that are no real
+        numbers.
 
     Examples
     --------

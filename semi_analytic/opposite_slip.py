@@ -235,7 +235,8 @@ class OppositeSlip(TiltedProfile):
         """Left and right stick edges as functions of the unloading P - eta [force per thickness]:
         their distances b1/a and b2/a from the centre of contact, b1 < b2.
 
-        They need -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P), the
+        I(eta) is the stick zone after |Q| = f (P - eta), and P - eta the unloading. The series need
+        -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P), the
         dimensionless bulk strain. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact`
         holds P, middle and half-width of the contact.
         """

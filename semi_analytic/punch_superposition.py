@@ -207,7 +207,9 @@ class PunchSuperposition:
         return self.law.edge_advance(as_floats(load))
 
     def load_at(self, advance: ArrayLike) -> Array:
-        """P from the advance of the edge, the inverse of `advance` [force per thickness]."""
+        """P from the advance a - a(0) of the edge of contact, the inverse of `edge_advance` [force
+        per thickness].
+        """
         return self.law.load(as_floats(advance))
 
     def stiffness(self, half_width: ArrayLike) -> Array:

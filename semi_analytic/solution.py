@@ -50,10 +50,10 @@ def solve(
     """Half-plane solution of a scene, exact to round-off at every point and instant asked for:
     loads, edges of contact and of stick, tractions, slip and friction work.
 
-    Bulk stress and tilt are exact where the memory of friction is one curve, see
-    `bulk_and_tilt.one_curve`; elsewhere they are solved on grids. With them the loop is that of Q
-    over U minus that of the moment of the shear, m_q, over the bulk strain. Edges need not be
-    symmetric then.
+    Bulk stress and tilt are exact where the memory of friction is one curve, the tangential force
+    locked in up to each load (`bulk_and_tilt.one_curve`); elsewhere they are solved on grids. With
+    them the loop is that of Q over the tangential displacement U minus that of the moment of the
+    shear, m_q, over the bulk strain. Edges need not be symmetric then.
 
     Parameters
     ----------
