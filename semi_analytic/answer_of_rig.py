@@ -896,7 +896,8 @@ def _notes(
 
 def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: slice) -> str:
     """A sentence on the terms in x^4 of the finite bodies' effects, the next order after the
-    curvatures, x^2: whether W has them, and how much they would change the largest p and a.
+    curvatures, x^2: whether the friction work has them, and how much they would change the largest
+    pressure and the half-width.
 
     `driven_path` holds the loads that were found along the path of the `rig`, `last_cycle` its rows
     of the last cycle. The two changes are those at the largest P of the path, without Q.

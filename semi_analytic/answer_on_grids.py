@@ -162,7 +162,7 @@ class GridAnswer:
 
     def _note(self, steady_cycle: Findings | None) -> str:
         """The sentence that an answer by grids carries: numbers of cells across the contact and of
-        increments in a cycle, and how well W and the stick edges are known.
+        increments in a cycle, and how well the friction work W and the stick edges are known.
 
         With `steady_cycle`, the answer for that cycle by a method without grids, it states that W
         does not come from grids.
@@ -207,8 +207,8 @@ class GridAnswer:
         stick as the grids give them, by the names of a ContactSolution; NaN, and open, for what was
         not asked for.
 
-        U of the grids has the datum length 1, that of the answer the datum length of the profile:
-        (A/pi) Q ln(L) is added.
+        The tangential displacement U of the grids has the datum length 1, that of the answer the
+        datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.
         """
         question = self.question
         path_on_grids = self.path_on_grids

@@ -330,7 +330,7 @@ def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSiz
     """Number of the first segment of the initial loading that shears the contact, by Q or by a
     change of bulk strain; the number of segments where none does.
 
-    `samples_of_loading` are P, Q, eps and alpha of each segment, (4, n).
+    `samples_of_loading` are P, Q, bulk strain eps and tilt alpha of each segment, (4, n).
 
     `load_sizes` says up to which size Q and a change of strain are round-off.
     """
@@ -550,9 +550,9 @@ def steady_curve(scene: Scene) -> OneCurve | None:
 
     A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
     The other initial loading presses to the first P of the cycle, then shears to its first Q. What
-    changes in a steady cycle of like bodies does not depend on how it was reached, and so neither W
-    nor W(x) depends on it (Andersson, Barber and Ponter, 2014). The traction locked in the
-    permanent stick zone depends on it.
+    changes in a steady cycle of like bodies does not depend on how it was reached, and so neither
+    the friction work W nor W(x) depends on it (Andersson, Barber and Ponter, 2014). The traction
+    locked in the permanent stick zone depends on it.
     """
     path = scene.load.path()
     # Bulk strain by a unit of bulk stress in the lower and in the upper body.

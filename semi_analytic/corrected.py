@@ -763,7 +763,7 @@ class PathSeries:
         alpha^2/2 less.
 
         # notation: P, Q normal and tangential load of the contact, alpha_P, alpha_Q tilt per unit
-        #           of each
+        #           of each, U relative tangential displacement
         """
         # HertzContact: contact of a parabola of radius `radius`.
         normal_load = self.followed_path.normal_load
@@ -1464,7 +1464,8 @@ def _followed_paths(question: Question) -> _Paths:
     # Curvatures(): all zero.
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
 
-    # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
+    # Half-planes are given only for an estimate of q_2, the second moment of the shear, by which
+    # the fourth-order term T_22 changes the curvature of the faces.
     memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
     steady_from = _first_steady_cycle(memory_of_bodies, rows)
     return _Paths(
@@ -2390,8 +2391,9 @@ def admissibility_checks_of(
 
     M is the tangential force that the flat punches up to the edge of contact carry by their memory:
     F, which they locked in while they stuck, plus kt G + t4 G_4 by the curvatures that the loads
-    give to the faces. The balance is not checked while P = 0. The Coulomb limit ("cone") is checked
-    where both pressure and shear were asked for.
+    give to the faces. G and G_4 are the loads of the punches of x^2/2 and x^4/24. The balance is
+    not checked while P = 0. The Coulomb limit ("cone") is checked where both pressure and shear
+    were asked for.
 
     Parameters
     ----------

@@ -295,7 +295,8 @@ def _works_and_stick(
         return load_outside.amplitude - load_outside.mean
 
     def overlap_of_bounds(half_width: Array) -> Array:
-        # max(B_+) - min(B_-): no F stays between the bounds all through the cycle if positive.
+        # max(B_+) - min(B_-): if positive, no force that a punch locks in stays between the Coulomb
+        # bounds all through the cycle.
         forward_bound, reverse_bound, _ = cycle_at(half_width)
         return (
             forward_bound.mean

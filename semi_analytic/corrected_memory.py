@@ -361,6 +361,9 @@ class PunchTable:
         length]; and G_4 of x^4/24 [force per thickness * length^3]. Floats are faster than arrays
         here. eta is at least 0, whatever its round-off.
 
+        s is a coordinate of the half-width c: it counts the kinks of the profile that are passed,
+        and runs from one whole number to the next between two of them.
+
         # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
         # Cells are equal steps of s; _load_coefficients: the cubic of eta on each.
@@ -399,6 +402,8 @@ class PunchTable:
 
             int ln(2 L/c) d eta = eta ln(2 L/c) + int eta dc/c
             int (c^2/2) d eta = eta c^2/2 - int eta G dc/c / (pi E*/4)
+
+        s is a coordinate of the half-width c, a whole number at each kink of the profile.
 
         # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
@@ -439,6 +444,8 @@ class PunchTable:
 
         eta(c) and G(c) are the loads that flat punches of half-width up to c carry, of the profile
         and of x^2/2. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
+
+        s is a whole number at each kink of the profile.
         """
         # Bracket of s, from the middle to the widest punch of the table.
         low_s = 0.0
@@ -516,6 +523,8 @@ class PunchTable:
 
         L is the datum length, `datum_length`. eta, G and G_4 are the loads that punches up to c
         carry: of the profile, of x^2/2 and of x^4/24.
+
+        s is the coordinate of the half-width in the table.
         """
         # 1e-9 of the largest half-width stands for c = 0 in the logarithm.
         half_width = np.maximum(
@@ -536,8 +545,8 @@ class PunchTable:
         fourth_coefficient: Array | float = 0.0,
         known_s: Array | None = None,
     ) -> Array:
-        """Coordinates s (n,) of the edges of contact a under normal loads P (n,), from P = eta(a) +
-        kn G(a) + n4 G_4(a), by bisection and Newton's method.
+        """Table coordinates s (n,) of the edges of contact a under normal loads P (n,), from P =
+        eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's method.
 
         eta, G and G_4 are the loads that flat punches of half-width up to a carry: of the profile,
         of x^2/2 and of x^4/24. s is 0 where P = 0, and at most that of the widest punch.
@@ -678,9 +687,9 @@ class Pieces(list[Piece]):
         """A new piece of memory curve that continues piece `number_below` outwards; it is not yet
         stored.
 
-        A memory curve is F(s), the locked-in tangential force of the flat punches up to s. It is a
-        chain of pieces; on each F is linear in the loads eta, G and G_4 that these punches carry of
-        the profile, of x^2/2 and of x^4/24.
+        A memory curve is F(s), the locked-in tangential force of the flat punches up to the
+        coordinate s of their half-width. It is a chain of pieces; on each F is linear in the loads
+        eta, G and G_4 that these punches carry of the profile, of x^2/2 and of x^4/24.
 
         Parameters
         ----------
@@ -1123,8 +1132,8 @@ class FollowedPath:
         return None
 
     def locked_in_force(self, row: int, s: Array) -> Array:
-        """Locked-in tangential force F of the flat punches up to s, (k,), at instant number `row`
-        [force per thickness].
+        """Locked-in tangential force F of the flat punches up to the coordinates s of their
+        half-widths, (k,), at instant number `row` [force per thickness].
 
         F does not change while a punch sticks: it is the memory of the contact. It is read from the
         pieces of the memory curve F(s). Beyond the edge of contact F is that at the edge; 0 while
@@ -1344,7 +1353,8 @@ def _estimated_shear_second_moment(
     path_of_half_planes
         the same path without curvatures
     """
-    # Row._fields: names of the ten quantities, among them kn, n4 and s of the edge of contact.
+    # Row._fields: names of the ten quantities, among them the curvatures kn and n4 of the gap and
+    # the coordinate s of the edge of contact.
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
     pressure_moment = _pressure_moment(
         table.second_moments(columns_by_name["edge_s"]),
@@ -1454,6 +1464,8 @@ def _followed_rows(table: PunchTable, friction: float, columns: Array) -> Follow
     columns
         (10, n) at each instant: P and Q; the curvatures kn, kt, n4, t4 of gap and faces under them;
         s of the edge of contact; the loads eta, G and G_4 of the punches up to it
+
+    # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
     """
     # Step by step from the unloaded state; a step gives the new state of the memory.
     memory = FrictionMemory(table, friction, float(np.max(columns[0])), Pieces())
@@ -1484,6 +1496,8 @@ def path_of_steps(
     steps
         n steps: at the end of each the number of the outermost piece of the memory curve, the stick
         edge and the slip zones
+
+    # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
     """
     pieces = memory.pieces
     # The fields of all pieces, one piece after another.
@@ -1601,6 +1615,9 @@ class FrictionMemory:
             memory before the step: uppermost piece of the curve, direction of the last slip
         row
             P, Q, curvatures of gap and faces, and edge of contact at the end of the step
+
+        # notation: P, Q normal and tangential load, s coordinate of the half-width of a punch in
+        #           the table
         """
         if self.is_unloaded(row.normal_load):
             return MemoryStep(UNLOADED_STATE, stick_edge_s=row.edge_s)
@@ -1667,6 +1684,9 @@ class FrictionMemory:
             number of the uppermost piece before the step
         row
             loads, curvatures and edge of contact at the end of the step
+
+        # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of
+        #           x^4/24; kt, t4 curvatures of the faces under the loads
         """
         # row.edge_s: coordinate s of the new edge of contact; edge_load, edge_parabola_load and
         # edge_fourth_load: eta, G and G_4 of the punches up to it; row.tangential_curvature and
@@ -1708,6 +1728,8 @@ class FrictionMemory:
 
         `row` holds loads, curvatures and edge of contact at the end of the step. The curve is one
         piece from the middle (piece 0 is the empty curve) to the edge.
+
+        # notation: eta, G, G_4 loads that the punches carry: of the profile, of x^2/2 and of x^4/24
         """
         bound = _coulomb_bound_of(direction, self.friction, row)
         # slopes: dB per d eta, dG and dG_4, which the new piece of F has.
@@ -1755,7 +1777,7 @@ def _slip_direction_at_edge(
     friction
         f
     row
-        P, Q and the curvatures kn, kt, n4 and t4 at the end of the step
+        P, Q and the curvatures kn, n4 of the gap and kt, t4 of the faces at the end of the step
     round_off
         excess of force that counts as 0
     """

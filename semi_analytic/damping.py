@@ -126,8 +126,8 @@ def added_compliance(
     datum_length: float | None,
     effects: BodyEffects | None,
 ) -> float:
-    """Difference of the tangential compliance dU/dQ of a contact with a given reference of U to
-    that of a solution [1/stress].
+    """Difference of the tangential compliance dU/dQ of a contact with a given reference of the
+    tangential displacement U to that of a solution [1/stress].
 
     U of half-planes needs a datum length L, a distance from the load at which the surface does not
     move. The difference is c + (A/pi) ln(L/L_solution), A = 2/E*: c = c_t and L are those of

@@ -130,6 +130,8 @@ class Compliance(NamedTuple):
         A tilt alpha = alpha_P P + alpha_Q Q moves the contact of a parabola of radius R to x = -R
         alpha. The moment of its pressure, -R alpha P, moves the bodies by alpha_Q times it.
         `tilt_products` are R alpha_P alpha_Q and R alpha_Q^2.
+
+        # notation: U tangential displacement
         """
         product_of_normal_load, product_of_tangential_load = self.tilt_products
         load = np.asarray(normal_load)
@@ -148,8 +150,10 @@ class Compliance(NamedTuple):
             (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s - R alpha_Q^2 P,
             G(c) = (pi E*/4) c^2
 
-        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the tangential
-        spring, L the datum length. R alpha_Q^2 is `tilt_products[1]`. N_Q and T_P are taken as 0.
+        U is the displacement of contact and bodies, G the load of the flat punches of x^2/2 up to
+        half-width c. T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s
+        the tangential spring, L the datum length. R alpha_Q^2 is `tilt_products[1]`. N_Q and T_P
+        are taken as 0.
         """
         # unit_compliance: A/pi; curvatures.tangential: T; tangential_body_compliance: c_t;
         # tangential_spring_compliance: 1/k_s.
@@ -729,7 +733,8 @@ class _StepSolver:
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
-        # Coordinate s of the edge of contact in the table of punches; then eta, G and G_4 there.
+        # Coordinate s of the edge of contact in the table of punches; then the loads of the punches
+        # up to it: of the profile, of x^2/2 and of x^4/24.
         edge_s = self._edge_s(load, gap_curvature)
         edge_loads = self._table.punch_loads_at(edge_s)
         return Row(
@@ -801,7 +806,8 @@ class _StepSolver:
         """Tangential load Q at the instant `end` of a rig, with the memory of friction and gross
         sliding there.
 
-        Q is the root of U(Q) + Q/k_s = U_act - `free_displacement` by Newton's method in a bracket.
+        Q is the root of U(Q) + Q/k_s = U_act - `free_displacement` by Newton's method in a bracket:
+        U of the contact and the bodies, k_s the spring of the rig, U_act of the actuator.
         If it would exceed f P, the bodies slide as a whole; if P is 0, they are apart.
 
         Parameters
@@ -893,6 +899,10 @@ class _StepSolver:
         U_tilt is what tilt adds for a parabola. M(c) is the tangential force that flat punches of
         half-width up to c carry. p_2 and q_2 are the second moments of pressure and shear traction.
         T and N_Q are curvatures of the bodies per Q, c_t is their compliance.
+
+        # notation: F locked-in tangential force of the punches up to half-width c, kt curvature of
+        #           the faces under the loads, eta and G loads of the punches: of the profile and of
+        #           x^2/2, L datum length
         """
         self._integrate_new_pieces()
         compliance = self._compliance

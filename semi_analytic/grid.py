@@ -300,7 +300,8 @@ class Grid:
         self.cell_width = self._length / cells
         self.x: Array = ends_of_grids[:, :1] + self.cell_width * (np.arange(cells) + 0.5)
 
-        # Change of U per Q if the datum of U, where it is 0, moves from 1 to the grid's length.
+        # Change of the displacement U per Q if its datum moves from distance 1 to the grid's
+        # length.
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
@@ -355,8 +356,8 @@ class Grid:
         """Inverse compliance (stiffness) of `n_cells` equal cells side by side in contact, as a
         `CellStiffness`; those of the last 120 numbers of cells are cached.
 
-        Equal cells have one compliance matrix C wherever they lie. M with M^T M = C^-1 is a corner
-        of that of all cells of a grid.
+        Equal cells have one compliance matrix C wherever they lie. The root M of its inverse, M^T M
+        = C^-1, is a corner of that of all cells of a grid.
         """
         if n_cells not in self._stiffness_by_size:
             # The part of M for all cells that belongs to the first `n_cells`.
@@ -742,7 +743,9 @@ class Grid:
         the mean over the grids in their present state. For like materials, which pressure does not
         shear.
 
-            s = U - eps x - sum over cells of compliance times q,    eps bulk strain
+            s = U - eps x - sum over cells of compliance times q
+
+        U is the displacement of the upper body, eps the bulk strain, q the shear of the cells.
         """
         # State of the grids: q (g, k), U (g,) against a datum at the grid's length, and eps.
         shear = self._shear
@@ -823,8 +826,8 @@ def _sliding_cells(
     Parameters
     ----------
     cell_stiffness
-        stiffness G of the k cells in contact, its `matrix` (k, k), for equal displacement of all
-        cells without traction
+        `matrix` (k, k): stiffness of the k cells in contact, by which equal displacements of all
+        cells make no traction
     shear_in_full_stick
         (g, k) q if no cell slid [stress]
     friction_limit

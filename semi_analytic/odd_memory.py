@@ -768,7 +768,8 @@ class _SmoothEnd:
             Where almost nothing sticks, c/a below 1e-3.
 
         # notation: a, c half-widths of contact and stick, N'' second rate of f P - s Q, a_s' rate
-        #           of f alpha - s eps, s direction of slip
+        #           of f alpha - s eps, s direction of slip, alpha tilt, eps bulk strain, R radius
+        #           of the parabola
         """
         stick_ratio = float(np.sqrt(self.stick_edge_load / self.load))
         if stick_ratio < _LEAST_STICK_RATIO:
@@ -789,6 +790,8 @@ def _smooth_end(
     At a smooth end the rate of s Q - f P vanishes and changes its sign, so that slip stops without
     a jump of the rates of the loads. `stick_edge_load` is P_c there, the load at the stick edge;
     `radius` is R of the parabola. s is the `direction` of the span.
+
+    # notation: a_s' rate of f alpha - s eps, alpha tilt, eps bulk strain
     """
     segment = span.segment
     slip_load = slip_combination(span.direction, span.friction)

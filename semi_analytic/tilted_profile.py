@@ -355,7 +355,7 @@ def _newton_step(
         `curvature_integral` int h'' d theta and `curvature_cosine_integral` int h'' cos(theta) d
         theta over each contact, x = m + c cos(theta) [1/length]
     slope_residual
-        (n,) pi (mean of h' + alpha) [1]
+        (n,) pi (mean of h' + alpha), alpha the tilt [1]
     load_residual
         (n,) missing load A (P - P of the contact)/c [1]
     half_width
@@ -1135,6 +1135,9 @@ class NestedIntervals:
             (n,) +1 for the right end, -1 for the left one
         load, load_rise
             (n,) [force per thickness]
+
+        # notation: eta normal load, m and c centre and half-length of the contact, kappa tilt per
+        #           load
         """
         # radius: of a parabola; None for other profiles. tilt_per_load: kappa; compliance: A =
         # 2/E*.
@@ -1644,6 +1647,8 @@ class TiltedProfile:
         P = `load`, and P_c = P - `slip_zone_load` is the load whose contact interval is the stick
         zone. r is pi/A times the rate of U + kappa m_q per unit of M, U being the tangential
         displacement, m_q the moment of the shear, kappa the tilt per load.
+
+        # notation: M tangential force on a contact interval, A = 2/E*
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
