@@ -511,9 +511,8 @@ def _move_results(
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
     results = staging / "results"
-    old_results_folder = (
-        staging / "before"
-    )  # where replaced files go, to be put back after an error
+    # Where replaced files go, to be put back after an error.
+    old_results_folder = staging / "before"
     # Names of files as paths relative to the folder.
     new_names = _names_of_files(results)
     # The folder exists and is locked against other runs; `inner_folders` makes folders in it.

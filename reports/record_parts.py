@@ -353,7 +353,8 @@ def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> 
         keys_in_words = f"; or leave them out by {' or '.join(keys_that_leave_out)}"
     return (
         f"{np.count_nonzero(is_sliding):,} rows between {first_sliding_row:,} and"
-        f" {last_sliding_row:,} slide as a whole, in {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P"
+        f" {last_sliding_row:,} slide as a whole, in {n_strokes}"
+        f" {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P"
         f" up to {largest_ratio:.4g}. Given loads have no such state: prescribe the displacement"
         " that the rig measured, by tangential_displacement = true and a column U; or check"
         f" friction.coefficient{keys_in_words}"

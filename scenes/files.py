@@ -90,12 +90,14 @@ def require_readable_size(path: Path, role: str, most_bytes: int, advice: str = 
 
     Parameters
     ----------
-    role
-        what the file is to the user, as in "the scene file", for the message
-    advice
-        what to do about one that is too large, for the message
     path
         of the file
+    role
+        what the file is to the user, as in "the scene file", for the message
+    most_bytes
+        largest size that is read
+    advice
+        what to do about one that is too large, for the message
 
     Raises
     ------

@@ -214,9 +214,8 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     # Standard deviation of the noise of h, by differences of neighbouring points.
     sigma = max(math.sqrt(_noise_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
-    # noise hides below the step of the last digit
-    # _LEAST_FRACTION_OF_HEIGHTS: 0.7; with fewer different heights, these are steps of the last
-    # digit
+    # _LEAST_FRACTION_OF_HEIGHTS: 0.7; fewer different heights are steps of the last digit, below
+    # which noise hides.
     if 1 < len(distinct_heights) < _LEAST_FRACTION_OF_HEIGHTS * len(h):
         sigma = max(sigma, float(np.min(np.diff(distinct_heights))))
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
