@@ -357,14 +357,15 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     """Split the difference of the dissipation W between finite elements of real bodies and
     half-plane theory into its causes.
 
-    The answer has a reason in place of the parts where W was not compared, where no method finds
-    the causes for these bodies, and where a part does not converge or has no error estimate.
+    The answer has a reason in place of the parts where W was not compared, or where no method finds
+    the causes for these bodies. It has one, too, where a part does not converge or has no error
+    estimate.
 
     Parameters
     ----------
     comparison
         of finite elements with half-plane theory: `metric(WORK)` is the relative difference of W
-        with its uncertainty (`absolute` where it is not relative), `effects` are the elastic
+        with its uncertainty (`absolute` where it is not relative); `effects` are the elastic
         responses of the bodies
     budget
         error budget that states the parts by mesh and load steps; None: these parts stay in the
@@ -663,9 +664,9 @@ def advice_in_words(advice: Advice) -> str:
     """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
     what makes the error, whether that is within the limit, and what to do.
 
-    `advice.work` is the relative change of the dissipation, `parts` its parts by cause,
-    `neglected_part` the size of causes that were not followed, and `reason_for_size_alone` why the
-    uncertainty was not checked, "" where it was.
+    `advice.work` is the relative change of the dissipation, `parts` its parts by cause.
+    `neglected_part` is the size of causes that were not followed. `reason_for_size_alone` says why
+    the uncertainty was not checked, "" where it was.
     """
     change = advice.work
     causes_in_words = [f"{cause} {in_percent(part.value)}" for cause, part in advice.parts.items()]

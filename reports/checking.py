@@ -653,8 +653,8 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
 
 
 def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _Contact:
-    """Edges and pressure of the contact under one normal load P, by half-plane theory of the scene
-    with this load alone, and with the tilt or moment that the load path has at `time`.
+    """Edges and pressure of the contact under one normal load P, by half-plane theory. The scene is
+    solved with this load alone, and with the tilt or moment that the load path has at `time`.
 
     Parameters
     ----------

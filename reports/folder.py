@@ -402,8 +402,8 @@ def _error_of_unwritable_folder(out: str | Path, reason: OSError) -> InputError:
 
 
 def _refuse_foreign_files(folder: Path, names: Iterable[str], out: str | Path) -> None:
-    """Refuse (InputError) a folder in which a file with one of `names` exists that no manifest of
-    this program lists, or in which one would be written outside of the folder through a link.
+    """Refuse (InputError) a folder that holds a file with one of `names` which no manifest of this
+    program lists. Refuse one, too, in which a link would lead such a file out of the folder.
 
     `out` is the folder as the user named it, for the message.
     """

@@ -502,9 +502,9 @@ def content(
     """The JSON content on the uncertain inputs of a scene; None where `effects` is None, that is
     where the scene states no uncertainty of them.
 
-    It holds the stated uncertainties, sentences, the values of theory and the difference of the
-    models with their uncertainties by the inputs, random draws, and how near the loads come to
-    sliding. `comparison` is that of finite elements with theory, None where there is none.
+    It holds the stated uncertainties, sentences, random draws, and how near the loads come to
+    sliding. The values of theory and the difference of the models have their uncertainties by the
+    inputs. `comparison` is that of finite elements with theory, None where there is none.
     """
     if effects is None:
         return None

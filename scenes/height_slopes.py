@@ -195,7 +195,7 @@ class _Samples:
 
     def series_and_roundoff(self, heights: Array) -> tuple[Array, Array]:
         """Chebyshev coefficients (..., CHEBYSHEV_DEGREE + 1) by least squares from heights (..., n)
-        at n places on [-1, 1], and the standard deviation (...,) of the heights' round-off, from
+        at n places on [-1, 1]; and the standard deviation (...,) of the heights' round-off, from
         the residuals.
 
         `coefficients_from_values` (n, CHEBYSHEV_DEGREE + 1) maps values to coefficients, and

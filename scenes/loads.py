@@ -1515,8 +1515,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         return LoadPath((*initial_loading, *segments), ())
 
     def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        """Two quantities over time beside P and Q, such as both bulk stresses, as Chebyshev series
-        over the same times as the segments of the load `path` from time 0 on.
+        """Two quantities over time beside P and Q, such as both bulk stresses, as Chebyshev series.
+        They have the times of the segments of the load `path` from time 0 on.
 
         `pair` holds what the scene states for the two: functions of time, numbers, or None for 0.
         """
@@ -1544,8 +1544,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 def _chebyshev_segment(
     begin: float, end: float, functions: Sequence[Callable[[Any], Any]], load_scale: float = 0.0
 ) -> ChebyshevSegment:
-    """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series
-    through values of two `functions` of time, each from an array of times to one of loads.
+    """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series. The
+    series go through values of two `functions`, each from an array of times to one of loads.
 
     Last terms of a series below 1e-16 of `load_scale`, the size of the loads, are left out as
     round-off.

@@ -227,9 +227,9 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
     decimal sign, encoding, lines that were left out.
 
-    The file lies at `path`. `table` holds the number of each row's line, the separator, decimal
-    sign and encoding in words, the number of lines above the headings, and, in words, the lines
-    that are no rows.
+    The file lies at `path`. `table` holds the number of each row's line, and separator, decimal
+    sign and encoding in words. It holds the number of lines above the headings too, and, in words,
+    the lines that are no rows.
     """
     layout = [
         (
@@ -560,11 +560,12 @@ class FromFile(Frozen):
     @model_validator(mode="after")
     def _require_valid_rows(self, validation: ValidationInfo) -> Self:
         """Return this part of the scene; refuse (ValueError) rows that are no valid measurement,
-        with the line of the file that they come from, and keys on how a file is read where no file
-        is named.
+        with the line of the file that they come from. Refuse, too, keys on how a file is read where
+        no file is named.
 
         `self.table` is the name of the key that holds the rows, and `file` that of the text file,
-        None where the scene states the rows itself.
+        None where the scene states the rows itself. `validation` holds the folder of the scene
+        file.
         """
         try:
             self.check_rows()

@@ -566,9 +566,9 @@ class CallableProfile(Gap):
 
     @model_validator(mode="after")
     def _resolve_slope(self) -> Self:
-        """Approximate the profile's slope h' by Chebyshev series on intervals of x > 0, from the
-        Python function of its height or of its slope, and integrate it to the height; return this
-        profile.
+        """Approximate the profile's slope h' by Chebyshev series on intervals of x > 0, and
+        integrate it to the height; return this profile. A Python function gives the height or the
+        slope.
 
         The intervals end at extent, extent/2, extent/4, ... and at corners of the slope, jumps of
         h''; `breaks` are corners that the scene states.

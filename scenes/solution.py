@@ -363,9 +363,10 @@ class ContactSolution:
         """Content of the NetCDF file of the solution: its arrays with dimensions, units and
         descriptions, and attributes.
 
-        Attributes are single numbers, and JSON texts of the scene, of the `record` of the run
-        (convergence, messages) and of the `work` (what was done, skipped, and how long it took).
-        `steady_from`, the index of the first steady cycle, is -1 where none is.
+        Attributes are single numbers, and JSON texts of the scene, of the `record` of the run and
+        of the `work`. The record holds convergence and messages, the work what was done, skipped,
+        and how long it took. `steady_from`, the index of the first steady cycle, is -1 where none
+        is.
         """
         record = {
             "converged": self.record.converged,

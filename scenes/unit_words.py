@@ -188,8 +188,11 @@ def _last_word(text: str) -> tuple[str, str]:
 
 
 def short_unit_in(heading: str, kind: Kind) -> str:
-    """Unit at the end of a heading without brackets, such as "Time s", where it is of the expected
-    kind, and so short that `unit_in` takes it for part of the name; else empty.
+    """Unit of the expected `kind` at the end of a heading without brackets, such as "Time s"; else
+    empty.
+
+    Only units are found that are also words of names, so that `unit_in` takes them for part of the
+    name.
 
     >>> (
     ...     short_unit_in("Time s", "time"),
