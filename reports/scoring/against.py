@@ -96,6 +96,8 @@ def score(
     ... )
     >>> round(report.metric("peak_pressure").value, 9), report.metric("dissipation").value is None
     (0.01, True)
+
+    # notation: P normal load, p pressure, Q tangential load, q shear
     """
     valid_scene = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
@@ -228,6 +230,8 @@ def score_solution(
     ------
     InputError
         Where no point of the result lies in the reference's contact at any of its instants.
+
+    # notation: a_ref half-width of contact of the reference
     """
     reference = _reference_solution(solution, against)
     _require_points_in_contact(solution, reference)

@@ -228,6 +228,8 @@ def _face_by_stress(
     the scene's units, p = -SYY and q = SXY (outward normal +y); and a note on it.
 
     The face lies at y = `mapping.y_offset` [the scene's length]. InputError where no node does.
+
+    # notation: p pressure, q shear
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
     height = mesh.points[:, 1] - y_of_face
@@ -527,6 +529,8 @@ def _result_of_face(
         the .dat file with the loads; None without one
     notes
         sentences on how the files were read
+
+    # notation: P normal load, Q tangential load
     """
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []

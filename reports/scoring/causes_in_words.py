@@ -71,6 +71,8 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
         fitted size of the fault; of a factor it is the logarithm
     fit
         the fit with this cause and perhaps another one
+
+    # notation: a_ref half-width of contact of the reference, E* composite modulus
     """
     numbers_in_sentence = {
         **_numbers_of_size(cause, size),
@@ -124,6 +126,8 @@ def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> s
 def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
     """In words, the likely origin of a wrong factor of E*/R in a result: plane stress, another
     modulus, or the like.
+
+    # notation: E* composite modulus
     """
     material = discrepancy.comparison.scene.material
     nu = material.upper.poisson_ratio

@@ -43,6 +43,8 @@ def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Ar
     """Influence matrix (n, n) of cells of constant traction on the surface of two half-planes:
     relative displacement at the centre of cell i by a unit traction on cell j, A_ij
     [length/stress]. It is the integral over cell j of -2/(pi E*) ln|x_i - xi|.
+
+    # notation: E* composite modulus
     """
     distance = cell_centres[:, None] - cell_centres[None, :]
     to_right_end = distance + cell_width / 2
@@ -73,6 +75,8 @@ def pressure_on_layer(
         (k,) P [force / thickness]
     layer_compliance
         indentation of the layer per pressure [length/stress]
+
+    # notation: P normal load, p pressure
     """
     # theory of bare half-planes: half-width under any load
     contact = contact_of(scene.profile, scene.material)
@@ -123,6 +127,8 @@ def shear_by_coupling(
         (k,) numbers of the load steps at whose ends the shear is returned
     beta
         Dundurs' constant of the unlike materials
+
+    # notation: E* composite modulus, P normal load, p pressure, Q tangential load
     """
     # theory of like half-planes: half-width and pressure under any load
     contact = contact_of(scene.profile, scene.material)
@@ -170,6 +176,8 @@ def _shear_history(
         (m,) Q after each step [force / thickness]
     displacements_by_pressure
         (m, n) relative displacement along x by the pressure after each step [length]
+
+    # notation: f coefficient of friction, p pressure, Q tangential load
     """
     slip = np.zeros(len(matrix))
     shear_of_steps = []
@@ -220,6 +228,8 @@ def _shear_after_step(
     ------
     InputError
         Where all cells slip, or no state is found.
+
+    # notation: f coefficient of friction, p pressure
     """
     largest_limit = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)

@@ -185,6 +185,8 @@ def _sentences_of_evidence(
 
     `judgement` holds the difference of the result from the reference, `fit` the causes fitted to
     it; `share_left_by_fit` is the share of the difference that this fit leaves.
+
+    # notation: f coefficient of friction, P normal load
     """
     discrepancy = judgement.discrepancy
     # integral of the pressure over P
@@ -264,6 +266,8 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     elements of an edge of contact or stick is at least nine times that elsewhere in contact. And
     a coarse mesh leaves at most a third of the difference. Nothing otherwise. `judgement` holds
     the difference and the fits of causes to it.
+
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p_ref scale of pressure
     """
     from scipy.stats import f as f_distribution
 
@@ -346,6 +350,8 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
 
     Differences are over p_ref (pressure) and f p_ref (shear). Their squares are weighted by length
     and time.
+
+    # notation: f coefficient of friction
     """
     # whether a point has pressure in the result or in the reference, (k, n)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)

@@ -129,6 +129,8 @@ class Discrepancy:
         pressures at points to the integral of theory's. Where the points end within the contact of
         the reference, and not within that of the result, only P counts. An instant is loaded with
         more than a hundredth of the largest P.
+
+        # notation: P normal load
         """
         if not self.is_loaded.any():
             return float("nan")
@@ -193,6 +195,8 @@ class Discrepancy:
         """Relative errors of a result's pressure p and shear q at the worst of the instants: ||p -
         p_0||/||p_0|| and ||q - q_0||/(f ||p_0||). The reference has p_0 and q_0; norms are roots of
         integrals of squares over x.
+
+        # notation: f coefficient of friction
         """
         friction = self.comparison.scales.friction
         pressure_norm = l2_norm(self.x, self.reference_tractions[PRESSURE])

@@ -89,6 +89,8 @@ def _phrases_on_equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     and that of the shear q beside Q. A third one is on the centre of p, which a symmetric scene has
     at x = 0. They are of instants with a load; nothing without one. `discrepancy` holds tractions
     of result and reference.
+
+    # notation: P normal load, Q tangential load
     """
     is_loaded = discrepancy.is_loaded
     if not is_loaded.any():
@@ -140,6 +142,8 @@ def _without_round_off(value: float) -> float:
 def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on how finely a result is resolved: number of points in contact and in slip, spacing
     of the points, scatter of the tractions. `discrepancy` holds those of result and reference.
+
+    # notation: f coefficient of friction, p_ref scale of pressure
     """
     comparison = discrepancy.comparison
     # whether a point has pressure in the result or in the reference, (k, n)
@@ -167,6 +171,8 @@ def _phrases_on_resolution(discrepancy: Discrepancy) -> Iterator[str]:
 def _phrases_on_laws(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the laws of contact and friction: the largest violation of each in the result, its
     limit, and whether scatter of the tractions makes as much.
+
+    # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
     words_of_law = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)

@@ -98,6 +98,8 @@ class Fit:
 
         More than the mean square of the residual is no noise. Noise of the shear is of the size of
         that of the pressure: it counts up to `largest_noise_ratio` times the pressure's residual.
+
+        # notation: f coefficient of friction, p_ref scale of pressure
         """
         pressure_square = max(self.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
         largest_square_of_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
@@ -283,6 +285,8 @@ class Search:
 
         `channels` are the tractions that count: pressure, shear or both. The search ends where a
         step changes sizes or squares by less than the share `tolerance`.
+
+        # notation: f coefficient of friction, p_ref scale of pressure
         """
         from scipy.optimize import least_squares
 
@@ -326,6 +330,8 @@ class Search:
         weight; 1e20 where theory has no solution.
 
         All k instants and n points of each of the `channels` (pressure, shear) in one row.
+
+        # notation: f coefficient of friction
         """
         discrepancy = self.discrepancy
         try:
@@ -365,6 +371,8 @@ class Search:
         """The fit of causes (known faults) with given sizes: the tractions that they predict, and
         the residuals that they leave. None where theory has no solution for them. The shear is
         predicted only where it is among `channels`.
+
+        # notation: f coefficient of friction
         """
         try:
             predicted_tractions = self._predicted_tractions(causes, sizes, channels)

@@ -99,6 +99,8 @@ def history_of_result(
     InputError
         Naming the first instant that is not on the path in this order, with both loads there. Also
         where the file has too little to find its instants by: no shear, or hardly any P.
+
+    # notation: P normal load
     """
     if surface.time is not None:
         try:
@@ -132,6 +134,8 @@ def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
 
     InputError where the resultants do not follow the path, to 5 % of the largest P, with either
     sign of the shear.
+
+    # notation: P normal load
     """
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.has_shear and not has_no_tangential_load(scene):
@@ -196,6 +200,8 @@ def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> t
     """Error of the trapezoidal rule on the points of an external result (`surface`): integral of
     half-plane theory's tractions minus the scene's loads, at the instants of `history`; (n_steps,)
     of P and of Q [force / thickness].
+
+    # notation: P normal load, Q tangential load
     """
     import semi_analytic
 
@@ -227,6 +233,8 @@ def _history_by_time(
     sure_of_times
         whether the times are known to be the scene's; the integrals of the pressure may then differ
         more from P
+
+    # notation: P normal load, Q tangential load
     """
     path = scene.load.path()
     if path.period is None:
@@ -554,6 +562,8 @@ def _nearest_on_chords(p_difference: Array, q_difference: Array) -> tuple[Array,
     >>> share, square = _nearest_on_chords(np.array([-1.0, 3.0]), np.array([2.0, 2.0]))
     >>> share.tolist(), square.tolist()
     ([0.25], [4.0])
+
+    # notation: P normal load, Q tangential load
     """
     start_p = p_difference[..., :-1]
     start_q = q_difference[..., :-1]

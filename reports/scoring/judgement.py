@@ -134,6 +134,8 @@ class Judgement:
         tell apart from it are its rivals. An explanation is a fit: causes (with `keys`), their
         fitted sizes (`n_parameters` in number), and the mean square of the difference that it
         leaves.
+
+        # notation: Q tangential load
         """
         pressure_fits = self._fits_of_pressure()
         explanations_of_both: list[Fit] = []
@@ -214,6 +216,8 @@ class Judgement:
         `pressure_fits`) but not the shear. Empty where it does not.
 
         Under a constant P a rigid base that is near changes the pressure as another radius does.
+
+        # notation: P normal load
         """
         # "stiffness": key of a wrong factor of E*
         fits_with_modulus = [fit for fit in pressure_fits if "stiffness" in fit.keys]
@@ -430,6 +434,8 @@ class Judgement:
 
         `fits` are the fits tried before. Empty where the best one leaves less than a millionth of
         the mean square of the whole difference, or without any fit noise alone.
+
+        # notation: E* composite modulus
         """
         if not fits:
             is_noise = self.fit_without_causes.is_noise((PRESSURE,))
@@ -515,6 +521,8 @@ class Judgement:
             fit of the result with this factor among the causes
         fit_before
             fit with the causes known before, whose difference from the result is the measure
+
+        # notation: Q tangential load
         """
         if share_of_difference_left(fit, fit_before, (SHEAR,)) > _LARGEST_SHARE_LEFT_OF_PRESSURE:
             return False
@@ -543,6 +551,8 @@ class Judgement:
         `Cause.resultant_factor`; None where a cause leaves the sum. Such a factor is excluded where
         the sum remains near P. Nodal forces instead of pressures ("coarse_edge") add up to P: they
         are excluded where the sum is not P. The reason is kept in `reason_by_cause`.
+
+        # notation: P normal load
         """
         predicted_ratios = [
             cause.resultant_factor(size)
@@ -706,6 +716,8 @@ class Judgement:
         """Whether a fit of causes (known faults) leaves nothing of a traction but noise, or next to
         nothing: 3 % of the difference (norm), and of the traction. `channel` is PRESSURE or SHEAR.
         The fit without a cause is right too where the difference is within the tolerance.
+
+        # notation: f coefficient of friction, p_ref scale of pressure
         """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:

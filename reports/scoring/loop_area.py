@@ -110,6 +110,8 @@ def polygon_area(
     >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
     >>> abs(found.value + np.pi) < found.error_by_distance < 0.01
     True
+
+    # notation: sigma standard deviation of the noise
     """
     covered_cycles = float(phase[-1] - phase[0])
     # A row is missing where the last one is a step before the first; phases are known to a
@@ -171,6 +173,9 @@ def _closed_loop_and_gap_error(
         phase there
     noise
         sigma of U and of Q
+
+    # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
+    #           displacement
     """
     displacement_noise, load_noise = noise
     row_after = int(rows_at_end[0])
@@ -230,6 +235,8 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
         of Q
     cycles
         number of cycles that the rows cover
+
+    # notation: f coefficient of friction, sigma standard deviation of the noise
     """
     place_on_loop = fit.distances.place_on_loop
     order_on_loop = np.argsort(place_on_loop, kind="stable")
@@ -280,6 +287,8 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
         an interval; `interval_ends` are parameters (7,) at both ends of the interval of f, or None
     area_per_sigma
         (n,) change of the area by a distance of one sigma of each row, where the loop stays
+
+    # notation: f coefficient of friction, sigma standard deviation of the noise, W area of the loop
     """
     from scipy.stats import t as student
 
@@ -329,6 +338,9 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
         and 1 to 2 on the falling branch; `sigma` of the noise of U and of Q
     rows
         (k,) indices of rows, in their order along the loop
+
+    # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
+    #           displacement
     """
     place = fit.distances.place_on_loop[rows]
     unit_normal = fit.distances.unit_normal[rows]

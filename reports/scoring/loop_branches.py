@@ -113,6 +113,8 @@ def find_branches(
     ------
     InputError
         Where Q does not go up and down, or where the rows cover less than a cycle.
+
+    # notation: Q tangential load
     """
     # standard deviation of Q that neighbouring rows show, at least that of the last digit
     noise = max(row_noise(load), resolution / math.sqrt(12))
@@ -222,6 +224,9 @@ def _record_of_two_cycles(
         sigma of Q
     range_of_load
         least and largest Q, without what noise adds
+
+    # notation: Q tangential load, sigma standard deviation of the noise, U relative tangential
+    #           displacement
     """
     rows_before, rows_after, rises_at_crossing = _crossings_of_middle(load, *range_of_load)
     if len(rows_before) >= 3:
@@ -246,6 +251,8 @@ def _refuse_few_rows(record: _CyclicRows, source: str) -> None:
     """InputError where fewer than eight rows make a cycle of a measured loop, in the mean. Also
     where there are fewer than three crossings of the middle of Q. `record.rows_before` and
     `rows_after` are the last row before and the first row after each crossing.
+
+    # notation: Q tangential load
     """
     n_half_cycles = len(record.rows_before) - 1
     rows_between = record.rows_after[-1] - record.rows_before[0]
@@ -272,6 +279,8 @@ def _mean_turning_point(
         (k,) times at which Q passes the middle of its range
     noise
         sigma of Q
+
+    # notation: Q tangential load, sigma standard deviation of the noise
     """
     centres = (crossing_times[1:] + crossing_times[:-1]) / 2
     # after a crossing at which Q rises comes a highest turning point
@@ -302,6 +311,8 @@ def _two_equal_cycles(load: Array, time: Array, closing_row: int) -> tuple[Array
         (n,) Q and time of the rows
     closing_row
         index of the last row of the cycle
+
+    # notation: Q tangential load
     """
     last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
         np.median(np.abs(np.diff(load)))
@@ -334,6 +345,8 @@ def _times_of_turns(
         (k,) whether Q rises there
     highest_after_centre, lowest_after_centre
         time from the centre between two crossings to the highest and to the lowest Q
+
+    # notation: Q tangential load
     """
     centres = (crossing_times[1:] + crossing_times[:-1]) / 2
     # Q is highest between a crossing at which it rises and the next one
@@ -382,6 +395,8 @@ def _crossings_of_middle(
         (n,) Q of the rows
     least_load, largest_load
         ends of the range of Q
+
+    # notation: Q tangential load
     """
     is_load_low = load < least_load + _LOWER_LEVEL * (largest_load - least_load)
     is_load_high = load > least_load + _UPPER_LEVEL * (largest_load - least_load)
@@ -409,6 +424,8 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
         (n,) the quantity at the rows
     load, time, noise
         tangential load Q (n,), its time, and the standard deviation of its noise
+
+    # notation: U relative tangential displacement
     """
     least_load, largest_load = _least_and_largest_load(load, noise)
     middle_load = (least_load + largest_load) / 2
@@ -428,6 +445,8 @@ def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp
     """Q at the begin, at each turning point and at the end of the rows: first Q, the extreme Q of
     the rows between each two crossings of its middle, last Q. `begins` and `ends` are the last row
     before and the first row after each crossing.
+
+    # notation: Q tangential load
     """
     ends_of_pieces = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
@@ -459,6 +478,8 @@ def _closing_row(
         (k,) last row before each crossing of the middle of Q, and whether Q rises there
     noise
         standard deviation of Q
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     if not len(rows_before):
         return None
@@ -577,6 +598,8 @@ def _turning_point(
     n_copies
         how often each measured turning point is in the rows: 2 where one cycle was laid end to end
         twice; copies do not make the error smaller
+
+    # notation: Q tangential load
     """
     sign = 1.0 if is_top else -1.0
     height = sign * load  # Q, or -Q where the lowest Q is sought

@@ -100,6 +100,8 @@ class LoopRows:
         """Typical sizes, (4,), of the four terms that are fitted beside f, in which steps of the
         fit are counted: highest and lowest Q of the loop [force / thickness], compliance C of the
         rig [1/stress] and origin U0 of the displacement [length].
+
+        # notation: f coefficient of friction, Q tangential load
         """
         range_of_load = float(np.ptp(self.load))
         range_of_displacement = float(np.ptp(self.displacement))
@@ -233,6 +235,8 @@ class LoopsOverFriction:
 
         Their roots sqrt(ln(f/f of sliding)) are multiples of 0.02 (`_ROOT_STEP`), at which loops of
         theory are cached: one solution of theory is enough for each.
+
+        # notation: Q tangential load
         """
         roots_of_log = np.linspace(
             math.sqrt(_LEAST_LOG_OF_TRIALS),
@@ -293,6 +297,8 @@ class LoopsOverFriction:
         """Numbers of the first and the last instant of a branch of the scene's cycle. Q rises on it
         from its lowest to its highest value, or falls (`rising` False). Beyond the end of the cycle
         the numbers count on.
+
+        # notation: Q tangential load
         """
         # self.load (m,): Q of the scene through a cycle; its last instant is the first of the next
         # one
@@ -311,6 +317,8 @@ class LoopsOverFriction:
         They are those of the branch itself, and some of the other branch before and behind it.
         There Q is within 5 % of its range from the turning point (`_SHARE_BESIDE_TURN`): noise can
         lay a row beyond it.
+
+        # notation: Q tangential load
         """
         # self.load (m,): Q of the scene through a cycle, the first instant repeated at its end
         load_of_cycle = self.load[:-1]
@@ -364,6 +372,9 @@ class LoopsOverFriction:
             f of the file, whose Q is r times that of the scene
         highest_load, lowest_load
             Q at the upper and at the lower turning point of the rows
+
+        # notation: C compliance of the rig, f coefficient of friction, U relative tangential
+        #           displacement
         """
         # r; self.load (m,): Q of the scene at instants of its cycle
         scale = self.load_scale(highest_load, lowest_load)
@@ -410,6 +421,9 @@ class LoopsOverFriction:
             (4,) highest Q, lowest Q, and C and U0 of the rig
         noise
             sigma, standard deviation of the noise of U and of Q, by which both are divided
+
+        # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U
+        #           relative tangential displacement
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
         # factor r of the file's Q over the scene's; self.load (m,): Q of the scene through a
@@ -464,8 +478,8 @@ class LoopsOverFriction:
             sigma, standard deviation of the noise of U and of Q
 
         # notation: C compliance of the rig, f friction coefficient, r factor of the file's Q over
-        #           the scene's, tau place in the cycle, U0 origin of U; loop U = r U(tau; f/r) +
-        #           C Q + U0
+        #           the scene's, tau place in the cycle, U0 origin of U; loop U = r U(tau; f/r) + C
+        #           Q + U0, Q tangential load, U relative tangential displacement
         """
         highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
@@ -639,6 +653,8 @@ class _Search:
         """Differences (2,) of highest and lowest Q of a loop from the turning points that the
         measured rows show, over the standard errors of these. `terms` (4,) begins with highest and
         lowest Q.
+
+        # notation: Q tangential load
         """
         highest_turn = self.rows.branches.highest
         lowest_turn = self.rows.branches.lowest
@@ -655,6 +671,9 @@ class _Search:
         """Residuals of theory's loop from n measured rows over sigma, (n + 2,): distances of the
         rows, then differences of highest and lowest Q; and their derivatives by ln f and the four
         terms, (n + 2, 5). The terms are highest Q, lowest Q, rig compliance C and origin U0.
+
+        # notation: f coefficient of friction, Q tangential load, sigma standard deviation of the
+        #           noise
         """
         distances, derivatives_of_distances = model.distances_with_derivatives(
             self.rows, friction, terms, self.noise
@@ -686,6 +705,9 @@ class _Search:
         ----------
         trial_frictions
             (k,) values of f, ascending
+
+        # notation: C compliance of the rig, f coefficient of friction, P normal load, Q tangential
+        #           load
         """
         # of each trial, terms (4,) to begin with
         starts = [self.start_terms(friction) for friction in trial_frictions.tolist()]
@@ -731,6 +753,8 @@ class _Search:
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
         compliance is stated.
+
+        # notation: Q tangential load
         """
         from scipy.optimize import least_squares
 
@@ -776,6 +800,8 @@ class _Search:
         turning point is known to within one row only.
 
         `terms` (4,) are highest Q, lowest Q, C and U0.
+
+        # notation: C compliance of the rig, Q tangential load
         """
         branches = self.rows.branches
         # (n,) whether each row lies on the rising branch
@@ -816,6 +842,8 @@ class _Search:
             ln f up to which it is sought, below or above the best one
         largest_sum
             sum of squares that the interval admits
+
+        # notation: Q tangential load
         """
         latest_terms = terms
 
@@ -883,6 +911,8 @@ def fit_loop(
         show
     error_of_theory
         error of a fitted f, over f, since theory's loops are interpolated between samples
+
+    # notation: P normal load
     """
     highest_load = rows.branches.highest.load
     lowest_load = rows.branches.lowest.load

@@ -110,6 +110,8 @@ def fit_rig(
         r, the file's Q over the scene's
     rig_compliance
         C [1/stress], where it is stated; None fits it
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # SHARES_OF_CYCLE: the instants of the cycle, from 0 to 1
     load_at_rows = np.interp(fraction_of_cycle, SHARES_OF_CYCLE, load_of_cycle)

@@ -104,6 +104,8 @@ class MeasuredRows:
         """Typical sizes of the seven parameters of a loop, (7,), by which steps of a fit are
         scaled: of ln f, middle and range of Q, compliance of the rig, origin and drift of U, gross
         slide.
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         # of the rows, highest minus lowest
         range_of_displacement, range_of_load = self.ranges
@@ -248,6 +250,8 @@ class MasingLoop:
 
         Below place 0 it is continued as a straight line; above 2 as well where the loop has no
         slide.
+
+        # notation: Q tangential load
         """
         fraction_on_branch = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
         fraction_of_range = fraction_on_branch + 3 * np.minimum(place, 0.0)
@@ -266,7 +270,8 @@ class MasingLoop:
             U = 2 f v(h/f) - f v(R/2f) + slide + C Q,   h half of the rise of Q since the lower turn
 
         # notation: C compliance of the rig, f friction coefficient, R range of Q, v memory curve of
-        #           theory, `self.curve.value`; RANGE, SLIDE, COMPLIANCE: indices of R, slide and C
+        #           theory, `self.curve.value`; RANGE, SLIDE, COMPLIANCE: indices of R, slide and C,
+        #           Q tangential load, U relative tangential displacement
         """
         # fraction of R that is passed: 0 at the lower turning point, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
@@ -340,6 +345,8 @@ class MasingLoop:
         parameters (7,), by central differences. W does not depend on the middle of Q, the origin of
         U and the drift of U. `LOG_F`, `RANGE`, `COMPLIANCE` and `SLIDE` are indices of ln f, range
         of Q, compliance of the rig and gross slide.
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         gradient = np.zeros(7)
         for k in (LOG_F, RANGE, COMPLIANCE, SLIDE):
@@ -358,6 +365,9 @@ class MasingLoop:
 
         The range of Q is R = 2 f P. `LOG_F`, `RANGE` and `SLIDE` are indices of ln f, R and slide
         among the seven parameters of a loop.
+
+        # notation: P normal load, Q tangential load, R range of Q, U relative tangential
+        #           displacement
         """
         # places 0 to 2 lie along the rising branch; 2 is the upper turning point
         place_of_end = np.array([2.0])
@@ -378,6 +388,8 @@ class MasingLoop:
 
         `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide.
         `RANGE` and `COMPLIANCE` are the indices of the range of Q and of the rig's compliance.
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         # a loop without slide is in partial slip past its end too
         is_in_partial_slip = (place < 1) | (not self._has_slide)
@@ -404,6 +416,8 @@ class MasingLoop:
         `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide. v is
         the memory curve of theory, `self.curve.value`, with slope v', `self.curve.slope`. `LOG_F`,
         `RANGE`, `COMPLIANCE` and `SLIDE` are indices of parameters.
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         # fraction of R that the branch has passed: 0 at the lower turn, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
@@ -470,6 +484,8 @@ def distances_from_loop(
         distance (n,), positive where U of the row is the larger; its derivatives (n, 7); unit
         normal (n, 2) of the loop; place of the nearest point, 0 to 1 on the rising and 1 to 2 on
         the falling branch
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     loop = MasingLoop(curve, parameters)
     # U and Q of the rows, from the middle of the loop
@@ -554,6 +570,8 @@ def _distances_from_branch(
         about the middle
     sigma
         standard deviation of the noise of U and of Q
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     row_points = np.array(
         [branch_sign * displacement / sigma.displacement, branch_sign * load / sigma.load]

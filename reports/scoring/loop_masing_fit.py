@@ -211,7 +211,8 @@ class _Search:
         The parameters are ln f, middle and range of Q, compliance C of the rig, origin of U, drift
         of U, gross slide. `DRIFT_RATE` is the index of the drift.
 
-        # notation: f coefficient of friction, Q tangential load, U relative displacement
+        # notation: f coefficient of friction, Q tangential load, U relative displacement, sigma
+        #           standard deviation of the noise
         """
         # signed distances (n,) over sigma, and their derivatives (n, 7)
         distances = distances_from_loop(self.rows, self.curve, parameters, self.sigma)
@@ -239,6 +240,8 @@ class _Search:
         A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
         misfit is the height of the loop minus that of the rows. `MIDDLE`, `ORIGIN` and `DRIFT_RATE`
         are the indices of the middle of Q, the origin of U and the drift of U.
+
+        # notation: Q tangential load, U relative tangential displacement
         """
         rows = self.rows
         # self.curve: memory curve of theory, from which the branches of the loop are built
@@ -306,6 +309,9 @@ class _Search:
             follows from f, R = 2 f P, and the slide is fitted
         held_parameters
             indices of further parameters that keep their start value
+
+        # notation: f coefficient of friction, P normal load, Q tangential load, U relative
+        #           tangential displacement
         """
         from scipy.optimize import least_squares
 
@@ -316,7 +322,10 @@ class _Search:
         typical_sizes = self.parameter_sizes
 
         def parameters_at(steps: Array) -> Array:
-            """All seven parameters: the free ones are moved by `steps`, in units of their sizes."""
+            """All seven parameters: the free ones are moved by `steps`, in units of their sizes.
+
+            # notation: f coefficient of friction, Q tangential load
+            """
             parameters = start_parameters.copy()
             parameters[free_indices] += steps * typical_sizes[free_indices]
             parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
@@ -333,7 +342,10 @@ class _Search:
         cached_answer: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
-            """Residuals over sigma (m,), and their derivatives by `steps`, (m, free parameters)."""
+            """Residuals over sigma (m,), and their derivatives by `steps`, (m, free parameters).
+
+            # notation: sigma standard deviation of the noise
+            """
             steps_as_bytes = steps.tobytes()
             if steps_as_bytes not in cached_answer:
                 parameters = parameters_at(steps)
@@ -371,6 +383,9 @@ class _Search:
             ln f of a partial loop; not used in a gross one
         slide_fraction
             range of U that is gross slide, over the whole range of U; 0 for a partial loop
+
+        # notation: f coefficient of friction, P normal load, Q tangential load, R range of Q, U
+        #           relative tangential displacement
         """
         rows = self.rows
         high_load, low_load = np.quantile(rows.load, [0.98, 0.02])
@@ -412,6 +427,8 @@ class _Search:
 
         The sum of squares is taken at 24 trials of f, and at 5 of the slide of a gross loop. Fits
         begin from its two lowest local minima among them.
+
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
         # f at which the contact just slides as a whole under this range of Q
@@ -458,6 +475,8 @@ class _Search:
         The best partial loop may slide as a whole, or the best gross one may have a negative slide.
         Then the best loop at the limit between both kinds is returned: gross with a slide of 0.
         `LOG_F`, `RANGE` and `SLIDE` are indices of ln f, range of Q and slide.
+
+        # notation: f coefficient of friction, Q tangential load
         """
         fit = self.least_squares_fit(start_parameters, is_gross=is_gross)
         if not is_gross and self._is_sliding_as_whole(fit.parameters):
@@ -498,6 +517,8 @@ class _Search:
 
         Where the slide of a gross loop would be negative it is held at 0. The sum of squares of a
         partial loop is infinite where its contact would slide as a whole.
+
+        # notation: Q tangential load, U relative tangential displacement
         """
         index_of_friction = frozenset([LOG_F])
         parameters = start_parameters.copy()
@@ -530,6 +551,8 @@ class _Search:
             admitted rise of the sum of squares
         first_step
             first step in ln f
+
+        # notation: f coefficient of friction
         """
         is_gross_better = fits.is_gross_better
         # of each kind (is it gross?) the latest fit, from which the next one is sought
@@ -540,6 +563,8 @@ class _Search:
             """Root of the rise of the least sum of squares over its admitted rise, at ln f =
             `log_friction`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
             The loop is of that kind, partial or gross, for which it is less.
+
+            # notation: f coefficient of friction
             """
             nonlocal is_nearest_kind_gross
             least_relative_rise = math.inf
@@ -599,6 +624,8 @@ def where_function_reaches_one(
     >>> end = where_function_reaches_one(lambda x: 2 * abs(x), 0.0, 1.0, 0.3)
     >>> abs(end - 0.5) < 0.005
     True
+
+    # notation: f coefficient of friction
     """
     # distances in x from `x_at_zero`: the last one with a value below 1, the first one above it
     distance_within = 0.0
@@ -663,6 +690,8 @@ def _likeliest_noise(
         number of rows minus number of fitted parameters
     log_noise_ratio, scatter_of_log_ratio
         ln(sigma of U/sigma of Q) that neighbouring rows show, and its standard deviation
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     from scipy.optimize import minimize
 
@@ -740,6 +769,8 @@ class BestLoop:
         their time: the change that explains most of the distances of the rows from the loop.
 
         Origin and drift of U are left out: the change of U with time is drift.
+
+        # notation: U relative tangential displacement
         """
         is_varied = np.isin(self._fitted_indices, [ORIGIN, DRIFT_RATE], invert=True)
         variable_from_mean = row_variable - np.mean(row_variable)
@@ -776,6 +807,8 @@ class BestLoop:
         """By how much Q of the rows of a gross loop rises while the contact slides as a whole, over
         the range R of Q; with the part of the rows' distances from the loop that such a rise
         explains, and the chance of scatter to explain as much.
+
+        # notation: Q tangential load, sigma standard deviation of the noise
         """
         # (n,) of the rows: 0 to 1 on the rising branch, 1 to 2 on the falling one
         place_on_loop = self.distances.place_on_loop
@@ -836,6 +869,8 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
         standard deviation of the noise of U and of Q
     least_noise
         standard deviations that the digits of the rows leave
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(sigma)) ** 2
     # _LARGEST_MEAN_SQUARE_BY_DIGITS: 1.3 variances of the last digits
@@ -874,7 +909,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         memory curve of theory at constant P: U over half the change of Q since a turning point,
         from which loops are built (Masing's rule)
 
-    # notation: sigma standard deviation of the noise of U and of Q
+    # notation: sigma standard deviation of the noise of U and of Q, P normal load, Q tangential
+    #           load, U relative tangential displacement
     """
     # noise of the last digits, at least 1e-9 of the largest U or Q
     least_noise = RowNoise(
@@ -957,6 +993,8 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
         have correlated distances
     error_of_theory
         error of a fitted f, over f, since theory's memory curve is interpolated between samples
+
+    # notation: P normal load, Q tangential load, sigma standard deviation of the noise
     """
     from scipy.stats import f as f_distribution
 
@@ -1022,6 +1060,9 @@ def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) ->
         of Q
     sigma
         standard deviation of the noise of U and of Q
+
+    # notation: f coefficient of friction, Q tangential load, R range of Q, U relative tangential
+    #           displacement
     """
     step_of_load = rows.resolution[1]
     # noise beyond the step's own variance, of more than 0.4 of the step, changes digits
@@ -1048,6 +1089,8 @@ def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross
         slide
     is_gross
         whether the contact slides as a whole at the ends of the loop
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     fitted_indices = _fitted_parameters(search.rows, is_gross=is_gross)
     _, derivatives = search.residuals(parameters)
@@ -1081,6 +1124,8 @@ def _scaled_derivatives(
 
     In a gross loop the range R of Q follows from f, R = 2 f P: the derivative by ln f is that along
     both, with dR/d(ln f) = R.
+
+    # notation: f coefficient of friction, P normal load, Q tangential load
     """
     total_derivatives = derivatives.copy()
     if is_gross:

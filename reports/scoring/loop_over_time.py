@@ -58,6 +58,8 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         U, Q and time of the rows; `resolution`, steps of U and Q that their digits resolve
     rig_compliance
         compliance C of the rig between the places where U is measured [1/stress]; None fits it too
+
+    # notation: P normal load
     """
     # period; share of the cycle that is over at each row; scale and offset of Q over the scene's
     alignment = _required_alignment(loop, scene)
@@ -171,6 +173,8 @@ class _Search:
             (n,) share of the scene's cycle that is over at each row
         scale
             r, the file's Q over the scene's
+
+        # notation: Q tangential load, U relative tangential displacement
         """
         displacement = theory_displacement(self.scene, math.exp(log_friction))
         load = scale * self.load_of_cycle
@@ -192,6 +196,8 @@ class _Search:
             (n,) share of the scene's cycle that is over at each row
         scale
             r, the file's Q over the scene's
+
+        # notation: Q tangential load
         """
         from scipy.optimize import minimize_scalar
 
@@ -214,6 +220,8 @@ class _Search:
 
         `alignment` places the rows on the scene's cycle, `share_of_cycle` (n,), and holds the scale
         of their Q over the scene's.
+
+        # notation: Q tangential load, U relative tangential displacement
         """
         from scipy.optimize import brentq
 
@@ -262,6 +270,8 @@ def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     InputError
         For less than 0.9 of a cycle, and for rows whose Q differs from the scene's by more than 15
         % of its amplitude (`misfit`, root mean square).
+
+    # notation: Q tangential load
     """
     load_of_cycle = cycle_loads(scene)[1]
     # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
@@ -304,6 +314,8 @@ def _best_alignment(
     ------
     InputError
         Where Q of the scene stands still.
+
+    # notation: Q tangential load
     """
     from scipy.optimize import minimize
 
@@ -319,6 +331,8 @@ def _best_alignment(
 
         The misfit is a force here, not yet over the amplitude: the root mean square of the measured
         Q minus this fit. Where the scale is not positive it gets too large to be the best.
+
+        # notation: Q tangential load
         """
         share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
         scene_load = np.interp(share_of_cycle, SHARES_OF_CYCLE, load_of_cycle)
@@ -361,6 +375,8 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
 
     Those by which the rows cover fewer than `least_cycles` are left out, as long as others remain.
     They are the frequency of the peak, its half and its third, and some 6 % beside each.
+
+    # notation: Q tangential load
     """
     # loop.time begins at 0
     even_times = np.linspace(0.0, loop.time[-1], min(len(loop.load), 4096))

@@ -39,6 +39,8 @@ def content(score: LoopScore) -> dict[str, Any]:
     """The entries of loop.json for a measured loop of Q over U. They state whether the scene's
     friction coefficient f lies in the interval of the loop's f, that interval, and the rig's
     compliance; and area, slope and distance from the rows of each loop, measured or computed.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     return {
         "kind": "loop",
@@ -68,6 +70,8 @@ def table_of_loops(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, .
     """Column heads, and a row of text cells for the measured loop and each computed one: name, f,
     area W, W over the measured one minus 1, slope, and distance from the measured rows (– where a
     loop has none).
+
+    # notation: f coefficient of friction
     """
     unit_of_length, unit_of_stress = units(score.scene)[1:]
     area_head = f"area W [{energy_unit(score.scene)}]"
@@ -118,6 +122,8 @@ class _Means(NamedTuple):
 def _figures(score: LoopScore) -> tuple[Plate, ...]:
     """Two figures of a measured loop: the loop itself, and the residuals of its best fit. Dots are
     means of rows in equal parts of the cycle; the CSV files hold every row.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # U and Q of theory's loop at SHARES_OF_CYCLE of the cycle
     best_fit = score.curves[0]
@@ -154,6 +160,8 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         means of U and Q over neighbouring rows, (k,) each, drawn as dots
     caption_numbers
         how many rows a mean is of, and how many means there are
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     unit_of_length = units(score.scene)[1]
     unit_of_load = load_unit(score.scene)
@@ -212,6 +220,8 @@ def _figure_of_residuals(
         (n,) U of the rows minus U of the best fit [length]
     caption_numbers
         how many rows a mean is of, and how many means there are
+
+    # notation: U relative tangential displacement
     """
     # units: of the scene's force, length, stress
     unit_of_length = units(score.scene)[1]

@@ -146,6 +146,8 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     ------
     InputError
         Where there is no column for U or Q, or one for both.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     names = table.names
     has_two_nameless_columns = not table.heading_line and len(names) == 2
@@ -209,6 +211,8 @@ def _column_of_loop(
     InputError
         For a unit that is not understood, for forces without a thickness, and for forces per length
         with one.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # which factor of the mapping holds for the quantity
     factor_name: Literal["length", "load"] = "length" if quantity == "slip" else "load"

@@ -173,6 +173,8 @@ def explained_change(
     True
     >>> explained_change(scatter - 3 * by_growth[:, 0], derivatives, by_growth).chance < 1e-6
     True
+
+    # notation: sigma standard deviation of the noise
     """
     from scipy.stats import f as f_distribution
 
@@ -219,6 +221,8 @@ def drift_of_displacement(
         U, Q and time of the rows, (n,) each
     branches
         branch of each row, and its phase, the number of cycles that have passed
+
+    # notation: Q tangential load
     """
     phase = np.maximum.accumulate(branches.phase)
     # turning points lie at multiples of 1/2 of the phase; _SHARE_AT_TURN: a tenth of a branch
@@ -282,6 +286,8 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     True
     >>> trend_of_sizes(wave, wave, cycles, 0.0).is_certain
     False
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # (k,) of all cycles
     sizes = sizes_of_cycles(values, load, time, noise)
@@ -317,6 +323,8 @@ def lasting_growth(
         index of the first row behind the supposed run-in
     noise
         standard deviation of the noise of Q
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     for values in (load, displacement):
         # growth of the size of a cycle over the median one, with its error; None for fewer than
@@ -388,6 +396,8 @@ def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: 
 
     The trend is the growth of the size of a cycle over the median size, in each cycle; a size is
     the standard deviation of U or Q through it.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # rate, with its standard error; None for fewer than two sizes
     trends = [trend_of_sizes(values, load, time, noise) for values in (load, displacement)]

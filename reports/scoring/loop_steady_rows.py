@@ -114,6 +114,8 @@ def fit_steady_rows(
     ------
     InputError
         Where cycles differ or drift, or where no loop that half-plane theory has fits the rows.
+
+    # notation: P normal load, Q tangential load, U relative tangential displacement
     """
     if not has_constant_normal_load(scene):
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
@@ -189,6 +191,8 @@ def _steadiest_rows(
     ------
     InputError
         Where the cycles differ or go on growing however many are left out.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     candidates = []
     growth_words = ""
@@ -330,6 +334,8 @@ def _tested_candidate(
         are built
     rig_compliance
         C of the rig [1/stress]; None fits it
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     loop = remaining_rows.rows
     # branch of each row, and its phase: cycles that have passed
@@ -405,6 +411,8 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
         the rows that is no scatter; `unsteady_share_of_opening` includes what a change explains
     loop
         all measured rows
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     misfit = candidate.best_loop.misfit
     # 1.5 % of the opening; 0.5 % where hardly any of the distances is scatter
@@ -454,6 +462,8 @@ def _fit_with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> Fit
 
     `candidate` holds the tests of the rows' steadiness: `change_of_size.chance` with which scatter
     alone shows such a growth of U and Q, and the change of ln f that goes with it.
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     # 5 %
     if candidate.change_of_size.chance > _LARGEST_CHANCE_TO_WIDEN and not candidate.had_run_in:
@@ -591,6 +601,8 @@ def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> 
     opening of the loop in U, its area over the range of Q; below 0.1 % nothing is stated.
 
     `fit.misfit` holds the correlation of neighbouring rows and the factor `widening`.
+
+    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
     if fit.misfit.widening == 1.0 or share_of_opening < _LEAST_SHARE_STATED:
         return fit
@@ -605,6 +617,8 @@ def _fit_with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> 
 def _drift_of_cycle(loop: MeasuredLoop) -> float:
     """Drift of U of a measured loop in a cycle, over the range of U. It is 0 unless it is too large
     for the drift of a gauge: more than 3 %, plus what noise gives.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # branch of each row by Q, and cycles that have passed
     branches = find_branches(
@@ -714,6 +728,8 @@ def _fit_where_load_varies(
     """Fit the coefficient of friction f to a measured loop whose scene has a varying normal load P
     and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
     the rows. `rig_compliance` is C of the rig [1/stress]; None fits it too.
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     # branch of each row, and the turning points of Q
     branches = find_branches(
@@ -776,6 +792,8 @@ def _share_by_load(
         gives lowest and highest Q of the rows, to which those of the scene are scaled
     load_of_cycle
         (n_instants,) Q of the scene through a cycle
+
+    # notation: Q tangential load
     """
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     # the last instant is the first one again; N_INSTANTS is their number

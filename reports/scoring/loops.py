@@ -242,6 +242,8 @@ def score_loop(
     >>> found = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share), scene)
     >>> round(found.friction, 3), round(found.compliance, 7)
     (0.5, 1e-05)
+
+    # notation: P normal load, Q tangential load
     """
     require_loop(scene)
     for name, values in (("U", loop.displacement), ("Q", loop.load)):
@@ -299,6 +301,8 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         the loop fitted to them: `phase` (n,), cycles that have passed at each row;
         `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `scale`, the file's Q
         over the scene's; `masing_loop` and its fit, None where P varies
+
+    # notation: P normal load, Q tangential load, U relative tangential displacement
     """
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
@@ -363,6 +367,8 @@ def _partial_loops(
     with the scene's f. With them a sentence for each f at which the contact would slide as a whole.
 
     `rig_compliance` is the stated C of the rig; None fits C to the rows for each loop.
+
+    # notation: P normal load, Q tangential load, U relative tangential displacement
     """
     loops = []
     sentences = []
@@ -420,6 +426,9 @@ def _loop_with_rig(
         places of the rows on the cycle, and r, the file's Q over the scene's
     computed
         name, f, and U through a cycle of the scene
+
+    # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U relative
+    #           tangential displacement
     """
     load_of_scene = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_scene
@@ -444,6 +453,8 @@ def _sliding_loops(
     """The loops beside a measured one that slides as a whole: the fitted one (`fitted_loop`), and
     the one that theory has with the scene's f and the same range of U, where it slides too. Finite
     elements are left out, which is stated where `against` is "fe".
+
+    # notation: f coefficient of friction, U relative tangential displacement
     """
     sliding_loops = {"theory, best f": fitted_loop}
     # None where the range of U is too short for a slide with this f
@@ -490,6 +501,8 @@ def _slope_and_distance(
         (n_rows,) share of the cycle that is over at each row
     displacement, load
         (n_instants,) U and Q of the computed loop at `SHARES_OF_CYCLE` of the cycle
+
+    # notation: Q tangential load, U relative tangential displacement
     """
     displacement_at_rows = np.interp(share_of_cycle, SHARES_OF_CYCLE, displacement)
     slope = _slope_of_line(displacement_at_rows, np.interp(share_of_cycle, SHARES_OF_CYCLE, load))

@@ -279,6 +279,8 @@ def _fit_of_adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
 
     None where the result has no tension next to both edges, and where p0 or p1 would not be
     positive. `discrepancy` holds the tractions of result and reference.
+
+    # notation: p pressure
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
@@ -324,6 +326,8 @@ def _fit_of_sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
 
     None where the width of the contact changes, for a punch keeps its width, and where no load
     above 0 fits. `discrepancy` holds the tractions of result and reference.
+
+    # notation: P normal load, p pressure
     """
     # pressure (k, n) and half-widths (k,) that fit best
     closed_form = _fitted_closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
@@ -353,6 +357,9 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     Sphere: p = p0 sqrt(1 - xi^2), p0/a = 2 E*/(pi R), and P = 2 pi a^2 p0/3 is a force (Johnson
     1985, 4.2). A cylinder has p0/a = E*/(2 R). xi = x/a, with the half-width a that fits best at
     each instant. None where the profile is no parabola, and where no half-widths can be fitted.
+
+    # notation: a_ref half-width of contact of the reference, E* composite modulus, P normal load, p
+    #           pressure, p_ref scale of pressure
     """
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
@@ -391,6 +398,8 @@ def _fit_of_limited_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
 
     None where fewer than five points of an instant lie on a limit, and where the contact is not
     symmetric. `discrepancy` holds the tractions of result and reference.
+
+    # notation: P normal load, p pressure
     """
     if discrepancy.unsymmetric:
         return None
@@ -441,6 +450,8 @@ def _fit_of_gaps(discrepancy: Discrepancy) -> ProblemFit | None:
     None where gaps are few or short, or the reference carries less than a tenth of P over them.
     None too where values are only missing from a table: the sum of the pressures then is too small.
     `discrepancy` holds the tractions of result and reference.
+
+    # notation: P normal load
     """
     result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
@@ -507,6 +518,8 @@ def _fit_of_inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     have them. None where the pressures differ by less than 5 % or by noise alone, and for an
     unsymmetric scene. The part of the pressure that is odd in x is left out: unlike bodies and
     bodies that tilt make it. `discrepancy` holds the tractions of result and reference.
+
+    # notation: P normal load, p_ref scale of pressure
     """
     if discrepancy.unsymmetric or len(discrepancy.instants_of_cycle) < 2:
         return None
@@ -578,6 +591,8 @@ def _most_changed_instants(
         (k, n) of the result
     pressure_integrals
         (k,) integrals of the pressure over x, which must agree as P does
+
+    # notation: P normal load
     """
     load = discrepancy.normal_load
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
@@ -660,6 +675,8 @@ def _fit_of_friction_law(discrepancy: Discrepancy) -> ProblemFit | None:
     None where such a law leaves more than a tenth of the norm that a coefficient leaves. None too
     where its constant is small or it falls with p, for fewer than eight points in slip, and without
     friction or shear. `discrepancy` holds the tractions of result and reference.
+
+    # notation: p pressure, p_ref scale of pressure, q shear
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.has_shear:

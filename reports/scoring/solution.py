@@ -98,6 +98,8 @@ def solution_of_surface(
     ------
     InputError
         For a history that is not the scene's.
+
+    # notation: P normal load, Q tangential load
     """
     scene = theory.scene
     # history: times on the load path, P and Q there, and sentences on how they were found
@@ -161,6 +163,8 @@ def _solution_without_zones(
         times of the result on the scene's load path, and the scene's P and Q there
     missing_fields
         what the result lacks: name -> (number of instants, reason)
+
+    # notation: P normal load, Q tangential load
     """
     normal_load = surface.normal_load
     tangential_load = surface.tangential_load
@@ -591,6 +595,8 @@ def _slipping_points(
         coefficient f
     time
         (n_steps,) of the instants
+
+    # notation: p pressure, q shear
     """
     is_slipping = is_touching & (np.abs(shear) >= (1 - _SHARE_BELOW_LIMIT) * friction * pressure)
     slip_direction = np.sign(shear)
@@ -736,6 +742,8 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
         (m,) distance of each point inwards from the outermost one, in any unit: that of the answer
     squared_pressure
         (m,) p^2 > 0 at these points
+
+    # notation: p pressure
     """
     coefficients = np.polyfit(depth, squared_pressure, 2, w=1 / squared_pressure)
     a, b, c = coefficients
@@ -770,6 +778,8 @@ def _surface_in_scene_units(
     InputError
         For a pressure that is zero everywhere, or nowhere compression by the sign that the mapping
         states.
+
+    # notation: P normal load
     """
     if not np.any(surface.pressure):
         raise InputError(
@@ -907,6 +917,8 @@ def _compared_values(surface: SurfaceResult, theory: ContactSolution) -> tuple[_
     Beside the largest pressure stands theory's mean pressure: units differ by far more than these
     two do, and the mean needs no field. A result that states no P has the load 0. `theory` holds
     half-widths of contact and P through the scene's whole path.
+
+    # notation: P normal load
     """
     # leftmost and rightmost x with pressure at any instant
     left_end, right_end = _ends_of_contact(surface)
@@ -992,6 +1004,8 @@ def _sentences_on_odd_signs(
     """Sentences about signs of a result that look wrong though they are scored as they are:
     tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
     the result's instants.
+
+    # notation: Q tangential load
     """
     # tension of more than a thousandth of the largest pressure
     if surface.pressure.min() < -LEAST_TOUCHING_SHARE * surface.pressure.max():

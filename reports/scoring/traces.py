@@ -133,6 +133,8 @@ def find_outliers(comparison: Comparison) -> list[Diagnosis]:
 def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the result lies on the Coulomb limit |q| = f p at the points that stick in
     the reference: it slips everywhere. `discrepancy` holds the tractions of result and reference.
+
+    # notation: f coefficient of friction, p pressure, q shear
     """
     comparison = discrepancy.comparison
     friction = discrepancy.comparison.scene.friction.coefficient
@@ -179,6 +181,8 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
 
     `shear_sign` is -1 where the file is known to have a shear of the wrong sign. `discrepancy`
     holds the tractions of result and reference.
+
+    # notation: a_ref half-width of contact of the reference, E* composite modulus
     """
     # of slip and shear from instant to instant (k - 1, n), and which are of points that stick
     changes = _changes_in_stick(discrepancy, shear_sign)
@@ -258,6 +262,8 @@ def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesIn
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
     result and in the reference, whose slip rests in the reference. `discrepancy` holds the
     tractions of result and reference.
+
+    # notation: f coefficient of friction, p pressure, q shear
     """
     comparison = discrepancy.comparison
     friction = comparison.scene.friction.coefficient
@@ -294,6 +300,8 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     the mean square of the change between neighbours, over the mean square) is 2 where all
     alternates. It is 1 for white noise, and scatters by 1/sqrt(n). `discrepancy` holds the
     tractions of result and reference.
+
+    # notation: p_ref scale of pressure
     """
     # result minus reference over p_ref, (k, n)
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
@@ -328,6 +336,8 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the difference between result and reference is scatter of the tractions from
     point to point; it states how many points exceed the Coulomb limit |q| = f p. `discrepancy`
     holds the tractions of both.
+
+    # notation: f coefficient of friction, p pressure, p_ref scale of pressure, q shear
     """
     scales = discrepancy.comparison.scales
     channels = [PRESSURE]
@@ -465,6 +475,8 @@ def tractions_of_coarse_mesh(
     (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its error
     is of the order of p_ref sqrt(2 h/a) over the element with the edge. A larger difference is not
     the mesh's. `discrepancy` holds the tractions of result and reference.
+
+    # notation: f coefficient of friction, p_ref scale of pressure, q shear
     """
     is_near_edge = points_near_edges(discrepancy)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)

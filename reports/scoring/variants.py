@@ -206,6 +206,8 @@ class Predictions:
 
         Factors, swaps and offsets of the file are applied later. InputError where the contact
         slides or separates, and where theory would take a grid of points.
+
+        # notation: P normal load, Q tangential load
         """
         # scene with another modulus, friction or load; times earlier by a delay, or of the first
         # cycle
@@ -303,6 +305,8 @@ class Predictions:
         alone where nothing tilts the contact. `effects` is what finite bodies add to half-planes;
         `layer_compliance` is that of a layer into which the faces sink by p times it
         [length/stress], used where p depends on P alone.
+
+        # notation: P normal load
         """
         # is_driven: displacements are imposed in place of loads
         if effects is not None or scene.load.is_driven or self.discrepancy.comparison.may_tilt:
@@ -390,6 +394,9 @@ def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp
 def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
     """Curvatures that two equal blocks of height `BLOCK_HEIGHT` a_ref (5) add to half-planes, times
     `share`: of the gap per P, and of the tangential displacement per Q.
+
+    # notation: a_ref half-width of contact of the reference, E* composite modulus, P normal load, Q
+    #           tangential load
     """
     height = BLOCK_HEIGHT * discrepancy.half_width
     # A/H^2, A = 2/E*
@@ -412,6 +419,8 @@ def _tractions_without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     ------
     InputError
         Where the contact slides as a whole.
+
+    # notation: f coefficient of friction, P normal load, Q tangential load
     """
     friction = scene.friction.coefficient
     loads = scene.load.path().at(time)
@@ -438,6 +447,8 @@ def _tractions_by_long_steps(
     falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
     of the difference from theory at 48 steps a cycle, to 0.9999 at 4. `discrepancy` holds the
     tractions of result and reference.
+
+    # notation: P normal load, Q tangential load
     """
     path = scene.load.path()
     assert path.period is not None
