@@ -648,7 +648,7 @@ class _SeriesSums:
 
         Work is f A/pi = `work_per_integral` times int Lam dw. Here w = +-Q - f P, the sign that of
         slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the
-        half-widths of contact and of stick, P_c the load at the stick edge.
+        half-widths of contact and of stick. P_c is the load at the stick edge.
         """
         # int Lam dw of each record, and number of quadrature nodes
         integrals, n_nodes = slip_work(contact, slipping_records)
@@ -943,9 +943,9 @@ def _least_stick_load(spans: Sequence[Span]) -> float:
 
 def _force_error(snapshot: Snapshot) -> Array:
     """M(P) - Q at the instants of a curved path, (n,): the tangential force that the memory curve
-    carries, minus Q. It is 0 but for round-off [force per thickness]. The snapshot holds P, Q, the
-    load P - P_c of the slip zones, and the pieces of memory curves in which the stick edge P_c is,
-    each with the indices of its instants.
+    carries, minus Q. It is 0 but for round-off [force per thickness]. The snapshot holds P, Q and
+    the load P - P_c of the slip zones. It also holds the pieces of memory curves in which the stick
+    edge P_c is, with the indices of their instants.
     """
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
@@ -1400,8 +1400,8 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
 
 def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
     """Relative errors of the fields of friction, by name, where loads below round-off were left out
-    so that the frictional state is one memory curve (`bulk_tilt_path`, None without bulk stress and
-    tilt); empty where they are negligible, below 1e-12 in all.
+    so that the frictional state is one memory curve. Empty where they are negligible, below 1e-12
+    in all. `bulk_tilt_path` is None without bulk stress and tilt.
     """
     if bulk_tilt_path is None:
         return {}

@@ -531,8 +531,9 @@ def _narrowed_brackets(
 
 
 def _next_trial_places(bracket: Array, vertex_place: Array) -> Array:
-    """Three places (3, n) at which W is evaluated next in the search for a maximum: one at
-    `vertex_place` (n,), the vertex of a parabola, and one on each side of it.
+    """Three places (3, n) at which the friction work per area W(x) is evaluated next in the search
+    for a maximum over x: one at `vertex_place` (n,), the vertex of a parabola, and one on each side
+    of it.
 
     `bracket` (3, n) are the places about each maximum so far, ascending. The new ones keep away
     from its ends and from its middle place, where W is known.
@@ -810,9 +811,9 @@ def _works_of_members(members: Members) -> Array:
     P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
     the stick edge, to P. Of Hertz and power laws Lam has a closed form, of flat and rounded faces a
     table; other profiles take a quadrature, one contact for all of a shape. `members` holds the
-    load ellipses, mirrored to Q -> -Q where they go round the other way, the kind of profile and
-    its parameters, those of a power law with the exponent first. Groups by shape have one contact
-    each, in units of length and load. Over the cycle Lam is integrated by quadrature.
+    load ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
+    profile and its parameters; of a power law the exponent comes first. Groups by shape have one
+    contact each, in units of length and load. Over the cycle Lam is integrated by quadrature.
     """
     ellipses = members.ellipses
     kind = members.kind

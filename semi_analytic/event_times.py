@@ -125,9 +125,9 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
-    """Two events of one instant as one, with the lower load at the edge of slip and both names, but
-    for a name by which a state goes on, which ends in " goes on". That load, `front_load`, is P_c,
-    whose contact is the stick zone.
+    """Two events of one instant as one, with the lower load at the edge of slip and both names. A
+    name that ends in " goes on" is left out, since nothing happens then. That load, `front_load`,
+    is P_c, whose contact is the stick zone.
     """
     names = [
         name

@@ -87,9 +87,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
 
     A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
     nothing sticks, nothing is added. W is f A/pi times the integral of w' Lam over the time of
-    slip, w = +-Q - f P, Lam the integral of ln(a/c) over the loads from P_c to P. P_c is the load
-    at the stick edge, c = a(P_c). `spans` hold direction, load segment, and the piece of the memory
-    curve that holds the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and
+    slip, w = +-Q - f P. Lam is the integral of ln(a/c) over the loads from P_c to P. P_c is the
+    load at the stick edge, c = a(P_c). `spans` hold direction, load segment, and the piece of the
+    memory curve that holds the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and
     E* = `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from scenes.segments import straight_segments
@@ -177,8 +177,8 @@ def _work_over_spans(
 
     A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
     integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
-    corners of the profile, it is halved until the sum no longer changes by more than 1e-12
-    (CONVERGED_CHANGE_SHARE) of itself.
+    corners of the profile, it is halved. Halving ends when the sum changes by less than 1e-12 of
+    itself, CONVERGED_CHANGE_SHARE.
 
     Parameters
     ----------
@@ -372,7 +372,7 @@ def pointwise_dissipation(
     A span is the time of one direction of slip, or of full stick. A point that always sticks, or is
     never in contact, has W(x) = 0. While Q grows at constant P, W(x) is f p(x) s(x) with the slip
     s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of arccosh(|x|/a) over the loads up
-    to P, a the contact half-width, P_c the load at the stick edge, A = 2/E*, E* = `modulus`. In
+    to P, a the contact half-width. P_c is the load at the stick edge, A = 2/E*, E* = `modulus`. In
     general W(x) is f A/pi times the integral of p w' arccosh(|x|/c) over the time of slip,
     w = +-Q - f P, c = a(P_c).
 
@@ -801,9 +801,9 @@ def work_error(contact: Contact, records: Records) -> float:
     """Estimated error of pi/(f A) times the friction work of all slip records [force^2 per
     thickness^2], A = 2/E*; 0 for contacts with closed forms.
 
-    It is the largest error of the kernel int ln(a/c) d eta, with 3e-13 of it for the quadrature
-    rule, in a sample of 200 records, times the sum of the `level_rise` of all, the growth of
-    +-Q - f P along a record.
+    It is the largest error of the kernel int ln(a/c) d eta in a sample of 200 records, times the
+    sum of the `level_rise` of all. `level_rise` is the growth of +-Q - f P along a record. The
+    error of the kernel includes 3e-13 of it for the quadrature rule.
 
     Raises
     ------

@@ -926,9 +926,9 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     span comes with times (k,) of its load segment.
 
     A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
-    beyond the stick edge, the direction of slip, and the piece of the memory curve in which the
-    stick edge is, `sticking_piece`. The memory curve M(eta) is the tangential force of the flat
-    punches up to the load eta.
+    beyond the stick edge, and the direction of slip. It also has the `sticking_piece`, the piece of
+    the memory curve in which the stick edge is. The memory curve M(eta) is the tangential force of
+    the flat punches up to the load eta.
     """
     times = []
     normal_loads = []

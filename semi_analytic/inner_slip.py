@@ -103,9 +103,9 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
 
 
 def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
-    """Integrals over half-widths c of a kernel times each hat function, which is 1 at one
-    half-width and 0 at the others, (k, m), from the primitives over c of the kernel and of c times
-    it at the `half_widths` (m + 1,), (k, m + 1) each, for k points.
+    """Integrals over half-widths c of a kernel times each hat function, (k, m) at k points. A hat
+    is 1 at one half-width and 0 at the others. Given are the primitives over c of the kernel and of
+    c times it at the `half_widths` (m + 1,), (k, m + 1) each.
     """
     begin_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
@@ -307,8 +307,8 @@ def _slip_on_punches(
 ) -> InnerSlip | None:
     """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
     them; None where the search for the slip zone does not converge within 200 trials. `contact`
-    holds the tractions q and f p of the memory curve as a function of x, the direction of the extra
-    slip, E*, and the half-width outside of which the edge slips.
+    holds the tractions q and f p of the memory curve as a function of x. It also holds the
+    direction of the extra slip, E*, and the half-width outside of which the edge slips.
 
     The zone (active set) starts from that of a coarser solution. It is changed until no sticking
     point exceeds the limit and no slipping point moves against its direction. Unknowns are the

@@ -119,9 +119,9 @@ class Stroke:
 
     def slip_rate(self, x: Array, u: Array) -> Array:
         """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
-        zone and fractions u of the stroke, arrays that broadcast [length]. With N = f P - d Q and
-        a = f alpha - d eps of tilt alpha and bulk strain eps it is -dN/du (A/pi)
-        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), A = 2/E* the `compliance`.
+        zone and fractions u of the stroke, arrays that broadcast [length]. It is -dN/du (A/pi)
+        arccosh(|x - m|/c) + da/du sgn(x - m) sqrt((x - m)^2 - c^2), with A = 2/E* the `compliance`.
+        N = f P - d Q and a = f alpha - d eps, alpha the tilt, eps the bulk strain.
         """
         # middle and half-width of the stick zone
         m, c = self.stick_zone(u)
@@ -137,8 +137,8 @@ class Stroke:
     def stick_zone_recedes(self) -> bool:
         """Whether all along this stroke the stick zone lies inside the contact, recedes at both
         ends, and all points outside it slip in the direction d: only then its closed form holds. It
-        recedes at both ends where |da/dN| <= A/(pi c), c its half-width, N = f P - d Q, a = f
-        alpha - d eps of tilt alpha and bulk strain eps, A = 2/E*.
+        recedes at both ends where |da/dN| <= A/(pi c), c its half-width, A = 2/E*. N = f P - d Q
+        and a = f alpha - d eps, alpha the tilt, eps the bulk strain.
         """
         # dN/du and da/du, u the fraction of the stroke
         load_rate, tilt_rate = self.equivalent_load_and_tilt_rates

@@ -173,7 +173,7 @@ def _stick_edge_series(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
 ) -> tuple[PiecewiseSeries, PiecewiseSeries]:
     """Left and right stick edges b1/a and b2/a of a Hertzian contact |x| < a as piecewise Chebyshev
-    series of the unloading P - eta = |Q|/f, from 0 to `largest_unloading`: -e and Q/(f P) are the
+    series of the unloading P - eta = |Q|/f, from 0 to `largest_unloading`. -e and Q/(f P) are the
     two factors times P - eta, e the dimensionless bulk strain. `slip_depths_of_loads` gives the
     depths of both slip zones over a.
     """
@@ -400,9 +400,9 @@ class OppositeSlip(TiltedProfile):
         return -self._integral_up_to_largest_load(x, load, "arccosh_ratio")
 
     def approach_integral(self, load: ArrayLike) -> Array:
-        """Integral over eta from P to `load` of `log_datum_ratio`, what a unit of load on the stick
-        zone I(eta) adds to the tangential displacement or to another quantity; shape of `load`. It
-        is minus that from `load` to P.
+        """Integral of `log_datum_ratio` over eta from P to `load`, minus that from `load` to P;
+        shape of `load`. The integrand is what a unit of load on the stick zone I(eta) adds to the
+        tangential displacement or another quantity.
         """
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
@@ -410,9 +410,9 @@ class OppositeSlip(TiltedProfile):
         return np.asarray(-np.sum(weights * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
-        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load, g the
-        rate of (U + kappa m_q) pi/A per load on the stick zone I(eta) [force per thickness]. U is
-        the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q.
+        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load [force
+        per thickness]. g is the rate of (U + kappa m_q) pi/A per load on the stick zone I(eta). U
+        is the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q.
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)

@@ -981,9 +981,10 @@ class _KnotSums(NamedTuple):
             P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
             dP/da = a sum of jump arccos(b/a)
 
-        b are the `knots`, jump (`jumps`) those of E* h'', the scaled curvature of the profile.
-        a = `half_width` is also `origin` + `distance`, so that a - b is known without cancellation;
-        all three have a last axis of length 1.
+        b are the `knots`, half-widths at which the curvature h'' of the profile jumps, jump
+        (`jumps`) those of E* h'', the scaled curvature of the profile. a = `half_width` is also
+        `origin` + `distance`, so that a - b is known without cancellation; all three have a last
+        axis of length 1.
         """
         b = self.knots[knot_numbers]
         distance_from_knots = np.maximum((origin - b) + distance, 0.0)
@@ -1005,11 +1006,11 @@ class _KnotSums(NamedTuple):
         """The group of intervals with a series over more far knots: those farther below its least
         half-width than the range of its half-widths is long.
 
-        Sums over these knots are smooth on the range, and one Chebyshev series holds them. The
-        group still has the series of the `wider_group` it was a half of, over fewer knots,
-        `n_far_knots` from the first one on; `far_series` (nodes, 2) holds the sums of P and of
-        dP/da/a over them on the range of half-widths. `half_width_range` is the least and the
-        largest half-width of the group itself.
+        A knot is a half-width at which the curvature of the profile jumps. Sums over far knots are
+        smooth on the range, and one Chebyshev series holds them. The group still has the series of
+        the `wider_group` it was a half of, over fewer knots, `n_far_knots` from the first one on;
+        `far_series` (nodes, 2) holds the sums of P and of dP/da/a over them on the range of
+        half-widths. `half_width_range` is the least and the largest half-width of the group itself.
         """
         least_half_width, largest_half_width = half_width_range
         half_widths = (
@@ -1020,8 +1021,10 @@ class _KnotSums(NamedTuple):
             np.searchsorted(self.knots, 2 * least_half_width - largest_half_width)
         )
         n_far_knots = max(n_knots_far_below, wider_group.n_far_knots)
-        wider_least, wider_largest = wider_group.half_width_range
-        place_in_wider_range = (half_widths - wider_least) * (2 / (wider_largest - wider_least)) - 1
+        least_of_wider_range, largest_of_wider_range = wider_group.half_width_range
+        place_in_wider_range = (half_widths - least_of_wider_range) * (
+            2 / (largest_of_wider_range - least_of_wider_range)
+        ) - 1
         # P and dP/da/a of the far knots of the wider group, at the nodes, (nodes, 2)
         far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
         half_width_column = half_widths[:, None]
@@ -1082,11 +1085,12 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
     """P and dP/da/a of a profile given by a table of heights, as sums over all knots below a, at
     half-widths a in n intervals that ascend; (n, j, 2) at j half-widths of each interval.
 
-    Over knots that are farther below a range of half-widths than it is long the sums are smooth:
-    one Chebyshev series serves for the range. It is halved, and each half adds knots farther below
-    than it is long itself. So the time grows as the number of rows, not as its square. Near knots
-    of the last, short ranges are summed one by one. A group is a number of neighbouring intervals,
-    from number `first` to before `stop`, with the series of its far knots.
+    A knot is a half-width at which the curvature of the profile jumps. Over knots that are farther
+    below a range of half-widths than it is long the sums are smooth: one Chebyshev series serves
+    for the range. It is halved, and each half adds knots farther below than it is long itself. So
+    the time grows as the number of rows, not as its square. Near knots of the last, short ranges
+    are summed one by one. A group is a number of neighbouring intervals, from number `first` to
+    before `stop`, with the series of its far knots.
 
     Parameters
     ----------
@@ -1148,7 +1152,7 @@ def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
     """The error for a table of heights under which the contact would split near a `half_width`; its
     message has the row, the cause and what to do. `points` of the profile are the rows of x and h.
     `row_before` numbers the rows from 0; `step_of_heights` is the step in which h is written, None
-    where h has digits enough.
+    where h has digits enough; `place_in_input` is the text that names the row for the user.
 
     Heights that are rounded to few digits rise by equal steps: with those no engine can do
     anything, and the error is a ProfileDataError.

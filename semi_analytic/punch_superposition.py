@@ -415,11 +415,11 @@ class PunchSuperposition:
         """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
         without loss of digits where they are close.
 
-        Close ones, 1 % of the outer square apart or 1e-6 across several corners, are compared by
-        `load_between`, the rise of the load P from the inner to the outer, over the mean of
-        dP/d(a^2). With several corners of the profile in between, the plain difference of squares
-        has more digits, unless the corners are next to each other. It is taken also where the inner
-        advance is negative, that of a point within a flat.
+        Close are those within 1 % of the outer square, or 1e-6 across several corners. They are
+        compared by `load_between`, the rise of the load P from the inner to the outer, over the
+        mean of dP/d(a^2). With several corners of the profile in between, the plain difference of
+        squares has more digits, unless the corners are next to each other. It is taken also where
+        the inner advance is negative, that of a point within a flat.
 
         Parameters
         ----------
@@ -549,8 +549,8 @@ class PunchSuperposition:
 
         Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
         P - P_c, P_c the load at the stick edge; a(eta) is the contact half-width under the load
-        eta, c = a(P_c). Gauss' rule suits a range of loads without a corner of the profile that is
-        shorter than 0.3 of the distance from P_c to the load at the corner below.
+        eta, c = a(P_c). Gauss' rule suits a range of loads without a corner of the profile. It must
+        be shorter than 0.3 of the distance from P_c to the load at the corner below.
         """
         # P_c
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)

@@ -152,8 +152,8 @@ def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
     over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip;
     Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P. The
-    span holds its load segment, begin and end, the direction of slip (0 for none), and the piece of
-    the memory curve that holds the stick edge, None if nothing sticks.
+    span holds its load segment, begin, end and direction of slip, 0 for none. Its `sticking_piece`
+    is the piece of the memory curve that holds the stick edge, None if nothing sticks.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0

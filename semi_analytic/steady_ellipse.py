@@ -1191,13 +1191,13 @@ def _log_weight_and_stick_edge_load(
     P_T (`permanent_stick_load`) is the load at the edge of the permanent stick zone, a the contact
     half-width. The angle counts back from the end of the phase.
     `squared_half_sine` = sin^2(angle/2); `cosine` and `sine` are of the angle. The two amplitudes
-    are v, u in reverse slip and u, v in forward slip.
+    are v, u in reverse slip and u, v in forward slip, those of (Q -+ f P)/f.
     """
-    load_above = stick_amplitude * squared_half_sine
+    load_above_permanent_stick = stick_amplitude * squared_half_sine
     cosine_from_no_slip = np.cos(angle_at_no_slip) * cosine + np.sin(angle_at_no_slip) * sine
     slip_zone_load = slip_amplitude / 2 * (1 - cosine_from_no_slip)
-    weight = stick_amplitude * sine * (load_above - slip_zone_load)
-    return weight, ellipses.permanent_stick_load + load_above
+    weight = stick_amplitude * sine * (load_above_permanent_stick - slip_zone_load)
+    return weight, ellipses.permanent_stick_load + load_above_permanent_stick
 
 
 def _integrals_by_group(
@@ -1915,8 +1915,8 @@ class LamTable:
 
     def quick_kernel(self, stick_edge_load: Array, slip_zone_load: Array, buffer: Array) -> Array:
         """Kernel of the friction work, Lam = int_{P_c}^P ln(a(eta)/a(P_c)) d eta, (phases, n, m),
-        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables, polynomials in P on
-        each cell of loads, hold J = int_0^P ln a d eta (`_integral_of_log`) and L = ln a, so that
+        by differences of tables: to some 1e-16 of P^2 over P - P_c. The tables are polynomials in P
+        on each cell of loads. They hold J = int_0^P ln a d eta (`_integral_of_log`) and L = ln a:
         Lam = J(P) - J(P_c) - (P - P_c) L(P_c); a is the contact half-width, P_c the load at the
         stick edge.
 
@@ -1942,7 +1942,7 @@ class LamTable:
 
         P_c = `stick_edge_load` and P - P_c = `slip_zone_load`, of the same shape; `buffer` is
         overwritten. Where P - P_c is below 3/7 P_c, Lam is (P - P_c)^2 times the integral of
-        (1 - z) L' over z from 0 to 1, L' = d ln a/dP at P_c + z (P - P_c) from a table of
+        (1 - z) L' over z from 0 to 1. L' is d ln a/dP at P_c + z (P - P_c), from a table of
         polynomials on cells of loads. a is the contact half-width, P_c the load at the stick edge.
         Elsewhere it is the difference of tables by `quick_kernel`.
         """

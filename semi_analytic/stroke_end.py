@@ -62,7 +62,7 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r
     x/sqrt(x^2 - c'^2) dx, over (pi/A)^2 a^2 a_s'^2/N''. a is the contact half-width, A = 2/E*.
     N = f P - s Q has a minimum at the end of the stroke, N'' its second derivative; a_s' is the
-    rate of f alpha - s eps, alpha the tilt, eps the bulk strain, s the direction of slip.
+    rate of f alpha - s eps, alpha the tilt, eps the bulk strain. s is the direction of slip.
 
     Parameters
     ----------
@@ -93,9 +93,9 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), over
-    (pi/A)^2 a a_s'^2/N''. a is the contact half-width, A = 2/E*, N'' the second derivative of f
-    P - s Q at the end of the stroke, a_s' the rate of f alpha - s eps, alpha the tilt, eps the bulk
-    strain, s the direction of slip. The panels are in the order in which they stop.
+    (pi/A)^2 a a_s'^2/N''. a is the contact half-width, A = 2/E*, s the direction of slip. N'' is
+    the second derivative of f P - s Q at the end of the stroke. a_s' is the rate of f alpha - s
+    eps, alpha the tilt, eps the bulk strain. The panels are in the order in which they stop.
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
