@@ -126,6 +126,9 @@ def _show_scenes_and_solutions(notebook_forms: Any) -> None:
 
 
 def _draw(name: str, *shown: Any) -> Any:
+    """What the notebook function called `name` makes of the scenes or solutions `shown`; its module
+    is imported when it is first used.
+    """
     from importlib import import_module
 
     return getattr(import_module(f"{__name__}.reports.page.notebook"), name)(*shown)

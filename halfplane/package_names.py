@@ -135,6 +135,7 @@ class SecondNames:
 
 
 def _warn_of(package: str) -> None:
+    """DeprecationWarning for an import of the `package` without `halfplane` before it."""
     import warnings
 
     warnings.warn(

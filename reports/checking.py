@@ -94,6 +94,7 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     friction = scene.friction.coefficient
 
     def highest_ratio_and_time(segment: LoadSegment) -> tuple[float, float]:
+        """Largest |Q|/(f P) on a segment, and its time."""
         return _highest_value_and_time(
             segment, lambda time: _load_ratio(*segment.loads(time), friction)
         )
@@ -647,6 +648,7 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
         return None
 
     def pressure(x: Array) -> Array:
+        """Pressure [stress] at places x (n,); 0 out of contact."""
         return pressure_scale * np.maximum(shape.pressure(x, middle_x, half_width), 0.0)
 
     return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
@@ -675,6 +677,7 @@ def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _
     scene_at_p = scene.model_copy(update={"load": load_to_p})
 
     def solution_at(x: Array, *fields: str) -> ContactSolution:
+        """Solution under P at places x, with the named fields."""
         return semi_analytic.solve(scene_at_p, x=x, time=[1.0], fields=fields)
 
     try:

@@ -155,6 +155,9 @@ class Stages:
             task = progress.add_task(name, total=None)
 
             def report(count: int, total: int | None, text: str) -> None:
+                """Show a step: how many are done, of how many (None: unknown), and the present one
+                in words.
+                """
                 from rich.markup import escape
 
                 progress_in_words = ", ".join(filter(None, (text, time_left.words(count, total))))
@@ -178,6 +181,9 @@ class Stages:
         self.console.print(Text(f"{name} ..."))
 
         def report(count: int, total: int | None, text: str) -> None:
+            """Print a line, unless the last one is less than two seconds old: how many steps are
+            done, of how many (None: unknown), and the present one in words.
+            """
             nonlocal time_of_last_line
             words_on_time_left = time_left.words(count, total)
             # _SECONDS_BETWEEN_LINES: 2 s

@@ -391,6 +391,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
 
 
 def _is_long_record(scene: Scene) -> bool:
+    """Whether the load is a record of more than 500 rows."""
     load = scene.load
     return isinstance(load, TimeSeriesLoad) and len(load.kept_rows()) > _MOST_ROWS_FOR_SEARCH
 
@@ -542,6 +543,7 @@ def changes_of_theory(
     """
 
     def values_at(changed_scene: Scene) -> _ValueByName:
+        """Values of a changed scene, by name."""
         return values_of_theory(changed_scene, effects_of(changed_scene))
 
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
@@ -863,6 +865,7 @@ def changes_of_difference(
 
     def values_at(changed_scene: Scene) -> _ValueByName:
         # Elastic responses depend on the bodies and their materials alone.
+        """Differences of the two models for a changed scene, by name."""
         changed_effects = effects
         if changed_scene.bodies != scene.bodies or changed_scene.material != scene.material:
             changed_effects = halfplane_fe.body_effects(changed_scene)
@@ -1372,6 +1375,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     quantities = QUANTITIES_UNDER_DISPLACEMENT if scene.load.is_driven else QUANTITIES_OF_THEORY
 
     def effects_of(changed_scene: Scene) -> BodyEffects | None:
+        """Elastic responses of a changed scene's bodies; None where theory needs none."""
         return _effects_of_driven(changed_scene, scene, effects)
 
     # Theory's values by name, and their change by one standard uncertainty of each input.

@@ -64,4 +64,5 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
 
 
 def _refusal(values: Any, name: str, rule: str) -> InputError:
+    """The error for an argument called `name` with these `values`, which break the `rule`."""
     return InputError(f"{name} = {shortened_repr(values)} is refused: {rule}")

@@ -43,6 +43,9 @@ class Materials(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _table_of_both(cls, keys: Any) -> Any:
+        """Keys of both bodies: one material, or a table without `upper` and `lower`, stands for
+        both.
+        """
         if isinstance(keys, Elastic) or (
             isinstance(keys, dict) and not {"upper", "lower"} & keys.keys()
         ):

@@ -372,7 +372,8 @@ def piecewise_series_by_halving(
     negligible_error = np.maximum(
         1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
     )
-    n_series = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
+    # For each first interval: how many of its parts have been given a series.
+    n_series = np.zeros(len(begins), dtype=int)
 
     # Intervals that are done: their begins, and the coefficients of their series.
     accurate_begins = [begins[:0]]
@@ -430,8 +431,8 @@ def _runs_of_short_pieces(pieces: PiecewiseSeries, first_edges: Array) -> list[t
     piece_lengths = np.diff(pieces.edges)
     first_interval = np.searchsorted(first_edges, pieces.edges[:-1], side="right") - 1
     first_lengths = np.diff(first_edges)[first_interval]
-    # 1 for a short interval, 0 before the first and after the last: each run has a step up and
-    # down.
+    # 1 for a short interval, 0 before the first and after the last: a run begins where it changes
+    # from 0 to 1, and ends where it changes back.
     # _LENGTH_AT_CORNER: 1e-3 of the first interval
     is_short = np.concatenate(
         [[False], piece_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]

@@ -226,6 +226,7 @@ def _fault_of_toml(text: str, reason: str) -> str:
 
 
 def _whole_number(digits: str) -> int:
+    """A whole number of a JSON text; ValueError for one beyond every float."""
     number = int(digits)
     if abs(number) > sys.float_info.max:
         raise ValueError(f"it holds a whole number of {len(digits)} digits")

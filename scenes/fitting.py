@@ -801,11 +801,15 @@ class _ScaledRows:
         times the squared differences of neighbouring w_j. The best offset and tilt for any w are
         put in first, so that non-negative least squares for w alone remain.
 
+        `x` and `h` (n,) are the dimensionless places and heights of the points. `middle_is_fitted`
+        and `tilt_is_fitted` say whether these two are unknown; a fixed middle is 0. `tilt_weight`
+        is the weight of the squared tilt.
+
         Parameters
         ----------
         middle_and_half_length
-            the middle if it is fitted (else 0), then the half-length for a profile with a flat;
-            so of length 0 to 2
+            the middle if it is fitted, then the half-length for a profile with a flat; so of length
+            0 to 2
         smoothing_weight
             0 for no smoothing
 
@@ -900,6 +904,7 @@ class _ScaledRows:
 
         if not len(first_guess):
             return self.fit_for(first_guess, smoothing_weight)
+        # `middle_is_fitted`: then the middle is between -1 and 1.
         lower_bounds = [-1.0] * self.middle_is_fitted
         upper_bounds = [1.0] * self.middle_is_fitted
         # The half-length of the flat is between 1e-9 and 0.98 of the largest distance.
@@ -991,7 +996,13 @@ class _ScaledRows:
             factors on the squared differences of neighbouring basis weights
         noise
             standard deviation of a height, over the range of heights; None: unknown
+
+            Returns
+            -------
+            _Fit
+                That of the least expected error, with its number of effective parameters.
         """
+        # `x` and `h` (n,): dimensionless places and heights of the points.
         n_rows = len(self.x)
         fits = []
         expected_errors = []

@@ -422,6 +422,7 @@ Positive = Annotated[PositiveNumber, AfterValidator(require_squarable)]
 
 
 def _require_function(value: Any) -> Any:
+    """The value of a key for a Python function as it is; ValueError for what cannot be called."""
     if value is not None and not callable(value):
         raise ValueError(
             "a Python function is needed: such a scene can only be built in Python, not read from a"
@@ -431,6 +432,7 @@ def _require_function(value: Any) -> Any:
 
 
 def _refuse_to_write(function: Any) -> str:
+    """ValueError: a scene that holds a Python function can't be written to a file."""
     raise ValueError(
         f"the scene holds the Python function {getattr(function, '__name__', 'without a name')},"
         " which can't be written to a file"

@@ -135,6 +135,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     height_at_middle = float(height(np.zeros(1)).item())
 
     def height_above_middle(x: Array) -> Array:
+        """h(x) - h(0) at places x."""
         return height(x) - height_at_middle
 
     inner_polynomial = None
@@ -168,6 +169,7 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         return HeightSlope(outer_slope, all_edges, outer_errors)
 
     def slope(x: Array) -> Array:
+        """h'(x): of the polynomial up to its end, of the series beyond."""
         return np.where(x < inner_polynomial.end, inner_polynomial.slope(x), outer_slope(x))
 
     return HeightSlope(slope, all_edges, inner_polynomial.load_errors.larger_of_each(outer_errors))

@@ -763,6 +763,9 @@ class PolygonLoad(StraightLoad):
                 )
 
     def path_of_loads(self) -> LoadPath:
+        """Load path of P and Q over time along the polygon's vertices: initial loading, then the
+        cycle.
+        """
         vertices = self._vertices
         times = self.times or tuple(float(k) for k in range(len(vertices)))
         times_and_loads = [(time, *vertex) for time, vertex in zip(times, vertices, strict=True)]
@@ -893,6 +896,7 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         return LoadPath(straight_loading(self.initial_loading, cycle, math.pi), (cycle,))
 
     def in_words(self, unit: str) -> str:
+        """Describe the load for the user: how many harmonics P and Q have, and their means."""
         return (
             f"the loads hold {len(self.normal_harmonics)} and {len(self.tangential_harmonics)}"
             f" harmonics about P = {self.mean_normal_load:.6g}, Q = {self.mean_tangential_load:.6g}"
@@ -1118,6 +1122,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return descriptions
 
     def _with_stated_quantities(self, values: Array) -> Array:
+        """Rows (n, m) of the file's columns, with P and the time filled in where the scene states
+        them in place of a column: a constant P, and the time from row to row.
+        """
         if self.constant_normal_load is not None:
             # P comes after the times, which are put before it below where the file has none.
             column_of_p = 0 if self.interval is not None else 1
@@ -1128,6 +1135,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     @model_validator(mode="after")
     def _require_unreduced_displacement(self) -> Self:
+        """Return this record; refuse (ValueError) keys of means or reduction beside a prescribed
+        displacement, and an approach without one.
+        """
         _require_displacement_beside_approach(self)
         reduces_rows = self.reduce is not None or self.least_normal_load is not None
         if self.is_driven and (self.average > 1 or reduces_rows):
@@ -1323,6 +1333,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     rule_of_entries = "one for each row"
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+        """Number of the list entry (row of the record, from 0) that belongs to each vertex of the
+        load path, -1 for a vertex at (0, 0) before the rows; and 1, the number of the vertex up to
+        which a single value grows with P.
+        """
         first_row, row_beyond = self.row_bounds()
         # 1 where a line from (0, 0) comes before the rows
         vertices_before = vertex_count - (row_beyond - first_row)
@@ -1332,6 +1346,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return len(self.rows)
 
     def path_of_loads(self) -> LoadPath:
+        """Load path of straight lines through the rows of the record, from (0, 0) on; with
+        `repeats` all but the first line are the cycle.
+        """
         segments = straight_segments(self._rows_from_rest().tolist())
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
@@ -1522,6 +1539,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         """
 
         def as_function(key_value: Any) -> Callable[[Any], Any]:
+            """A function from an array of times to one of values; constant for a number."""
             if callable(key_value):
                 return function_of_arrays(key_value)
             return lambda time: np.full(np.shape(time), key_value or 0.0)
@@ -1535,6 +1553,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         ]
 
     def in_words(self, unit: str) -> str:
+        """Describe the load for the user: functions of time, and how long they last."""
         return (
             f"the loads (in {unit}) are Python functions of time over"
             f" {self.duration:.6g}{', repeated' if self.repeats else ''}"

@@ -241,6 +241,7 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
 
 
 def _stored_array_of(variable: Any) -> StoredArray:
+    """An array of an open file with the names of its axes, its values and attributes."""
     attributes = {str(key): _single_value(variable.attrs[key]) for key in variable.attrs}
     return StoredArray(tuple(variable.dimensions), np.asarray(variable[...]), attributes)
 

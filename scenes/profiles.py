@@ -483,6 +483,7 @@ class EvenPolynomial(MayBeFitted):
         )
 
     def height(self, x: ArrayLike) -> Array:
+        """Gap h(x) [length]: the sum over k of rises[k] (x/length)^(2 k + 2), in the shape of x."""
         square = np.square(np.asarray(x, dtype=float) / self.length)
         return np.asarray(square * polynomial.polyval(square, np.array(self.rises)))
 
@@ -766,6 +767,9 @@ class Tabulated(FromFile):
     _keys: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     def check_rows(self) -> None:
+        """Refuse rows that are no profile (RowError); with a key `fit`, fit a curve to them and
+        store the keys of that curve.
+        """
         if self.fit is None:
             self._rows_of_sides()
         else:

@@ -134,6 +134,9 @@ class Friction(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _table_of_number(cls, value: Any) -> Any:
+        """A table with the key coefficient, for a number that stands for it; ValueError for
+        anything else.
+        """
         if isinstance(value, Mapping | Friction):
             return value
         if isinstance(value, bool) or not isinstance(value, Real):
@@ -258,6 +261,7 @@ class Scene(Frozen):
     @field_validator("units")
     @classmethod
     def _require_one_set_of_units(cls, units: str) -> str:
+        """The units as they are; ValueError for a stress that is not force over length squared."""
         if reason := fault_of_units(units):
             raise ValueError(f"{units!r} can't be: {reason}")
         return units
@@ -686,6 +690,7 @@ def scene_of(scene: Scene | str | Path) -> Scene:
 
 
 def _unknown_scene(name: str) -> str:
+    """Message for a name that is no scene of the library and no file, with the nearest name."""
     names = (*scene_names(), *rig_names())
     hint = did_you_mean(name, names) or f" the library has {', '.join(names)};"
     return (

@@ -493,6 +493,7 @@ class StraightSegment(LoadSegment):
         return combination[0] * normal_change + combination[1] * tangential_change
 
     def companion_of(self, combination: Combination) -> StraightSegment:
+        """Segment over the same time with 0 in place of P and c_P P + c_Q Q in place of Q."""
         first_point, last_point = (
             (0.0, combination[0] * p + combination[1] * q)
             for p, q in (self.first_point, self.last_point)
@@ -516,12 +517,14 @@ class StraightSegment(LoadSegment):
         begin: float,
         end: float,
     ) -> Array:
+        """Times (n,) at which a load on a straight line has changed by amounts since `begin`."""
         return begin + (end - begin) * (change / total)
 
     def slope_and_bend(
         self,
         time: float,  # noqa: ARG002 the same all along
     ) -> tuple[float, float] | None:
+        """Slope dQ/dP of the line, and 0 for d2Q/dP2; None where P is constant."""
         rise = self.last_point[0] - self.first_point[0]
         return ((self.last_point[1] - self.first_point[1]) / rise, 0.0) if rise else None
 
@@ -567,6 +570,7 @@ class HarmonicSegment(LoadSegment):
 
     @cached_property
     def ellipse(self) -> Ellipse | None:
+        """The ellipse that P and Q follow; None where one of them has a higher harmonic."""
         if self._fourier_coefficients.shape[1] > 2:
             return None
         (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
@@ -622,6 +626,9 @@ class HarmonicSegment(LoadSegment):
 
     @property
     def most_turning_points(self) -> int:
+        """Upper bound of the number of turning points: twice the highest harmonic in each period; 0
+        for constant loads.
+        """
         highest_harmonic = (
             self._fourier_coefficients.shape[1] - 1 if np.any(self._fourier_coefficients) else 0
         )
@@ -662,6 +669,9 @@ class HarmonicSegment(LoadSegment):
         return _horner_terms(normal_coefficients), _horner_terms(tangential_coefficients)
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
+        """Time derivative of a combination c_P P + c_Q Q of the loads, in the shape of `time`
+        [rad].
+        """
         if self.ellipse:
             amplitude, lead = self.amplitude_and_lead(combination)
             rate: Array = -amplitude * np.sin(_float_or_array(time) + lead)
@@ -881,6 +891,12 @@ class HarmonicSegment(LoadSegment):
         )
 
     def mirrored_time(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
+        """Time next to `near` at which a combination of the loads of an ellipse has the value that
+        it has at `time`; None for several harmonics.
+
+        The combination is amplitude cos(t + lead) plus a constant, which is symmetric about its
+        extremes.
+        """
         if not self.ellipse:
             return None
         _, lead = self.amplitude_and_lead(combination)
@@ -1002,6 +1018,7 @@ class ChebyshevSegment(LoadSegment):
         return change
 
     def companion_of(self, combination: Combination) -> ChebyshevSegment:
+        """Segment over the same time with 0 in place of P and c_P P + c_Q Q in place of Q."""
         return ChebyshevSegment(
             self.start, self.end, (0.0,), tuple((np.array(combination) @ self._series).tolist())
         )

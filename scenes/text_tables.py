@@ -782,6 +782,7 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def _is_number_or_time(cell: str, separator: str | None) -> bool:
+    """Whether a cell is a number, with either decimal sign, or a time of day."""
     return _number_in_cell(cell, separator != "," and "," in cell) is not None or is_clock_time(
         cell
     )
@@ -1176,6 +1177,7 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
     """
 
     def has_numbers(text: str, separator: str | None) -> bool:
+        """Whether the line has numbers in all these columns."""
         cells = _cells_of_line(text, separator)
         return max(columns) < len(cells) and all(
             _is_number_or_time(cells[column], separator) for column in columns

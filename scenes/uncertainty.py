@@ -108,6 +108,7 @@ def _require_amount(kind: AmountKind, value: Any) -> str:
 
 
 def _require_small(share: float, value: Any) -> None:
+    """ValueError for a standard uncertainty above half of the value (`share` over 0.5)."""
     if share > _LARGEST_SHARE:
         raise ValueError(
             f"{shortened_repr(value)} is {100 * share:g} % of the value, and at most"
@@ -267,6 +268,7 @@ class Uncertainty(Frozen):
     def _require_coefficients(
         cls, correlations: tuple[tuple[str, str, float], ...]
     ) -> tuple[tuple[str, str, float], ...]:
+        """The correlations as they are; ValueError for a coefficient beyond -1 or 1."""
         for first_key, second_key, coefficient in correlations:
             if not -1 <= coefficient <= 1:
                 raise ValueError(
@@ -343,6 +345,7 @@ class Uncertainty(Frozen):
 
 
 def _stated_entries(table: Frozen, prefix: str) -> Iterator[tuple[str, str | float]]:
+    """Keys of a table and of those in it, with points between, and their stated uncertainties."""
     for name, value in table:
         if isinstance(value, Frozen):
             yield from _stated_entries(value, f"{prefix}{name}.")
@@ -843,6 +846,7 @@ def _changed_functions(
     """
 
     def scaled(function: Callable[[Any], Any], factor: float) -> Callable[[Any], Any]:
+        """The function times the factor."""
         return lambda time: factor * function(time)
 
     return {
