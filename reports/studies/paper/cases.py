@@ -209,7 +209,9 @@ class Case:
             for phase, spans in self.slip_spans.items()
         }
         return {
-            phase: self.unit_length / self.unit_work * part.total for phase, part in parts.items()
+            # total: of forward and reverse slip together
+            phase: self.unit_length / self.unit_work * part.total
+            for phase, part in parts.items()
         }
 
     def batch_arguments(self, **changes: Any) -> dict[str, Any]:
@@ -397,6 +399,7 @@ class Formulas:
             (load_at_a, max(load, load_at_a), True),
         )
         for first_load, last_load, is_on_ellipse in ranges_of_load:
+            # nodes and weights of quadrature, nodes closer together at both ends
             normal_loads, weights = graded_nodes(
                 np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
             )
@@ -577,6 +580,7 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     scale = case.compliance * case.unit_load**2
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale
+    # the last one: place of the peak between permanent stick edge (0) and largest contact (1)
     arrays = (friction, ratio, work, peak.value * case.unit_length / scale, peak.fraction)
     return Sweep(*(read_only_copy(array) for array in arrays))
 

@@ -203,8 +203,8 @@ def _figure_1(case: Case) -> Plate:
     arrow_x = axle[0] + 0.6 * np.cos(arrow_angles)
     arrow_y = axle[1] + 0.6 * np.sin(arrow_angles)
 
-    # half-plane, foot with its dimensions, struts, rotor with weight and force, sense of rotation,
-    # self-weight
+    # Half-plane, foot with its dimensions, struts, rotor with weight and force, sense of rotation,
+    # self-weight: _line(x, y, label, look), _text_at(x, y, text, shift, colour).
     marks: list[Mark] = [
         Band(np.array([-2.6, 2.6]), np.full(2, -0.9), np.zeros(2), "body lower"),
         _line([-2.6, 2.6], [0.0, 0.0]),
@@ -290,7 +290,8 @@ def _figure_2(case: Case) -> Plate:
     q_z = q_e - friction * (p_e - p_z)
     q_t = q_g + friction * (p_g - p_t)
 
-    # limits, paths of the loads, lines and letters
+    # Limits, paths of the loads, lines and letters: _line(P, Q, label, look), _text_at(P, Q, text,
+    # shift, colour).
     initial_times = np.linspace(case.scene.load.path().start, case.time_of("A"), 101)
     marks: list[Mark] = [
         _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
@@ -529,7 +530,7 @@ def _figure_4a(case: Case) -> Plate:
         for letter in sorted(case.events)
     }
 
-    # zones and letters; at some events the axis shows P itself
+    # zones, with letters (_text_at) on the contact edge; at some events the axis shows P itself
     marks = list(zones.marks(path_of_p))
     for letter, path_length in path_length_at.items():
         marks += _text_at(path_length, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
@@ -662,7 +663,8 @@ def _panel_of_zones_and_points(case: Case) -> Panel:
     zones = _zones(case, _slip_events(case))
     marks = list(zones.marks(np.degrees(zones.time - time_of_m)))
 
-    # the letters on the contact edge; F to L belong to the revolution after M
+    # the letters on the contact edge, each with a dot (_text_at); F to L belong to the revolution
+    # after M
     text_shifts = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}
     for letter in "MFGHIKJL":
         time = case.time_of(letter)
@@ -690,7 +692,7 @@ def _panel_of_displacements(angles: Array, displacement: Array, states: NDArray[
     of the cycle in degrees. `states` (n, 4) is a `SurfaceState` each. A = 2/E*, P0 is the mean
     normal load.
     """
-    # a line for each point at x (`POINTS`), with x written at its least displacement
+    # a line for each point at x (`POINTS`), with x written at its least displacement (_text_at)
     marks: list[Mark] = []
     for x, colour, point_displacement, point_states in zip(
         POINTS, _POINT_COLOURS, displacement.T, states.T, strict=True
@@ -804,6 +806,8 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     peak_fraction = float(peak.fraction)
     peak_place = float(peak.place) / case.unit_length
     peak_value = float(peak.value) * case.unit_length / case.unit_work
+
+    # _line(x, y, label, look), _text_at(x, y, text, shift)
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
         _line(x, density_of["IJ"], "forward, I–J", "c1 dash"),

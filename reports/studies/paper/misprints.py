@@ -123,6 +123,7 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
         "with G": half_width_with_g,
         "permanent stick": case.permanent_stick_half_width,
     }
+    # values as mended, as printed, and by the engine
     return _proof(half_width_with_g, half_width_with_b, case.permanent_stick_half_width, numbers)
 
 
@@ -164,6 +165,7 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
         changes = {load_name: getattr(case.load_ellipse, load_name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
 
+    # values as mended, as printed, and by the engine
     return _proof(
         work_with_half("mean_tangential_load"),
         work_with_half("tangential_amplitude"),
@@ -287,7 +289,7 @@ def _corrective_load(
         "printed": error_with(tangential_load - normal_load),
         "sign turned only": error_with(normal_load - tangential_load),
     }
-    # proven if the mended error is at most 1e-9 and the lesser other one above 1e-3
+    # proven if the mended error is at most 1e-9 and both others above 1e-3
     return is_misprint_proven(
         errors["right"], min(errors["printed"], errors["sign turned only"])
     ), errors
@@ -327,6 +329,7 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
     slides_above = slides(friction, mended_limit * (1 + margin))
     mended_error = margin if (slides_below & ~slides_above).all() else math.nan
     printed_error = float(np.min(np.abs(printed_limit / mended_limit - 1)[limits_differ]))
+    # proven if the mended error is at most 1e-9 and the printed one above 1e-3
     return sliding_share == 1 and is_misprint_proven(mended_error, printed_error), {
         "right": mended_error,
         "printed": printed_error,
@@ -386,6 +389,7 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
         "right side": right_side,
         "b/a": flat_half_length / case.unit_length,
     }
+    # values as mended, as printed, and of the right side
     return _proof(left_side_over_b, left_side_over_a, right_side, numbers)
 
 
@@ -442,6 +446,7 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
         "front at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
         "load at K": case.events["K"].normal_load / case.unit_load,
     }
+    # slip as mended, as printed, and by the engine
     return _proof(
         integral(rate_as_mended, time_of_j, middle_time),
         integral(rate_as_printed, time_of_j, middle_time),
@@ -473,6 +478,7 @@ def _closed_integral(case: Case) -> VerdictAndNumbers:
     forward_slip = formulas.engine_slip(x, case.time_of("I"), case.time_of("M"))
     net_slip = formulas.engine_slip(x, time_of_g, time_of_g + 2 * math.pi)
     numbers = {"net over the slip": abs(net_slip / forward_slip)}
+    # slip as mended, as printed, and by the engine
     return _proof(slip_by_15, net_slip, forward_slip, numbers)
 
 
@@ -626,6 +632,7 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         """Rate of movement by equation (16) as mended."""
         return formulas.slip_rate("EG", x, time)
 
+    # movement as mended, as printed, and by the engine
     return _proof(
         integral(rate_as_mended, time_of_e, time_of_f),
         integral(rate_as_printed, time_of_e, time_of_f),
@@ -677,6 +684,7 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
     # AGREEMENT_TOLERANCE: 1e-9
     grows_alike = abs(powers["slope"] - power_of_engine) <= AGREEMENT_TOLERANCE
+    # the errors prove it if that of the slope is at most 1e-9, that of both gaps above 1e-3
     return is_misprint_proven(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 
 
@@ -753,6 +761,7 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
         "right": max(abs(ratio - 1) for ratio in ratios.values()),
         "printed": min(abs(ratio - 1) for ratio in printed_ratios.values()),
     }
+    # proven if the mended error is at most 1e-9 and the printed one above 1e-3
     return is_misprint_proven(errors["right"], errors["printed"]), errors | {
         f"factor at f = {friction}": ratio for friction, ratio in printed_ratios.items()
     }

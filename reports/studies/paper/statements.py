@@ -372,7 +372,8 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     forward_duration = (time_of["M"] - time_of["I"]) / revolution
     reverse_duration = (time_of["G"] - time_of["E"]) / revolution
 
-    # _ROUNDING_ERROR: 1e-10
+    # Each statement with its verdict and numbers. _ROUNDING_ERROR: 1e-10. A number that the paper
+    # prints (0.73, to 2 decimals) is confirmed if the engine's rounds to it.
     return {
         "stick from G to I": (
             verdict_of_condition(
@@ -414,6 +415,7 @@ def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
     times = case.time_of("G") + np.linspace(0.0, 2 * math.pi, 361)
     # POINTS: x over the contact half-width at the mean load; slip (361, 4)
     slip = case.solve(time=times, x=POINTS, fields=("slip",)).slip
+    # _ROUNDING_ERROR: 1e-10
     relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return verdict_of_condition(relative_net_slip <= _ROUNDING_ERROR), {
         "net over largest": relative_net_slip
@@ -504,6 +506,7 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
         "time forward": duration["forward"] / (2 * math.pi),
         "time reverse": duration["reverse"] / (2 * math.pi),
     }
+    # _ROUNDING_ERROR: 1e-10
     verdict = verdict_of_condition(
         ratio_in_slip < 1 - _ROUNDING_ERROR, nearly=ratio_over_phases < 1 - _ROUNDING_ERROR
     )
@@ -568,6 +571,7 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
         upper_bound = float(x[last_index + 1])
     edge = (lower_bound + upper_bound) / 2
     largest_half_width = max(case.half_width_at("E"), case.half_width_at("G"))
+    # confirmed if the edge rounds to the printed 0.88 at 2 decimals, refined if within 2 % of it
     return verdict_of_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
 
 
@@ -696,6 +700,8 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
     change_outside = change_of_shear(
         np.linspace(case.permanent_stick_half_width * 1.001, case.largest_half_width, 50)
     )
+
+    # _ROUNDING_ERROR: 1e-10
     is_forgotten = max(changes.values()) <= _ROUNDING_ERROR and change_outside <= _ROUNDING_ERROR
     shear_changes = {"change of q inside": change_inside, "change of q outside": change_outside}
     return verdict_of_condition(
@@ -797,6 +803,7 @@ def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
     exponent_at_stick = exponent(stick_edge, 1.0)
     exponent_at_edge = exponent(contact_edge, -1.0)
 
+    # A verdict is "confirmed" if its condition holds, "refined" if the second one (`nearly`) does.
     # _EXPONENT_TOLERANCE: 0.01
     return {
         "most work in forward slip": (
@@ -853,7 +860,7 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     coefficients of friction along rows and mean loads along columns. Returns name of a statement ->
     (verdict, numbers).
     """
-    # the paper's own cycle
+    # the paper's own cycle; "confirmed" if the condition holds, "refined" if it holds `nearly`
     statements: dict[str, VerdictAndNumbers] = {}
     cases = (paper.hertz_case, paper.rounded_case)
     for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
