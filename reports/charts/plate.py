@@ -522,7 +522,7 @@ class Plate:
         they take, 0 without a legend. An entry (`self.keys`) is a short line or a patch in the look
         of its class in the style sheet (`css`), and its text.
         """
-        # in an SVG file each element carries its look itself
+        # the pen makes SVG elements, which carry their look themselves
         pen = _Pen(Frame(_UNIT_SCALE, _UNIT_SCALE, 0, 0), is_standalone=True)
         x_of_entry = 10.0
         y_of_entry = 6.0
@@ -958,6 +958,7 @@ class _Pen:
         """
         tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
         passes = 8 if self.is_standalone else 1
+        # `pixels_of`: places in the drawing
         x = self.frame.x.pixels_of(mark.x)
         y = self.frame.y.pixels_of(mark.y)
         # in each pass every other point within the tolerance of its neighbours' line is left out
@@ -980,7 +981,7 @@ class _Pen:
         path = ""
         for run in np.split(np.arange(len(is_known)), np.flatnonzero(np.diff(is_known)) + 1):
             if len(run) and is_known[run[0]]:
-                # along the lower curve, and back along the upper one
+                # along the lower curve, and back along the upper one; in the drawing by `pixels_of`
                 outline_x = np.concatenate([x[run], x[run][::-1]])
                 outline_y = np.concatenate([lower_curve[run], upper_curve[run][::-1]])
                 path += (
@@ -996,6 +997,7 @@ class _Pen:
         Of the mark, `x` and `y` are in numbers of the axes, `shift` moves the text (right, down) in
         units of the drawing, `anchor` says whether it starts, ends or has its middle there.
         """
+        # `pixels_of`: places in the drawing
         x = float(self.frame.x.pixels_of(mark.x))
         y = float(self.frame.y.pixels_of(mark.y))
         shift_right, shift_down = mark.shift
@@ -1027,7 +1029,8 @@ class _Pen:
                 **self.look_attributes(mark.css),
             )
 
-        # written in multiples of the small length, with the transform to places in the drawing
+        # Written in multiples of the small length, with the transform to places in the drawing
+        # (`pixels_of`). The scale of x holds for y as well.
         x_scale = self.frame.x
         pixels_per_unit = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low)
         pixels_per_grain = pixels_per_unit * _GRAIN
@@ -1056,7 +1059,7 @@ class _Pen:
         area: their bounding boxes do. `end_points` (n, 2, 2) of the mark are the two ends of each
         line, x and y each, in numbers of the axes.
         """
-        # both ends of each line in the drawing, (n, 2); there y counts downwards
+        # both ends of each line in the drawing (`pixels_of`), (n, 2); there y counts downwards
         x = self.frame.x.pixels_of(mark.end_points[..., 0])
         y = self.frame.y.pixels_of(mark.end_points[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
@@ -1074,7 +1077,7 @@ class _Pen:
         where the mark `is_hatched`, oblique lines are drawn over it. `fill` is a colour that stands
         for a number, `label` the text that a pointer shows.
         """
-        # in the drawing, where y counts downwards
+        # in the drawing (`pixels_of`), where y counts downwards
         left_x, right_x = np.sort(self.frame.x.pixels_of(mark.x))
         least_y, largest_y = np.sort(self.frame.y.pixels_of(mark.y))
         place = {
@@ -1112,7 +1115,7 @@ class _Pen:
         axes): its line, and a filled head whose tip lies at the end. Both have the look of the
         mark's classes in the style sheet (`css`).
         """
-        # ends, and directions along the arrow and across it, in the drawing [pixels]
+        # ends, and directions along the arrow and across it, in the drawing (`pixels_of`) [pixels]
         start_x, end_x = self.frame.x.pixels_of([mark.start[0], mark.end[0]])
         start_y, end_y = self.frame.y.pixels_of([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
@@ -1147,7 +1150,7 @@ class _Pen:
         room_below = frame.height - bottom_y
         elements = []
 
-        # ticks of x: upright grid lines, numbers below the area
+        # ticks of x, each a number and its text: upright grid lines, texts below the area
         for number, text in _tick_pairs(x, frame.x):
             place = float(frame.x.pixels_of(number))
             look_of_grid = self.look_attributes("grid across")
@@ -1161,7 +1164,7 @@ class _Pen:
                     )
                 )
 
-        # ticks of y: level grid lines, numbers left of the area
+        # ticks of y: level grid lines, texts left of the area
         for number, text in _tick_pairs(y, frame.y):
             place = float(frame.y.pixels_of(number))
             look_of_grid = self.look_attributes("grid upright")
@@ -1216,6 +1219,7 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
     left_x, top_y, right_x, bottom_y = frame.box
     area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
     content = "".join(map(pen.draw, panel.marks)) or " "
+    # on a page the page's script finds them by their class
     drawn_marks = _element("g", content, **({} if is_standalone else {"class_": "marks"}))
     elements = [drawn_marks]
     if not panel.without_axes:

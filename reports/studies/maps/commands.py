@@ -102,7 +102,8 @@ def advise(scene: str, options: Options) -> Answer:
             " for 5 %"
         )
 
-    # half-planes have no such error; else by responses of the bodies, or by kernels
+    # Half-planes have no such error, which one sentence states. Else the advice is by elastic
+    # responses of the bodies, or by half-planes with their compliance (kernels).
     scene_read = read(scene)
     if are_half_planes(scene_read) and scene_read.friction.coefficient:
         return _answer_in_words(scene_read, limit, Verdict.WITHIN, _MODEL_ITSELF)

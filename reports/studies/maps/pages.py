@@ -121,7 +121,7 @@ def page(tables: Tables) -> str:
     the points of the map, and the least heights.
     """
     # the table: a row for each place (height, width, friction) that finite elements check, with the
-    # errors of each quantity [%]
+    # errors of those quantities that they give [%]
     kind = tables.kind
     quantities_shown = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
@@ -250,7 +250,7 @@ def figure(tables: Tables) -> Plate:
     coordinates), and the errors at its points.
     """
     kind = tables.kind
-    # (width, friction) -> number of the colour, style of the line
+    # (width, friction) -> number of the colour, and class of the line in the style sheet
     line_looks: dict[tuple[float, float], tuple[int, str]] = {}
     legend_keys = []
     for colour_number, width in enumerate(kind.widths):

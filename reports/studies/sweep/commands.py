@@ -71,7 +71,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         n_stored = sum(point.address in stored_addresses for point in prepared_sweep.points)
         return f"{n_stored} of {len(prepared_sweep.points)} points are stored"
 
-    # solve; the table has a row for each point
+    # solve; the table has a row for each point; StoreError: a result can't be written
     try:
         with stages.stage("sweep", "points") as report_progress:
             table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
@@ -83,6 +83,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
             f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
         ) from fault
 
+    # how far the sweep is, for JSON: counts, failures, notes
     table_path = prepared_sweep.store.folder / "index.csv"
     json_content = _content(prepared_sweep.store) | {"file": str(table_path)}
     exit_code = EXIT_WITHIN if (table["status"] == "done").all() else EXIT_NOT_CONVERGED

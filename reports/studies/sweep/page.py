@@ -510,13 +510,13 @@ class _QuantityFigure:
         """
         # both axes; a line at zero
         least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
-        if labels_in_corner:  # room for them
+        if labels_in_corner:  # room for them; _WORD_HEIGHT: 0.055, a line of words over the range
             largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
         x_axis = self.chart_axis(column)
         y_axis = ChartAxis(least_value, largest_value, self.axis_words)
         marks: list[Mark] = [Rule(0.0, "zero")] if least_value < 0 < largest_value else []
 
-        # each curve, with one of six looks of the style sheet for its line and dots
+        # each curve, with one of six looks of the style sheet (_N_LOOKS) for its line and dots
         coordinate = self.coordinates(column)
         for curve_number, (label, mask) in enumerate(curves):
             rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]

@@ -125,8 +125,8 @@ class Dask:
         self._connections: list[Any] = []
 
     def is_worker_death(self, fault: BaseException) -> bool:
-        """Whether the exception that a task ended with means that its worker process died.
-        InputError where it means that the dask scheduler is gone.
+        """Whether `fault`, the exception that a task ended with, means that its worker process
+        died. InputError, naming the user's option, where it means that the dask scheduler is gone.
         """
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
@@ -536,11 +536,11 @@ class _RunOfTasks:
             self.report(n_done, len(self.sweep.waiting_points), progress_in_words)
 
     def _submit(self, task_text: str) -> Future[str]:
-        """Give a task, as JSON text, to the pool of workers, or to a new pool where that is broken;
-        returns the future of its answer.
+        """Give a task, as JSON text, to the pool of workers, one of which solves it; where the pool
+        is broken, to a new one. Returns the future of its answer.
 
         InputError where more than three pools (`_MOST_BROKEN_POOLS`) died one after the other
-        without an answer.
+        without an answer; `n_broken_pools` counts them since the last answer.
         """
         while True:
             try:
@@ -569,13 +569,15 @@ class _RunOfTasks:
         except Exception as fault:
             if not self.pool.is_worker_death(fault):
                 raise
+            # on stderr
             complain(f"sweep: a worker died; points that it had: {len(points)}")
             self.lost_points += points
             return
+
         if answer_of_task["mismatch"]:
             cure = "results of different code are not to be mixed; install the same on all workers"
             raise InputError(f"{answer_of_task['mismatch']}: {cure}")
-        self.n_broken_pools = 0
+        self.n_broken_pools = 0  # pools that died since the last answer
         for point, answer_of_point in zip(points, answer_of_task["answers"], strict=True):
             self._store_answer(point, answer_of_point)
 

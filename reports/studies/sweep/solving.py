@@ -318,6 +318,7 @@ def _value_of_quantity(
     value_by_engine = {}
     for engine, solution in (("fe", fe_solution), ("exact", theory)):
         if solution is not None and prefix in (engine, "error"):
+            # displacements of half-planes that stand for finite bodies
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
             value_by_engine[engine] = QUANTITIES[quantity].value_in(solution, scene)
@@ -718,7 +719,8 @@ def evaluate(
         stated_uncertainty = 0.0
         value: float | None = None
         reason = "this scene has no such metric"
-        # a value of one engine, or an error; else a metric, which compares both
+        # a value of one engine, or an error, with the reason if it has none; else a metric, which
+        # compares both engines
         if comparison is None or name not in METRICS:
             value, reason = _value_of_quantity(name, question.scene, fe_solution, evaluation.theory)
             if fe_solution is not None:
@@ -893,7 +895,8 @@ def _pairs_of_runs(
     coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
     pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with(coarse_bulk))]
 
-    # the load increments, between which finite elements move the loads on straight lines
+    # The load increments, between which finite elements move the loads on straight lines. A scene
+    # is unsymmetric under bulk stress or tilt, or with unequal sides of the profile.
     if scene.unsymmetric or scene.load.is_driven:
         # Theory has no answer on straight increments for every one of these: halved increments
         # instead, second order.
@@ -939,12 +942,13 @@ def _uncertainty_by_budget(
     budgets = error_budget(comparison, refinements, 1.0).budgets
     budget_by_key = {budget.metric.key: budget for budget in budgets}
     values: Values = {}
+    # of a budget, `rest_of_error` is the idealisation error; `terms` are the numerical errors
     for name in evaluation.values:
         budget = budget_by_key.get(name)
         values[f"{name}.idealisation"] = None if budget is None else budget.rest_of_error
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
-            error_terms = budget.terms if budget else ()  # sources of error: mesh, step, ...
+            error_terms = budget.terms if budget else ()
             reasons = [
                 f"{term.name}: {term.how_measured}" for term in error_terms if not term.is_measured
             ]

@@ -124,7 +124,7 @@ class Store:
         """
         path = self.path(address)
         try:
-            # {"format": ..., "sha256": checksum of the result, "result": ...}
+            # {"format": ..., "sha256": checksum of the result as text, "result": ...}
             content = parsed_json(path.read_text(encoding="utf-8"))
             answer = content["result"]
             checksum_fits = content["sha256"] == checksum(canonical_json(answer))
@@ -175,6 +175,7 @@ class Store:
             for point in points:  # an address becomes the name of a file
                 if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shortened_repr(point.address)} is no address of a result")
+            # keys that an earlier version stored are left out
             return _without_unused_keys(stored_plan["study"]), tuple(points)
         except FileNotFoundError:
             cure = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"

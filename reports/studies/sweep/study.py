@@ -308,6 +308,7 @@ def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Stud
     library. InputError, beginning with `where`, for anything that is refused.
     """
     scene_name = content.get("scene")
+    # these keys belong to a scene
     if scene_name is None and {"material", "profile", "load"} <= content.keys():
         raise InputError(
             f"{where}: this is a scene; a study is a file beside it with `scene` and `axes`:"
@@ -360,6 +361,7 @@ def points_of_study(
         try:
             point = _point(study, json.loads(scene_text), number, coordinates)
             scene = point.question.scene
+            # the loads (P > 0, |Q| < f P), the values asked for, the supports of the bodies
             require_admissible(scene, words_of_point)
             check_figures_of_driven_scene(scene, study.figures)
             if "fe" in study.engines:
@@ -410,6 +412,7 @@ def _point(
     value_by_key: dict[str, Value] = dict(study.set)
     value_by_name: dict[str, Value] = dict(coordinates)
     for axis in study.axes:
+        # targets: keys that the axis sets, each with the column of its values
         value_by_key |= {key: coordinates[column] for key, column in axis.targets}
     for name, expression in study.derived.items():
         derived_value = (

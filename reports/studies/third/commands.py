@@ -50,6 +50,7 @@ def export(job: Job) -> Answer:
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
         from reports.units import units
     with stages.stage("deck"):
+        # settings that the user gave on the command line; the others have defaults
         deck = build_deck(
             scene, DeckSettings(**options.values_given(("steps_per_cycle", "cycles")))
         )
