@@ -334,12 +334,14 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
 
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
     only: the other values take too long. Under a prescribed displacement (`load.is_driven`) slip
-    and edge tension are not among them; the largest |Q| is, and with friction the largest |Q|/(f
-    P). The values are then those at the solution's own instants and points; a parabola has its
-    largest pressure at x = 0.
+    and edge tension are not among them. The largest |Q| is, and with friction the largest ratio
+    |Q|/(f P). The values are then those at the solution's own instants and points; a parabola has
+    its largest pressure at x = 0.
 
     Parameters
     ----------
+    scene
+        with or without a prescribed displacement
     effects
         elastic responses that finite bodies add to half-planes, used under a prescribed
         displacement only; None for half-planes

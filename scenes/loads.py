@@ -1429,7 +1429,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         """
         # Successive pieces of the load history, each smooth; of a cycle also the first one again.
         segments = self._segments()
-        # duration: `duration`: time that the functions cover
+        # `duration`: time that the functions cover.
         next_segments = [
             *segments[1:],
             *([segments[0].shifted(self.duration)] if self.repeats else []),

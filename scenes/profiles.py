@@ -865,8 +865,11 @@ class Tabulated(FromFile):
         )
 
     def step_of_heights(self) -> float | None:
-        """The step in which h is written [length], where rises of neighbouring rows are few of
-        these; None where it is finer.
+        """Step in which the heights h of the rows are written, that of their last digit [length];
+        None where it is too fine to matter, or not recognised.
+
+        It is the least rise between neighbouring rows, if all rises are whole numbers of it, and
+        their median is less than 1,000 of it.
         """
         rises = np.abs(np.diff(self._rows_of_sides()[-1][1]))
         least_rise = float(np.min(rises[rises > 0]))

@@ -97,9 +97,9 @@ class Ellipse(NamedTuple):
         as it is again every 2 pi later.
 
         The ellipse is P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase_radians), and
-        its `amplitude` is (P1, Q1). The combination is a constant plus the real part of F exp(i (t
-        - origin)), F the sum of the phasors of c_P P and c_Q Q. It is largest where t - origin is
-        minus the phase of F.
+        its `amplitude` is (P1, Q1). The combination is a constant plus the real part of
+        F exp(i (t - origin)), F the sum of the phasors of c_P P and c_Q Q. It is largest where
+        t - origin is minus the phase of F.
 
         Parameters
         ----------
@@ -300,7 +300,7 @@ class LoadSegment(abc.ABC):
         # have brought no smaller one.
         best_time = time.copy()
         least_error = np.full(wanted_change.shape, math.inf)
-        n_idle_steps = np.zeros(wanted_change.shape, int)
+        n_idle_iterations = np.zeros(wanted_change.shape, int)
         is_converged = np.zeros(wanted_change.shape, bool)
         last_step_length = latest_time - earliest_time
         for _ in range(_MOST_BRACKETED_STEPS):
@@ -311,11 +311,11 @@ class LoadSegment(abc.ABC):
             is_improved = absolute_error < least_error
             np.copyto(best_time, time, where=is_improved)
             np.copyto(least_error, absolute_error, where=is_improved)
-            n_idle_steps = (n_idle_steps + 1) * ~is_improved
+            n_idle_iterations = (n_idle_iterations + 1) * ~is_improved
             # Short steps without a smaller error are round-off. After a long one, which halves a
             # bracket, steps with a smaller error follow.
             # _MOST_IDLE_STEPS, _SHORT_STEP_SHARE: 3 steps, and 1e-9 of the time since `begin`
-            has_stalled = (n_idle_steps >= _MOST_IDLE_STEPS) & (
+            has_stalled = (n_idle_iterations >= _MOST_IDLE_STEPS) & (
                 last_step_length <= _SHORT_STEP_SHARE * np.abs(best_time - begin)
             )
             # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
@@ -329,11 +329,11 @@ class LoadSegment(abc.ABC):
             np.copyto(earliest_time, time, where=signed_error < 0)
             np.copyto(latest_time, time, where=signed_error > 0)
             approach_rate = direction * rate
-            step = np.full(wanted_change.shape, -math.inf)
-            np.divide(-signed_error, approach_rate, out=step, where=approach_rate > 0)
+            newton_step = np.full(wanted_change.shape, -math.inf)
+            np.divide(-signed_error, approach_rate, out=newton_step, where=approach_rate > 0)
 
             # Newton's step where it stays in the bracket and converges, else the bracket's middle.
-            newton_time = time + step
+            newton_time = time + newton_step
             takes_newton_time = (
                 (earliest_time <= newton_time)
                 & (newton_time <= latest_time)
@@ -378,8 +378,8 @@ class LoadSegment(abc.ABC):
             for _ in range(_MOST_PLAIN_STEPS):
                 # Change of the combination since `begin`, and its time derivative.
                 change_so_far, rate = self._change_and_rate(combination, time, begin)
-                step = (wanted_change - change_so_far) / rate
-                time = time + step
+                newton_step = (wanted_change - change_so_far) / rate
+                time = time + newton_step
                 # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
                 time_roundoff = _ROUND_OFF_SHARE_OF_TIME * np.abs(time)
                 distance_to_turning_point = np.minimum(np.abs(time - begin), np.abs(end - time))
@@ -391,7 +391,7 @@ class LoadSegment(abc.ABC):
                         distance_to_turning_point / _ERROR_OVER_SQUARED_STEP, time_roundoff
                     )
                 )
-                if (np.abs(step) <= longest_final_step).all():
+                if (np.abs(newton_step) <= longest_final_step).all():
                     lies_between = (time - begin) * (end - time) >= 0
                     return time if lies_between.all() else None
         return None
@@ -548,8 +548,8 @@ class HarmonicSegment(LoadSegment):
         to m, the highest harmonic whose amplitude is not 0 (m = 1 where none is).
 
         P minus its mean P0 is the real part of sum c_k exp(i k t), with c_0 = 0 and c_k = P_k
-        exp(-i phi_k); Q likewise. `normal` holds (P_k, phi_k), amplitude and phase lag [rad], of k
-        = 1, 2, ..., and `tangential` those of Q.
+        exp(-i phi_k); Q likewise. `normal` holds (P_k, phi_k), amplitude and phase lag [rad], of
+        k = 1, 2, ..., and `tangential` those of Q.
         """
         highest_harmonic = max(
             (
@@ -860,8 +860,8 @@ class HarmonicSegment(LoadSegment):
         amounts since `begin`: on an ellipse in closed form by the arc cosine, else by Newton's
         method.
 
-        The ellipse's combination, amplitude cos(t + lead) plus a constant, is monotonic while t +
-        lead is between two multiples of pi. These are n_half_turns pi and the next.
+        The ellipse's combination, amplitude cos(t + lead) plus a constant, is monotonic while
+        t + lead is between two multiples of pi. These are n_half_turns pi and the next.
 
         Parameters
         ----------
@@ -1202,8 +1202,8 @@ def _wave_sum(terms: WaveTerms, time: Array) -> Array:
 
 
 def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Array:
-    """Real part of the sum of c_k exp(i k t), (n,), at `time` t (n,) [rad], by Horner's scheme in z
-    = exp(i t), (n,).
+    """Real part of the sum of c_k exp(i k t), (n,), at `time` t (n,) [rad], by Horner's scheme in
+    z = exp(i t), (n,).
 
     `terms` are pairs from the highest k down to 0: (c_k, difference of k from the term before).
     """
