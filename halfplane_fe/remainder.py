@@ -126,8 +126,10 @@ class RemainderKernels(NamedTuple):
 
     @property
     def reciprocity_gap(self) -> float:
-        """Largest |k_tn(x, s) + k_nt(s, x)| of places s of forces: 0 in exact elasticity
-        [1 / stress].
+        """Largest |k_tn(x, s) + k_nt(s, x)| of places x and s of forces: 0 in exact elasticity, by
+        reciprocity [1 / stress].
+
+        # notation: k_tn displacement along x by a pressing force, k_nt outwards by a force along x
         """
         nodes = np.abs(self.x[:, None] - self.x_of_forces).argmin(axis=0)
         gap = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
@@ -163,6 +165,7 @@ def remainder_kernels(
         At the n nodes of "contact", by unit forces at the m places: of pressing forces and of
         forces along +x. On a curved face Flamant's field counts from a flat one at y = 0.
     """
+    # Finite-element system: degrees of freedom that supports hold, and places of the contact nodes.
     system = assemble(body, material)
     n_dofs = len(system.node_of_dof)
     held_dofs = system.held_dofs
@@ -172,13 +175,18 @@ def remainder_kernels(
     if y.any():
         force_nodes = np.abs(x[:, None] - x_of_forces).argmin(axis=0)
         forces = _SurfaceForces(x[force_nodes], y[force_nodes])
+
+    # Loads and held displacements: minus those of the half-plane. Columns: unit forces along x at
+    # all places, then along y.
     n_forces = len(x_of_forces)
-    # Columns: unit forces along x at all places, then along y.
     nodal_loads = np.zeros((n_dofs, 2 * n_forces))
     nodal_loads[: 2 * body.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
     displacements = np.zeros_like(nodal_loads)
     displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
     nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
+
+    # Solve, and read the displacements of the contact nodes along x and outwards: (n, 2, m), second
+    # axis force along x and outwards.
     factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
     displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
     displacement_along, displacement_out = displacements[system.contact_dofs].reshape(
@@ -187,9 +195,8 @@ def remainder_kernels(
     kernels = RemainderKernels(
         x=x,
         x_of_forces=forces.x,
-        inward_by_pressure=displacement_out[
-            :, 1
-        ],  # a pull moves the face out as far as a push moves it in
+        # a pull moves the face out as far as a push moves it in
+        inward_by_pressure=displacement_out[:, 1],
         along_by_shear=displacement_along[:, 0],
         along_by_pressure=-displacement_along[:, 1],
         outward_by_shear=displacement_out[:, 0],
@@ -211,8 +218,9 @@ def _half_plane_field(
     """Displacement or traction of half-planes at n points by m unit forces, each on a half-plane of
     its own whose flat surface goes through the place of the force: (2, n, 2, m).
 
-    The axes are component, point, component of the force, force. `field` gives the same from x, y
-    of the points and x of the forces, where all forces are on the surface y = 0.
+    The axes are component, point, component of the force, force. `field` returns such an array from
+    x, y of the points and x of the forces, where all forces are on the surface y = 0. `x` and `y`
+    (n,) are the points, `forces` the places of the forces [length].
     """
     if not forces.y.any():
         return field(x, y, forces.x)
@@ -235,17 +243,20 @@ def _with_chord_slopes(
     Parameters
     ----------
     kernels
-        displacements minus those of a half-plane at the true places on the curved face
+        displacements (n, m) at places x (n,) by unit forces at m places, minus those of a
+        half-plane at the true places on the curved face
     y, y_of_forces
         (n,), (m,) y of the face at the places and at the forces, 0 or below [length]
     material
         of the body
     """
+    # Slope of each chord; where the place is that of the force, the slope of the face.
     distance_to_force = kernels.x[:, None] - kernels.x_of_forces
     is_at_force = distance_to_force == 0
     chord_slope = (y[:, None] - y_of_forces) / np.where(is_at_force, 1.0, distance_to_force)
     face_slope = np.gradient(y, kernels.x, edge_order=2)
     slope = np.where(is_at_force, face_slope[:, None], chord_slope)
+
     kernels_of_chord = kernels_of_slope(slope, material)
     return kernels._replace(
         inward_by_pressure=kernels.inward_by_pressure + kernels_of_chord.inward_by_pressure,
@@ -277,13 +288,16 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
     """Displacements of a half-plane by unit forces (Flamant) at the end of a chord of slope
     m = dy/dx from the force, minus those at the same x on the flat surface [1 / stress].
 
-    The four terms of Flamant's displacement (`far_field.surface_force_displacement`) differ by
+    The four terms of Flamant's displacement differ by
 
         ln r   by ln(1 + m^2)/2        x z/r^2  by -m/(1 + m^2)
         z^2/r^2 by m^2/(1 + m^2)       theta    by arctan m
 
-    # notation: r, theta = atan2(x, z) and z = -y (depth) of the chord's end from the force,
-    c = 1/(2 pi G), G shear modulus, k = 1 - 2 nu
+    The displacement inwards by a pressing force is -c [(1 + k) ln r - z^2/r^2], that along x by a
+    force along x -c [(1 + k) ln r + z^2/r^2]; those across the force are c [+-x z/r^2 - k theta].
+
+    # notation: r distance, theta = atan2(x, z) and z = -y (depth) of the chord's end from the
+    # force; c = 1/(2 pi G), G shear modulus, nu Poisson's ratio, k = 1 - 2 nu
     """
     c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
     k = 1 - 2 * material.poisson_ratio
@@ -305,6 +319,15 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
 
     Rows are x and y of each node, columns the m unit forces along x, then along y. On a flat face
     these tractions are zero.
+
+    Parameters
+    ----------
+    system
+        the body: its mesh of quadratic elements, with named boundaries
+    forces
+        places x, y of the forces (m,) on the face; y = 0 of a flat one
+
+    # notation: in subscripts of einsum g Gauss points, d directions, e element sides, m forces
     """
     mesh = system.mesh
     free_of_traction = () if forces.y.any() else ("contact", "free")
@@ -314,6 +337,8 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
     # where a force may stand.
     n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
+
+    # Element sides on the outline: nodes, shape functions at Gauss points, tangents times weights.
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
     along_x, along_y = elements.tangents
     # outward, times the length that each Gauss point stands for
@@ -321,9 +346,12 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     x, y = elements.places.reshape(2, -1)
 
     def traction(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
+        """Tractions at points by unit forces on the surface, times the length of each point."""
         return surface_force_traction(at_x, at_y, normals_by_length, x_of_forces)
 
     tractions = _half_plane_field(traction, x, y, forces).reshape(2, *along_x.shape, -1)
+
+    # Consistent nodal forces: tractions times shape functions.
     nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
         np.add.at(nodal_forces, nodes, np.einsum("g,degm->edm", shape_values, tractions))
@@ -332,7 +360,10 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
     """Nodes of e element sides on the outline of a quadratic mesh, (e, 3): begin, mid-side node,
-    end, ordered so that the body lies on the left.
+    end, ordered so that the body lies on the left. `facets` (e,) are the numbers of the sides.
+
+    In the mesh `facets` lists the two corners of each side, `f2t` its elements, `t` the corners of
+    each element, and `p` places; the mid-side node of side k is number `nvertices` + k.
     """
     start_vertices, end_vertices = mesh.facets[:, facets]
     inner_points = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
@@ -350,10 +381,19 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
 
     Rows are held degrees of freedom, columns the m forces along x, then along y. `datum_length` is
     the distance from a force at which the half-plane's surface counts as unmoved [length].
+
+    Parameters
+    ----------
+    system
+        the body: mesh, material, and degrees of freedom that its supports hold (`held_dofs`); those
+        along x are even, those along y odd
+    forces
+        places x, y of the forces (m,) on the face
     """
     material = system.material
 
     def displacement(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
+        """Displacements at points by unit forces on the surface y = 0."""
         return surface_force_displacement(
             at_x, at_y, x_of_forces, material.young_modulus, material.poisson_ratio, datum_length
         )
@@ -435,23 +475,39 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
       even i + j, being symmetric in x and s and in the mirror line;
     - k_tn(x, s) and -k_nt(s, x), which are equal by reciprocity, have odd i + j.
 
-    # notation: n normal, t tangential; first index displacement, second force
+        k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...   k_tt likewise
+        k_tn = e x - a s + ...
+
+    # notation: n normal, t tangential; first index displacement, second force; c_n normal and c_t
+    # tangential compliance, N and T curvatures, e strain by pressure, a slope by shear; index 4
+    # fourth order, 22 mixed
+
+    Parameters
+    ----------
+    kernels
+        displacements (n, m) at places x (n,) by unit forces at `x_of_forces` (m,): k_nn inwards by
+        a pressing force, k_tt and k_tn along x, k_nt outwards
+    degree
+        largest i + j
     """
-    half_length = float(np.abs(kernels.x).max())  # of the part of the face that is fitted
+    # Places over the half-length of the part of the face that is fitted, (n, m) each.
+    half_length = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / half_length, kernels.x_of_forces / half_length, indexing="ij")
+
+    # k_nn and k_tt: coefficients (n_terms, 2).
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
     direct_kernels = np.stack(
         [kernels.inward_by_pressure.ravel(), kernels.along_by_shear.ravel()], axis=1
     )
     coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
-    # k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...; equal powers of x and
-    # s stand twice in a term.
+    # Those of the power series; equal powers of x and s stand twice in a term.
     compliance = 2 * coefficients[even_powers.index((0, 0))]
     curvature = 2 * coefficients[even_powers.index((0, 2))] / half_length**2
     fourth_order = 24 * coefficients[even_powers.index((0, 4))] / half_length**4
     mixed_order = 2 * coefficients[even_powers.index((2, 2))] / half_length**4
 
+    # k_tn(x, s) and -k_nt(s, x), with x and s exchanged.
     odd_powers = odd_exponents(degree)
     terms_by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
     terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
@@ -502,7 +558,7 @@ def face_kernels(
     size_factor: float = 1.0,
 ) -> RemainderKernels:
     """Mesh a body and compute the displacement of the middle of its face by unit forces there,
-    minus that of a half-plane.
+    minus that of a half-plane: over 0.3 of the distance of the nearest place where the body ends.
 
     Parameters
     ----------
@@ -519,7 +575,7 @@ def face_kernels(
     half_length = _FITTED_REACH * nearest_end(shape)
     if size_factor > 1:
         half_length *= _FACTOR_OF_WIDER_FACE
-    size = size_factor * half_length / _N_ELEMENTS
+    size = size_factor * half_length / _N_ELEMENTS  # of the elements on that part of the face
     grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
     body = build(name, shape, profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH))
     x_of_forces = half_length * np.array(_FORCE_PLACES)
@@ -545,10 +601,13 @@ def body_numbers(
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     """
+    # Kernels: displacement of the face by unit forces, minus that of a half-plane, on two meshes.
     kernels = face_kernels(name, shape, profile, material, datum_length)
     coarse_kernels = face_kernels(
         name, shape, profile, material, datum_length, _FACTOR_OF_COARSE_MESH
     )
+
+    # Coefficients of their power series in the places of displacement and force.
     values = face_series(kernels)
     coarse_values = face_series(coarse_kernels)
     reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
@@ -609,7 +668,9 @@ def body_effects(scene: Scene | str | Path) -> BodyEffects:
 
 
 def _body_numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
-    """What the finite size of one body of the scene adds; zeros for a half-plane."""
+    """Numbers by which the finite size of one body of the scene changes a contact, from those of a
+    half-plane; zeros for a half-plane. InputError for a body of which they are not derived.
+    """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return OF_HALF_PLANE
@@ -671,9 +732,11 @@ def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene)
     Parameters
     ----------
     lower, upper
-        numbers of each body in its own frame; where they are one object, both differences are 0
+        numbers of each body in its own frame, each with an uncertainty; of fourth order those by
+        x^4 + s^4 and, mixed, by x^2 s^2. Where they are one object, both differences are 0
     scene
-        its datum length and elastic constants
+        its datum length, the distance from a force at which a half-plane's surface counts as
+        unmoved, and its elastic constants
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,

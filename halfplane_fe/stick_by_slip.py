@@ -40,8 +40,14 @@ _SAME_END = 2.0
 
 
 def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
-    """Left and right end (2,) of the permanent stick zone, and the uncertainty of each; NaN where
-    the range of slip does not tell [length].
+    """Left and right end (2,) of the permanent stick zone of a load cycle, by how far the nodes
+    beyond them slip, and the uncertainty of each; NaN where the range of slip does not have its
+    form [length].
+
+    Beyond an end, at a distance d, the range of slip of a node grows as d^(3/2). So a straight line
+    through its power 2/3 at three nodes is zero at the end. Three lines are drawn, from the second,
+    third and fourth node beyond the zone on. The middle one gives the end; the uncertainty is a
+    share of how far the first and the last differ, and of the distance of two nodes.
 
     Parameters
     ----------
@@ -66,36 +72,49 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
     if np.isnan(ends_by_states).any():
         return Edges(places, uncertainty)
     middle = ends_by_states.mean()
-    for column, side in enumerate((-1, 1)):
+    for column, side in enumerate((-1, 1)):  # left and right end
+        # Nodes beyond the end, outwards from the first one that slides.
         next_right = int(np.searchsorted(x, ends_by_states[column]))
         first_sliding = next_right if side > 0 else next_right - 1
-        beyond = first_sliding + side * np.arange(_FIRST_NODES[-1] + _ON_LINE)
-        if beyond.min() < 1 or beyond.max() > len(x) - 2:
+        nodes_beyond = first_sliding + side * np.arange(_FIRST_NODES[-1] + _ON_LINE)
+        if nodes_beyond.min() < 1 or nodes_beyond.max() > len(x) - 2:
             continue
-        distances = side * (x[beyond] - middle)
-        zeros = [
-            _end_of_zone(distances[first : first + _ON_LINE], slip_range[beyond][first:][:_ON_LINE])
+
+        # Distance of the end from the middle by each of three lines.
+        distances = side * (x[nodes_beyond] - middle)
+        ends_of_lines = [
+            _end_of_zone(
+                distances[first : first + _ON_LINE], slip_range[nodes_beyond][first:][:_ON_LINE]
+            )
             for first in _FIRST_NODES
         ]
-        zero_of_first, zero, zero_of_last = zeros
-        place = middle + side * zero
+        end_of_first, end_of_second, end_of_last = ends_of_lines
+        place = middle + side * end_of_second
         spacing = abs(x[first_sliding] - x[first_sliding - side])
-        # False of NaN too
+
+        # It is accepted within two nodes of the end by states. False of NaN too
         if abs(place - ends_by_states[column]) <= _SAME_END * spacing:
             places[column] = place
-            misfit = abs(zero_of_last - zero_of_first)
-            uncertainty[column] = _BY_LINES * misfit + _BY_SPACING * spacing
+            difference_of_lines = abs(end_of_last - end_of_first)
+            uncertainty[column] = _BY_LINES * difference_of_lines + _BY_SPACING * spacing
     return Edges(places, uncertainty)
 
 
 def _end_of_zone(distances: Array, slip_range: Array) -> float:
-    """Distance of the end from the middle of the zone, by the range of slip at nodes farther out;
-    NaN where it has not the form of F.
+    """Distance c of the end of a permanent stick zone from its middle, by the range of slip at
+    nodes farther out; NaN where that range does not have the form of F [length].
+
+        F(t) = t sqrt(t^2 - 1) - arcosh t,   t = |x|/c   (Cattaneo and Mindlin)
+
+    The power 2/3 of the range, over that of F(t)/(t - 1)^(3/2), is a straight line in x that is
+    zero at c. It is drawn again eight times with the form about its own zero.
 
     Parameters
     ----------
     distances
         (n,) of the nodes from the middle, ascending [length]
+    slip_range
+        (n,) range of slip of these nodes in a load cycle [length]
     """
     end = _zero(distances, slip_range**_POWER)
     for _ in range(_ROUNDS):
