@@ -622,7 +622,8 @@ class _SeriesSums:
         # parts of steps in which a part of the contact slips
         slipping_records = block.records.slipping()
         if wanted_integrals.work:
-            # int Lam dw of each record
+            # of each record: int Lam dw, w = +-Q - f P, Lam the integral of ln(a/c) over the loads
+            # from P_c to P
             integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
             if wanted_integrals.work_of_steps:
                 n_steps = len(block.rows) - 1
@@ -1067,9 +1068,12 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     stick_half_width = half_width.copy()
     stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
-    scaled_displacement = np.full(len(request.time), np.nan)  # U pi/A
+    scaled_displacement = np.full(
+        len(request.time), np.nan
+    )  # U pi/A, U the tangential displacement
     approach = scaled_displacement
-    # the integral of ln(2 L/a) over the memory curve, at one point: x plays no part
+    # the integral of ln(2 L/a) over the memory curve, L the length of the datum, at one point: x
+    # plays no part
     if request.wants("tangential_displacement"):
         scaled_displacement = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(
             snapshot
@@ -1266,7 +1270,7 @@ def _relative_errors(
     loop_work: float,
 ) -> dict[str, float]:
     """Estimated relative errors of the values that were asked for, by name, each over the largest
-    p, f p, slip, U, W(x) or W.
+    p, f p, slip, tangential displacement U, W(x) or W.
 
     Those of fields next to edges are named "... at the edge". Closed forms promise round-off and
     have no entry. "cycle_dissipation" is the error of the worst cycle, where it is above that of
@@ -1303,7 +1307,8 @@ def _relative_errors(
         "slip", path_answer.largest_slip_zone_share
     )
     if request.wants("tangential_displacement"):
-        # from the integrals of ln(2 L/a) over loads and over the memory curve
+        # from the integrals of ln(2 L/a) over loads and over the memory curve, L the length of the
+        # datum
         errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
             contact.approach_integral(loads_and_edges["normal_load"]),

@@ -173,7 +173,8 @@ def _work_over_spans(
     and the errors of the sums; A = 2/E*.
 
     There is one integral, for W, or one for each point x, for W(x); `integrals_along` holds the
-    integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q - f P in slip.
+    integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q - f P in slip. Lam is the
+    integral of ln(a/c) over the loads from P_c to P.
 
     A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
     integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
@@ -527,7 +528,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     largest_load = max(max(span.begin.normal_load, span.end.normal_load) for span in spans)
     # U is counted from a datum at half the largest half-width
     contact = _with_moved_datum(contact, largest_load)
-    # integrals of ln(2 L/a) over memory curves, U pi/A; x plays no part
+    # integrals of ln(2 L/a) over memory curves, U pi/A, L the length of the datum; x plays no part
     integrals = KernelIntegrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
     # error counts along the whole way that Q goes.
@@ -587,7 +588,8 @@ def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
     """
     moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
     if isinstance(moved_contact, TiltedProfile):
-        # U + kappa m_q, m_q the moment of the shear: its closed integral is that of all work.
+        # U + kappa m_q, m_q the moment of the shear, kappa the tilt or bulk strain per load: its
+        # closed integral is that of all work.
         return replace(moved_contact, kernel_quantity="conjugate_displacement")
     return moved_contact
 

@@ -762,7 +762,7 @@ def follow(
         spans, curve = spans_along(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
-        # the less P - P_c over P in the cycle, the smaller
+        # the less P - P_c over P in the cycle, the smaller; P_c is the load at the stick edge
         tolerance = repeat_tolerance(slip_zone_share(spans))
         if is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number

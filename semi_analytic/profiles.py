@@ -790,7 +790,8 @@ def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
         else law_of_power(scaled_curvatures[0], 2.0, 1.0, 0.5)
     )
 
-    # P and dP/da as functions of the advance d = a - a_0 of the edge
+    # P and dP/da as functions of the advance d = a - a_0 of the edge, a_0 the half-width without
+    # load
     law = _TableLaw(
         law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
     )
@@ -1261,7 +1262,8 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     # at the end of the last series of P
     largest_load = float(last_load(last_load.edges[-1]))
 
-    # P and dP/da as functions of the advance d = a - a_0 of the edge
+    # P and dP/da as functions of the advance d = a - a_0 of the edge, a_0 the half-width without
+    # load
     load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
     load = partial(load_or_stiffness, derivative_order=0)
     stiffness = partial(load_or_stiffness, derivative_order=1)

@@ -272,8 +272,8 @@ class PunchSuperposition:
         minus that at x, so that it is h(x) inside the contact.
 
         a(eta) is the contact half-width under the load eta, P_x the load at which the edge of
-        contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes
-        the slip (f A/pi) [S(x, P) - S(x, P_c)] outside the stick zone.
+        contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes the slip (f A/pi) [S(x,
+        P) - S(x, P_c)] outside the stick zone, P_c being the load at its edge.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -309,8 +309,9 @@ class PunchSuperposition:
         """Integral int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
         thickness]; times A/pi it is the normal approach of the two half-planes.
 
-        L is the distance of the datum of rigid movements, A = 2/E*, a(eta) the contact half-width
-        under the load eta. `_log_datum_ratio` is ln(2 L/a) from a - a_0.
+        alpha is the half-width of a flat punch within. L is the distance of the datum of rigid
+        movements, A = 2/E*, a(eta) the contact half-width under the load eta. `_log_datum_ratio` is
+        ln(2 L/a) from a - a_0.
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -518,8 +519,8 @@ class PunchSuperposition:
         `load` is P, `slip_zone_load` is P - P_c, P_c the load at the stick edge; both broadcast.
         Lam is 0 where nothing slips.
 
-        Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha. Close together, that would lose
-        digits: there it is int (P - eta) d ln(a(eta)).
+        Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha over the half-widths alpha between
+        c and a. Close together, that would lose digits: there it is int (P - eta) d ln(a(eta)).
 
         >>> from semi_analytic.profiles import law_of_power
         >>> contact = PunchSuperposition(
@@ -589,9 +590,9 @@ class PunchSuperposition:
         return np.log1p(relative_rise), contact_advance, stick_advance
 
     def _kernel_as_difference(self, load: Array, load_above_stick: Array) -> Array:
-        """Lam(P, P_c) as P ln(a/c) - int_c^a P/alpha d alpha [force per thickness], alpha the
-        half-widths between stick c and contact a. `load` is P, `load_above_stick` is P - P_c, P_c
-        the load at the edge of stick.
+        """Kernel Lam(P, P_c) of the friction work as P ln(a/c) - int_c^a P/alpha d alpha [force per
+        thickness], alpha the half-widths between stick c and contact a. `load` is P,
+        `load_above_stick` is P - P_c, P_c the load at the edge of stick.
         """
         # ln(a/c), a - a_0 and c - a_0, a_0 the half-width without load
         log_width_ratio, contact_advance, stick_advance = self._log_width_ratio(
@@ -605,9 +606,9 @@ class PunchSuperposition:
         return load * log_width_ratio - (integral_to_contact - integral_to_stick)
 
     def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
-        """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) over loads eta from P_c to P, a sum
-        of positive terms, (n,) [force per thickness]. a(eta) is the contact half-width under the
-        load eta.
+        """Kernel Lam(P, P_c) of the friction work as the integral of (P - eta) d ln(a(eta)) over
+        loads eta from P_c to P, a sum of positive terms, (n,) [force per thickness]. a(eta) is the
+        contact half-width under the load eta.
 
         Each integral is cut where the edge of contact passes a corner of the profile. `load` is P,
         `load_above_stick` is P - P_c, P_c the load at the stick edge, (n,) each.
@@ -641,7 +642,7 @@ class PunchSuperposition:
         self, load: Array, load_above_stick: Array, corner_below: Indices
     ) -> Array:
         """Integrals of (P - eta) d ln(a(eta)) over loads eta between two corners of the profile,
-        (n,) [force per thickness]: the parts of Lam(P, P_c).
+        (n,) [force per thickness]: the parts of the kernel Lam(P, P_c) of the friction work.
 
         A part begins at P_c, or at the load P_b of its corner if that is larger. It ends at P, or
         at the load of the next corner. a(eta), the contact half-width under the load eta, is a
@@ -708,10 +709,10 @@ class PunchSuperposition:
         `name` is "pressure", "slip_integral", these with "_moment", "approach_integral",
         "approach_moment" or "dissipation_kernel". The error is the sum of three: what the Chebyshev
         series leave out, what the last digit of a half-width changes, and the error of P(a) itself.
-        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` a_0, _EPS the
-        round-off of numbers. Methods that end in `_and_error` return an integral and the error of
-        its series. The last of the `arguments` is the load, except for "dissipation_kernel", which
-        has P and P - P_c.
+        `law.edge_advance` is a - a_0 as a function of the load, `least_half_width` is a_0, without
+        load, _EPS the round-off of numbers. Methods that end in `_and_error` return an integral and
+        the error of its series. The last of the `arguments` is the load, except for
+        "dissipation_kernel", which has P and P - P_c, P_c the load at the stick edge.
         """
         argument_arrays = np.broadcast_arrays(*(as_floats(argument) for argument in arguments))
         if name == "dissipation_kernel":
@@ -750,7 +751,7 @@ class PunchSuperposition:
     def _error_of_dissipation_kernel(self, load: Array, load_above_stick: Array) -> Array:
         """Estimated error of the kernel of friction work Lam(P, P_c) = int ln(a(eta)/c) d eta, not
         below the true one [force per thickness]; `load` is P, `load_above_stick` is P - P_c. P_c is
-        the load at the stick edge, c its half-width.
+        the load at the stick edge, c its half-width, alpha a half-width between c and a.
 
         Integrated as a sum of positive terms Lam has some round-offs of itself. As the difference
         P ln(a/c) - int P/alpha d alpha it has round-offs of both terms, and what the Chebyshev
@@ -787,9 +788,10 @@ class PunchSuperposition:
         nearest corner of the profile (the advances of all are `law.corner_advances`, 0 among them).
         So the edge of contact is |x - b| sinh^2 v beyond x.
 
-        `law.stiffness` is g as a function of the advance, `law.load` P. A change of v by eps v
-        moves the edge by 2 eps v (a - |x|), and p by dp/da times that. At x = 0 v reaches 28, and p
-        of a profile |x|^n goes as a^(n - 1): for |x|^20 the change is 2e-13 of p.
+        `law.stiffness` is g as a function of the advance, `law.load` P. With eps the round-off of
+        numbers, a change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times
+        that. At x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the
+        change is 2e-13 of p.
 
         Parameters
         ----------
@@ -838,7 +840,8 @@ class PunchSuperposition:
         self, kind: IntegralKind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
-        the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0.
+        the edge of contact, and its error; both arrays broadcast. Both are 0 for an advance of 0;
+        a_0 is the half-width without load.
 
         `kind` names the integral: "pressure", "outside" (of arccosh, for a point outside the
         punches) or "logarithm". With `load_power` 1 the load eta stands in front of the integrand.
@@ -883,7 +886,8 @@ class PunchSuperposition:
         self, kind: IntegralKind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, up to the `advance` a - a_0 of the edge of
-        contact, and its error. `x` and `advance` broadcast; an advance may be 0.
+        contact, and its error. `x` and `advance` broadcast; an advance may be 0. a_0 is the
+        half-width without load.
 
         The advances are those of one band: their ratio is small enough for one stored primitive,
         the integral as a function of the advance. `kind` names the integral, "pressure", "outside"
@@ -935,7 +939,8 @@ class PunchSuperposition:
         x
             (k,) distances |x| of the points [length], ascending
         largest_advance
-            largest upper end, a - a_0 of the edge of contact [length]
+            largest upper end, a - a_0 of the edge of contact, a_0 the half-width without load
+            [length]
         """
         cached_primitives = self._primitives.setdefault((kind, load_power), [])
         # A primitive up to a larger advance than this would lose digits of the smaller ones.
@@ -1127,7 +1132,7 @@ class Primitive:
         series of the integral. The series is then evaluated at v. `panels` holds (n,) the point
         number of each panel, its ends `begin_v` and `end_v`, and advance and factor of v where v is
         0. `coefficients` (m, n) and `error` (n,) are of its series. `distance_beyond_flat` (k,) is
-        x - a_0 of the points.
+        x - a_0 of the points, a_0 the half-width without load.
         """
         panels = self.panels
         # number of the panel begins, in order of their advance, that are not above the advance

@@ -142,7 +142,8 @@ def error_of_work(
     # Round-off of U in the loop is no error of W.
     # _ROUNDOFF_OF_LOOP: 100
     is_unexplained = difference > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
-    # share: largest P - P_c over the largest P; _LEAST_SLIPPED_SHARE: 1e-6
+    # share: largest P - P_c over the largest P, P_c the load at the stick edge;
+    # _LEAST_SLIPPED_SHARE: 1e-6
     if is_unexplained and slip_zone_share(spans) > _LEAST_SLIPPED_SHARE:
         error += difference
     return error, difference

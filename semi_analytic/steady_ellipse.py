@@ -996,7 +996,7 @@ def _work_over_loads(
     time and t_I is the begin of forward slip. In E-G and J-M the angle along P_c counts back from
     the end of the phase, where P_c is least.
     """
-    # L counts from that of P0: what is left of any constant is round-off.
+    # ln a counts from that of P0: what is left of any constant is round-off.
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
