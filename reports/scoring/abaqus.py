@@ -105,7 +105,7 @@ def read_field_report(
         One sentence with file, line, value and rule: for values that are not nodal, no places,
         several surfaces in contact.
     """
-    # InputError for a file that is too large or can't be read
+    # InputError for a file that is too large
     require_readable_size(
         path, "the result", LARGEST_TEXT_BYTES, "write the contact surface alone, and fewer frames"
     )

@@ -510,8 +510,11 @@ def _pair_force(
     """
 
     def six_numbers_under(heading: str) -> Array:
-        """The six numbers two lines below the line that begins with `heading`, which comes within
-        19 lines of the title.
+        """The six numbers two lines below the line that begins with `heading`, in the statistics
+        that CalculiX prints for a contact pair. The heading comes within 19 lines of the title.
+
+        `lines` are all lines of the file, `title_line` is the number of the title's line, counted
+        from 1; `reader` reads numbers and makes errors with file and line.
         """
         lines_of_statistics = lines[title_line : title_line + 19]
         for heading_line, line in enumerate(lines_of_statistics, start=title_line + 1):

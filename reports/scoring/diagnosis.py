@@ -267,7 +267,8 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     a coarse mesh leaves at most a third of the difference. Nothing otherwise. `judgement` holds
     the difference and the fits of causes to it.
 
-    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p_ref scale of pressure
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p_ref
+    #           scale of pressure
     """
     from scipy.stats import f as f_distribution
 

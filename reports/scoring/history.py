@@ -454,8 +454,8 @@ def _sample_times(path: LoadPath, cycles: int) -> Array:
 def _times_in_order(
     times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_load: float
 ) -> Array:
-    """Find the time on the load path of each instant of a result by its loads P and Q: ascending
-    times (n_steps,), near to the loads, and with even steps where several places are as near.
+    """Find the time on the load path of each of k instants of a result by its loads P and Q:
+    ascending times (k,), near to the loads, and with even steps where several places are as near.
 
     Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
     all. A place is the index of a sample. It costs 1000 times (`_COST_OF_DISTANCE`) the square of
@@ -473,7 +473,7 @@ def _times_in_order(
     scene
         its number of cycles says where load segments end
     loads
-        P and Q of each instant (n_steps,)
+        P and Q of the instants, (k,) each
     largest_load
         largest P of the path, by which distances between loads are divided
     """
@@ -591,9 +591,9 @@ def _squared_distances(p_difference: Array, q_difference: Array) -> Array:
 
 
 def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
-    """Times (n_steps,) at which the load path is nearest to the loads P and Q of a result's
-    instants: six times the nearest point on chords ten times shorter. They lie near the samples
-    with indices `chosen_places` among `times` (n,).
+    """Times (k,) at which the load path is nearest to the loads P and Q of a result's k instants:
+    six times the nearest point on chords ten times shorter. They lie near the samples with indices
+    `chosen_places` among `times` (n,).
 
     A nearest point on a chord misses the path's by the square of its length; squares of distances
     alone are flat to 1e-8 of a cycle around it.

@@ -697,7 +697,7 @@ class _Search:
     def first_fit(self, trial_frictions: Array) -> tuple[float, Array]:
         """f and the four terms of the best fit to measured rows (highest Q, lowest Q, and C and U0
         of the rig). Fits begin from up to three trial values of f, at which the sum of squares is
-        smaller than at both neighbours.
+        smaller than at both neighbours. The squares are distances of the rows from theory's loop.
 
         A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
 
@@ -832,7 +832,7 @@ class _Search:
     ) -> float | None:
         """One end of the 95 % interval of the friction coefficient f, as ln f: where the least sum
         of squares rises above `largest_sum` on the way from the best f to the end of the search.
-        None where it stays below.
+        None where it stays below. The squares are distances of measured rows from theory's loop.
 
         Parameters
         ----------
@@ -850,6 +850,7 @@ class _Search:
         def excess_over_largest(log_trial: float) -> float:
             """Least sum of squares at ln f = `log_trial`, minus the largest one admitted."""
             nonlocal latest_terms
+            # the best terms at this f, searched from the latest ones on
             sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
             return sum_of_squares - largest_sum
 

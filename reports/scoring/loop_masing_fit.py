@@ -322,7 +322,9 @@ class _Search:
         typical_sizes = self.parameter_sizes
 
         def parameters_at(steps: Array) -> Array:
-            """All seven parameters: the free ones are moved by `steps`, in units of their sizes.
+            """All seven parameters (7,) of a loop: those at `free_indices` are moved by `steps`, in
+            units of their typical sizes. The range of Q of a gross loop, which slides as a whole at
+            its ends, follows from f. `LOG_F` and `RANGE` are the indices of ln f and of this range.
 
             # notation: f coefficient of friction, Q tangential load
             """
@@ -342,9 +344,12 @@ class _Search:
         cached_answer: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
-            """Residuals over sigma (m,), and their derivatives by `steps`, (m, free parameters).
+            """Residuals of a loop from measured rows over sigma (m,), and their derivatives by
+            `steps` of the free parameters, (m, free parameters). `LOG_F` and `RANGE` are the
+            indices of ln f and of the range R of Q; free parameters stand at `free_indices`.
 
-            # notation: sigma standard deviation of the noise
+            # notation: f coefficient of friction, Q tangential load, sigma standard deviation
+            #           of the noise
             """
             steps_as_bytes = steps.tobytes()
             if steps_as_bytes not in cached_answer:
@@ -535,16 +540,17 @@ class _Search:
     def interval_end(
         self, fits: _FitsOfBothKinds, direction: float, excess: float, first_step: float
     ) -> Array | None:
-        """One end of the 95 % interval of f: the seven parameters (7,) of the loop at the f where
-        the least sum of squares exceeds that of the better fit by `excess`. None where it never
-        does.
+        """One end of the 95 % interval of the coefficient of friction f of a measured loop: the
+        seven parameters (7,) of the fitted loop at the f where the least sum of squares exceeds
+        that of the better fit by `excess`. None where it never does. The squares are distances of
+        the rows from a loop.
 
         Parameters
         ----------
         fits
             the best partial loop, and the best gross one (the contact slides as a whole at its
-            ends). Loops of the worse kind are admitted with more excess, since the rows chose
-            between the two kinds
+            turning points). Loops of the worse kind are admitted with more excess, since the rows
+            chose between the two kinds
         direction
             1 for the upper end, -1 for the lower one
         excess
@@ -563,6 +569,10 @@ class _Search:
             """Root of the rise of the least sum of squares over its admitted rise, at ln f =
             `log_friction`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
             The loop is of that kind, partial or gross, for which it is less.
+
+            The squares are distances of measured rows from a loop. `fits` are the best fit of
+            either kind, `excess` is the admitted rise for the better kind. `parameters_by_kind`
+            holds the latest parameters (7,) of each kind: gross (True), or partial.
 
             # notation: f coefficient of friction
             """
@@ -980,9 +990,9 @@ def fit_with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     widened where neighbouring rows lie on the same side of the loop, and by errors that more rows
     would not lessen.
 
-    A loop is gross where the contact slides as a whole at its ends, else partial. The highest f of
-    the interval is None where the rows do not bound f from above: the sum of squares never rises so
-    far.
+    A loop is gross where the contact slides as a whole at its turning points, else partial. The
+    highest f of the interval is None where the rows do not bound f from above: the sum of squares
+    never rises so far.
 
     Parameters
     ----------

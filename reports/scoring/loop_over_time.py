@@ -327,7 +327,8 @@ def _best_alignment(
     def alignment_at(frequency: float, phase: float) -> _Alignment:
         """Where the measured rows lie on the scene's cycle, for a given frequency of the cycle and
         its phase (share of a cycle at time 0). Scale and offset of Q are those that fit the
-        measured Q best.
+        measured Q best. `load_of_cycle` is Q of the scene at the shares of its cycle,
+        `SHARES_OF_CYCLE`; `loop` holds time and Q of the n rows.
 
         The misfit is a force here, not yet over the amplitude: the root mean square of the measured
         Q minus this fit. Where the scale is not positive it gets too large to be the best.

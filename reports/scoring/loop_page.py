@@ -277,7 +277,7 @@ def write(
     page_script, script_hash = script()
     plates = _figures(score)
     table_heads, table_rows = table_of_loops(score)
-    # the folder is put in place only when all files are written
+    # the files move to `out` only when all of them are written
     with results_folder(out) as new_folder:
         write_tables(plates, new_folder)
         json_content = strict_json_values(content(score) | (further_entries or {})) | {

@@ -256,7 +256,7 @@ def score_loop(
         # more turning points of Q: rows are placed by their times
         fit = fit_over_time(loop, scene, rig_compliance)
     # area and slope of the measured loop
-    measured_row, sentence = _row_of_measured_loop(loop, fit)
+    table_row_of_measured, sentence = _row_of_measured_loop(loop, fit)
     # at the ends of the loop the contact slides as a whole
     if fit.is_gross and fit.masing_loop is not None:
         computed_loops = _sliding_loops(loop, fit, fit.masing_loop, scene, against)
@@ -273,7 +273,7 @@ def score_loop(
         scale=fit.scale,
         n_cycles=fit.n_cycles,
         noise=fit.displacement_noise,
-        loops=(measured_row, *(computed.row for computed in computed_loops.loops)),
+        loops=(table_row_of_measured, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
         # what was assumed or left out
         notes=(*fit.sentences, sentence, *computed_loops.sentences),
@@ -315,7 +315,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     # Q of the scene through a cycle, scaled
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
-    row = LoopRow(
+    table_row = LoopRow(
         name="measured",
         friction=None,
         area=area.value,
@@ -333,7 +333,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
         f" ± {area.error_by_distance:.2g} by what lies between rows,"
         f" ± {area.error_by_scatter:.2g} by their scatter (95 %)"
     )
-    return row, sentence
+    return table_row, sentence
 
 
 # ------------------------------------------------------------------------- computed loops beside it
@@ -442,9 +442,9 @@ def _loop_with_rig(
     area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.displacement)))
     slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
     # name, f, W and its uncertainty, slope, distance
-    row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
+    table_row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
     # offset: the file's Q is r times the scene's plus this
-    return _ComputedLoop(row, displacement, load + fit.offset)
+    return _ComputedLoop(table_row, displacement, load + fit.offset)
 
 
 def _sliding_loops(
@@ -470,7 +470,7 @@ def _sliding_loops(
         displacement_at_rows = np.interp(fit.share_of_cycle, SHARES_OF_CYCLE, displacement)
         displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
         slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
-        row = LoopRow(
+        table_row = LoopRow(
             name,
             sliding_loop.friction,
             sliding_loop.area,
@@ -478,7 +478,7 @@ def _sliding_loops(
             slope=slope,
             distance=distance,
         )
-        loops.append(_ComputedLoop(row, displacement, load + middle_load))
+        loops.append(_ComputedLoop(table_row, displacement, load + middle_load))
     sentences = []
     if against == "fe":
         sentences.append(

@@ -186,7 +186,7 @@ def study_of_levels(levels: Sequence[Level], notes: Sequence[str] = ()) -> MeshS
     ----------
     levels
         for each mesh the name of the file, the element size h at the contact, where h is from in
-        words, and the comparison of the result with the reference; in any order
+        words, and the comparison of the result with the reference; unsorted
     notes
         sentences that come first in the notes of the study
 

@@ -374,12 +374,12 @@ def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp
     """
     path = scene.load.path()
     if path.period is None:
-        # 24 steps a cycle, of which 8 for the initial loading
         times_on_steps = times
         step_times = np.linspace(path.start, times.max(), 2 * _STEPS_A_CYCLE)
     else:
         cycle_fraction = np.mod((times - path.cycle_start) / path.period, 1.0)
         times_on_steps = path.cycle_start + path.period * (1 + cycle_fraction)
+        # 8 steps of the initial loading, 24 of each of two cycles
         step_times = np.concatenate(
             [
                 np.linspace(path.start, path.cycle_start, _STEPS_A_CYCLE // 3 + 1),
@@ -392,8 +392,8 @@ def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp
 
 
 def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
-    """Curvatures that two equal blocks of height `BLOCK_HEIGHT` a_ref (5) add to half-planes, times
-    `share`: of the gap per P, and of the tangential displacement per Q.
+    """Curvatures that two equal blocks of height 5 a_ref (`BLOCK_HEIGHT`) add to half-planes, times
+    `share`: of the gap per P, and of the tangential displacement per Q. `half_width` is a_ref.
 
     # notation: a_ref half-width of contact of the reference, E* composite modulus, P normal load, Q
     #           tangential load
