@@ -946,8 +946,8 @@ def _print_interruption(sentence: str) -> int:
 
 def _print_program_fault(fault: Exception, tokens: Sequence[str]) -> int:
     """Print an exception that is a fault of the program itself: one sentence on stderr, which says
-    where its traceback was written. `tokens` are the words of the command line. Returns the exit
-    code.
+    where its traceback was written: run.log of the output folder, or a temporary file. `tokens` are
+    the words of the command line. Returns the exit code, 70.
     """
     command_line = shlex.join(["halfplane", *tokens])
     lines = [

@@ -81,7 +81,8 @@ def score(result: str | None, options: Options) -> Answer:
 
 def _check_loop_options(path: Path, options: Options) -> None:
     """InputError where the options of `score` don't go together: some are for a measured loop of
-    load over displacement alone, others for tractions alone. `path` is the result.
+    load over displacement alone (`as_` is "loop"), others for tractions alone. `path` is the
+    result. The compliance of the rig is in 1/stress.
     """
     from scenes import InputError
 
@@ -103,7 +104,7 @@ def _check_loop_options(path: Path, options: Options) -> None:
 
 def _folder_of(path: Path, is_loop: bool) -> Path:
     """The default output folder of the command `score`: out/score-NAME for a result file NAME.csv.
-    `is_loop` says that the result is a measured loop.
+    `path` is the result file; `is_loop` says that it is a measured loop.
 
     Raises
     ------

@@ -83,7 +83,8 @@ def _write_new_files(text_of: dict[Path, str]) -> None:
     """
     from scenes import InputError
 
-    with ExitStack() as undo:  # removes what was written, unless all was
+    # an ExitStack calls its callbacks at the end: they remove what was written, unless all was
+    with ExitStack() as undo:
         for path, text in text_of.items():
             try:
                 with path.open("x", encoding="utf-8") as stream:
@@ -455,8 +456,9 @@ def _columns_of_loop(scene: Scene, options: Options) -> dict[str, tuple[tuple[st
 
 # -------------------------------------------------------------------------- the library, the schema
 def show(name: str, options: Options) -> Answer:
-    """The command `scenes`: list the scenes of the library that have the requested tags, or state
-    all about the scene `name`, which may be a file.
+    """The command `scenes`: list the scenes of the library that have the requested tags (options
+    --tag), or state all about the scene `name`, which may be a file; "" for the list. An answer has
+    the exit code, lines for the terminal, and the content for --json.
     """
     from scenes import InputError
 

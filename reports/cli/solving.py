@@ -175,8 +175,8 @@ _ENGINES = ("halfplane_fe.solution", "semi_analytic.solution")
 
 
 def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
-    """Import the modules `engines`, timed as the stage "loading". InputError where a library that
-    they need can't be loaded.
+    """Import the modules `engines`, by default those of theory and of finite elements, timed as the
+    stage "loading". InputError where a library that they need can't be loaded.
     """
     from scenes import InputError
 
@@ -262,7 +262,7 @@ _LONG_RECORD = 200
 
 def _reason_for_no_budget(scene: Scene) -> str:
     """The reason why the uncertainty of the answer for real bodies is not measured without
-    --budget: the scene's record of loads is long. "" where it is measured.
+    --budget: the scene's record of loads has more than 200 rows. "" where it is measured.
     """
     from scenes import TimeSeriesLoad
 
@@ -534,8 +534,8 @@ def _solution_kept_on_interrupt(solution: ContactSolution) -> Generator[None, No
 def _solution_saved_on_failure(
     solution: ContactSolution, folder: Path
 ) -> Generator[None, None, None]:
-    """Within this context a fault saves `solution`, that of the finite elements, in `folder`; a
-    note on the fault names its file.
+    """Within this context an exception saves `solution`, that of the finite elements, in `folder`;
+    a note on the exception names its file. The exception goes on.
     """
     try:
         yield
@@ -579,7 +579,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             code = EXIT_OUTSIDE
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows, from the headline to the path of the page."""
+        """What the terminal shows of a report, from the headline to the path of the page: verdict,
+        effect of uncertain inputs, error budget, a third solver. With `verbose` also notes, numbers
+        that the scene expects (`findings`) and seconds of the stages; else what was left out.
+        """
         yield from verdict_shown(report, verbose)
         yield from _inputs_shown(report.inputs, scene, comparison)
         if verbose:
@@ -600,8 +603,8 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         yield str(page)
 
     def json_content() -> dict[str, Any]:
-        """The object "result" of --json: headline, table, verdict, values of each metric, path of
-        the page.
+        """The object "result" of --json, from the content of the report: headline, table, verdict,
+        values of each metric, path of the page. `stages.seconds` is the time of each stage.
         """
         report_content = whole_content(report, "", stages.seconds)  # that of comparison.json
         solution_of_elements = report_content["result"]
@@ -882,8 +885,9 @@ def _answer_of_one_engine(
         yield path
 
     def json_content() -> dict[str, Any]:
-        """The object "result" of --json: whether it passed, values of the solution, path of its
-        file.
+        """The object "result" of --json: whether the exit code is 0 (`passed`), whether the
+        solution converged and obeys the laws of contact (`admissible`), values of the solution,
+        numbers that the scene expects (`findings`), effect of uncertain inputs, path of its file.
         """
         content_of_solution = solution_content(solution, law_checks)
         return {

@@ -211,6 +211,7 @@ def compare(
     if polygon_reference is not None:
         _refuse_other_question(polygon_reference, result)
     result_cycle = last_cycle(result)
+    # matched by the share of the period; instants that are no whole cycle by their times
     if result_cycle.is_whole:
         reference_cycle = interpolated_cycle(last_cycle(reference), result_cycle, reference.engine)
     else:
@@ -236,6 +237,7 @@ def compare(
         effects=effects,
         lacks_common_datum=has_other_datum and effects is None,
     )
+    # a comparison has all fields of the pair, then metrics, laws of contact and notes
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
         metrics=judged_metrics(
@@ -290,6 +292,7 @@ def _notes_on_pair(pair: Pair) -> Iterator[str]:
         is_without_note = solution.engine != "halfplane_fe" and not reason_by_missing_field(
             solution
         )
+        # steady_from: the first cycle that ends as it started; None if none does
         if pair.is_periodic and solution.steady_from is None and is_without_note:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)

@@ -438,6 +438,7 @@ def _far_field_runs(
     by finite elements and compares the solution with theory.
     """
     runs = []
+    # `far_radius`: L over the half-width of the contact
     for radius_in_words, size in (("2 L", 0.5), ("L/2", 2.0)):
         mesh_of_run = replace(mesh, far_radius=mesh.far_radius / size)
         label = f"{coarse_run.label}, {radius_in_words}"
@@ -676,6 +677,7 @@ def _extrapolated_term(
     if reason or len(value_at_size) < 3 or 1.0 not in value_at_size:
         return _unmeasured_term(name, runs, reason)
 
+    # values that differ by 1e-12 or less are equal
     refinement = Refinement(
         sizes=tuple(value_at_size),
         values=tuple(value_at_size.values()),
@@ -818,7 +820,8 @@ def _step_term(metric: Metric, refinements: Refinements) -> Term:
 
     It is known exactly where theory can follow the polygon of the increments: value by theory on
     the smooth path minus value by theory on the polygon. Elsewhere the error is 4/3 of the change
-    by halved increments, as for an error of second order. Its uncertainty is that change.
+    by halved increments, as for an error of second order. Its uncertainty is that change. Round-off
+    (1e-12) is added, and alone where the error is known exactly.
 
     Of `refinements`: `step_runs` has the increments of the run, then halved ones, on the mesh
     `coarse_label`; None where theory follows the polygon. `mesh_runs` starts with the run itself,

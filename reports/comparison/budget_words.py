@@ -175,7 +175,10 @@ def _entry_content(budget: Budget) -> dict[str, Any]:
 
 
 def _term_content(term: Term) -> dict[str, Any]:
-    """One source of error in one metric for comparison.json."""
+    """One source of error in one metric for comparison.json: the error by it with its uncertainty,
+    how that was measured, whether the uncertainty is a bound (never exceeded), and the order and
+    kind of convergence of the runs that measured it.
+    """
     return {
         "name": term.name,
         "value": term.value,

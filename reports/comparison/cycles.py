@@ -86,7 +86,8 @@ def _names_of_bulk_series(source: ContactSolution | Cycle) -> tuple[str, ...]:
 
 def last_cycle(solution: ContactSolution) -> Cycle:
     """Fields, edges and loads of the last whole cycle of `solution`. Of all its instants where it
-    states that it holds no whole cycle. InputError where it should hold one and does not.
+    states, in `work.skipped`, that it holds no whole cycle. InputError where it should hold one and
+    does not.
 
     `fraction` of the returned cycle is 0 where a cycle of the load path starts, 1 where it ends.
     """
@@ -168,7 +169,7 @@ def cycle_interpolated_by_time(reference: ContactSolution, target_cycle: Cycle) 
 
     Instants are matched by their times: a target time after the end of the reference is moved back
     by whole periods, into the last cycle of the reference. In both cycles `fraction` is the time
-    itself.
+    itself. Times within 1e-9 of a period are the same.
     """
     reference_cycle = _cycle_of_all_instants(reference)
     if np.array_equal(reference_cycle.time, target_cycle.time):
@@ -194,7 +195,8 @@ def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
 
     Instants are matched by the fraction of the cycle, since two engines may have needed different
     numbers of revolutions. Interpolation is linear in x and in time; the state is that of the
-    nearest point and instant.
+    nearest point and instant. Instants within 1e-9 of a period are the same, and points within
+    1e-12 of the range of x.
 
     `interpolation_errors` of the returned cycle are estimated by leaving out every second sample.
     At a square-root edge, where interpolation converges slowest, the error exceeded the estimate

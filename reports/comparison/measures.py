@@ -242,8 +242,8 @@ def _difference_of_amounts(
 ) -> MetricValue:
     """A metric of two amounts of the same quantity: (result − reference)/reference.
 
-    Where the amount of the reference is below 1e-12 of `scale` the difference is divided by
-    `scale`, and the metric is marked `absolute`.
+    Where the amount of the reference is at most 1e-12 of `scale`, which counts as 0, the difference
+    is divided by `scale`, and the metric is marked `absolute`.
 
     Parameters
     ----------
@@ -616,6 +616,7 @@ def edge_tension(pair: Pair) -> MetricValue:
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
+    # (result − reference)/reference; `absolute`: over f p_ref
     metric_value = _difference_of_amounts(reference_value, result_value, pair.scales.shear)
     scale = pair.scales.shear if metric_value.absolute else abs(reference_value)
     relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
@@ -906,11 +907,11 @@ _OUT_OF_CONTACT = -1
 
 
 def _stick_status(cycle: Cycle, half_width: float) -> NDArray[np.int8]:
-    """Status of the whole contact at each instant, (k,): full slip, partial slip, full stick, or
-    out of contact.
+    """Status of the whole contact at each instant, (k,): 0 full slip, 1 partial slip, 2 full stick,
+    -1 out of contact.
 
     Full stick: the stick edges are the contact edges (to 1e-9 `half_width`). Full slip: they are
-    NaN.
+    NaN. Edges of a cycle are (k, 2), left and right; the contact carries pressure at some point.
     """
     distance = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
     status = np.where(distance <= _EDGE_TOLERANCE * half_width, _FULL_STICK, _PARTIAL_SLIP)
@@ -929,7 +930,7 @@ def _has_comparable_stick_edges(
     instants at which both are, and the shift is NaN at those at which one is.
     Neither may be in full slip, which has no edges. Left out too is an instant at which the two
     differ because one changes its status one instant earlier: the edge jumps there, which is an
-    error of time and not of place. Of a cycle the first and last instant are neighbours.
+    error of time and not of place. The first and the last instant of a cycle are neighbours.
 
     >>> _has_comparable_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)

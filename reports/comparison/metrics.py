@@ -179,7 +179,8 @@ def judged_metrics(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric,
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
         elif reason:
-            # Where the contact carries no shear, a metric of shear or slip has nothing to judge.
+            # Where the contact carries no shear, a metric of shear, slip, state or dissipation has
+            # nothing to judge.
             needs_shear = not set(metric.needs).isdisjoint(FIELDS_OF_FRICTION)
             tolerance_of_metric = tolerance if carries_shear or not needs_shear else None
             metrics.append(

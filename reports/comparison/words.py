@@ -352,6 +352,7 @@ def headline_sentence(comparison: JudgedPair) -> str:
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
+    # the template "headline", filled with these values
     return in_template(
         "headline",
         comparison,
@@ -412,6 +413,7 @@ def _sentence_of_failure(comparison: JudgedPair) -> str:
     # metric that lends it the tolerance: both in one sentence would repeat it.
     metrics_with_own_tolerance = [metric for metric in worst_metrics if not metric.judged_by]
     named_metrics = (metrics_with_own_tolerance or worst_metrics)[:_MOST_METRICS_NAMED]
+    # the template "failure", filled with names of engines, verdict, counts, texts and laws
     return in_template(
         "failure",
         comparison,
@@ -541,6 +543,7 @@ def verdict_in_sentences(comparison: JudgedPair) -> str:
     dissipation_in_words = None if dissipation.value is None else value_in_words(dissipation)
     has_no_shear = np.isnan(comparison.result.shear).all()
     isolated_count = sum(int(mask.sum()) for mask in comparison.masks_of_isolated.values())
+    # the template "verdict", filled with these values
     sentences = in_template(
         "verdict",
         _names_of_engines(comparison),

@@ -82,6 +82,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         marks += _blocks_of_bar(lower_edge, stack, block_names, is_judged)
         marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, axis_end)
         metric = stack.budget.metric
+        # how far the bar with its uncertainty goes from zero
         cut_in_words = ", cut off" if stack.largest_distance > axis_end else ""
         label = f"{metric.label}: {value_in_words(metric)}{cut_in_words}"
         marks.append(Note(-axis_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
@@ -130,6 +131,7 @@ def waterfall(why: Why) -> Plate | None:
     least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
     largest_value = max(0.0, *ends_of_bars, total_change + uncertainty)
     margin = 0.08 * (largest_value - least_value) or 1.0
+    # its ends, `axis.low` and `axis.high`, and about eight ticks
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines

@@ -65,6 +65,7 @@ class CycleView:
         self.comparison = comparison
         self.scene = comparison.scene
         self.scales = comparison.scales
+        # "last cycle", "whole record" or "whole path", and the last word alone
         self.part_of_path = words.part_of_path(comparison.scene)
         self.noun = self.part_of_path.split()[-1]
         self.reference_cycle = comparison.reference_cycle
@@ -74,6 +75,7 @@ class CycleView:
             EngineView("r", self.reference_cycle, engine_in_words(comparison.reference.engine)),
             EngineView("f", self.result_cycle, engine_in_words(comparison.result.engine)),
         )
+        # entries of a legend: class of the line, name of the engine
         self.keys = [Key(f"{view.line_css} p", view.name) for view in self.engines]
         # at most six instants, such as those of the largest P and Q, from the first on the rows of
         # a table of loads
@@ -84,12 +86,14 @@ class CycleView:
         )
         chosen_instants = [event.index for event in self.chosen_events]
         self.shown_instant = max(chosen_instants, key=self._slip_points_and_load)
+        # (k,) times on the axes of figures, and the words of such an axis
         self.time = self.result_cycle.time
         self.time_words = "time"
         if self.scene.load.path().period is not None and self.result_cycle.is_whole:
             self.time = self.result_cycle.fraction
             self.time_words = "time / period"
-        self.x = self.result_cycle.x / self.scales.half_width  # over a_ref
+        # points over a_ref, (n,), and the largest that is drawn
+        self.x = self.result_cycle.x / self.scales.half_width
         self.largest_x = self._largest_distance() / self.scales.half_width
 
     def _slip_points_and_load(self, instant: int) -> tuple[int, float]:

@@ -141,7 +141,8 @@ def traction_panels(
         data_of_slider = {"field": field} if moves_with_slider else {}
         return Curve(x, values.copy(), css, label, data_of_slider)
 
-    # Row 0 is the instant that is drawn. Its curves are copies of the row: a view would keep the
+    # `ZERO` is a line at zero; `line_css` the class of an engine's lines in the style sheet. Row 0
+    # is the instant that is drawn. Its curves are copies of the row: a view of it would keep the
     # tractions of all instants in memory.
     traction_marks: list[Mark] = [ZERO]
     for engine_number, engine in enumerate(view.engines):
@@ -299,6 +300,7 @@ def state_map(view: CycleView) -> Plate:
     share_in_words = "" if metric.value is None else value_in_words(metric)
     reference_engine, result_engine = view.engines
     difference_title = f"they differ: {share_in_words}".rstrip(": ")
+    # name of the panel, values (k, n), colour of each value, title
     maps = (
         ("map-reference", states_of_reference, _STATE_COLOURS, reference_engine.name),
         ("map-result", states_of_result, _STATE_COLOURS, result_engine.name),
@@ -340,6 +342,7 @@ def state_map(view: CycleView) -> Plate:
         f"state_reference ({codes})": states_of_reference[grid].ravel(),
         f"state_result ({codes})": states_of_result[grid].ravel(),
     }
+    # with the legend of the four states; the arguments after `columns` fill the caption
     return figure_with_texts(
         "state_map",
         panels,

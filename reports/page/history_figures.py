@@ -153,6 +153,7 @@ def discrepancies(view: CycleView) -> Plate:
         marks.append(Rule(1.0, "limit"))
     keys = []
     largest_ratio = 0.0
+    # each with the class of its line in the style sheet
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
         unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
         ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
@@ -297,7 +298,8 @@ def load_path(view: CycleView) -> Plate:
     Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them.
 
     `view` holds the last cycles of both solutions, the instants that figures mark by numbers
-    (`chosen_events`) and the index of the one that is shown first (`shown_instant`).
+    (`chosen_events`) and the index of the one that is shown first (`shown_instant`). A class of a
+    line in the style sheet is called css.
     """
     cycle = view.result_cycle
     scene = view.comparison.result.scene

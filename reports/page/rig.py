@@ -202,6 +202,7 @@ class RigMotion:
 def _loop(rig_motion: RigMotion) -> Plate:
     """A figure of the tangential load Q over the displacement U of the contact, and over that of
     the actuator where a spring is between. Finite elements are drawn too where they were solved.
+    Its width is 900 pixels.
 
     `rig_motion` holds loads and displacements (k,) at the shown instants; `motion_by_elements`
     those by finite elements beside theory, or None.
@@ -370,8 +371,9 @@ def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
     displacement), loads, dissipation, and how long the contact sticks or slides. Finite elements
     have rows at the end where they were solved beside theory.
 
-    `rig_motion` holds loads and displacements (k,) at the shown instants, the time in each motion
-    (stick, partial slip, sliding, apart) and the distance slid.
+    `rig_motion` holds loads and displacements (k,) at the shown instants. It states, for a motion
+    (stick, partial slip, sliding forward or back, apart), the fraction of the time in it and the
+    distance slid. `part_of_path` is "last cycle" or "path".
     """
     scene = rig_motion.scene
     unit_of_length = units(scene)[1]
@@ -448,7 +450,8 @@ def may_slide(rig_motion: RigMotion) -> bool:
 
 def _sentence(rig_motion: RigMotion) -> str:
     """The first sentences on a rig: whether the bodies slide as a whole and how far, and the
-    dissipation W. Where they do not slide, the uncertainties of the inputs may allow it.
+    dissipation W. Where they do not slide, the uncertainties of the inputs may allow it. The middle
+    of the contact slips only while all of it slides; `slide_distance` is its way in a motion.
     """
     unit_of_length = units(rig_motion.scene)[1]
     part_of_path = rig_motion.part_of_path
