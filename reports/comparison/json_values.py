@@ -96,6 +96,7 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
     names_in_record = ("converged", "termination", "message", "notes")
     # meshed bodies; none in a solution that is not of finite elements, or was read from a file
     bodies = zip(("lower", "upper"), getattr(solution, "bodies", ()), strict=False)
+    # counted in a measured record; None for other loads
     cycles = load_cycles(solution)
     return {
         **{name: getattr(solution, name) for name in names_of_values},

@@ -203,17 +203,18 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     right edge of the largest contact. `may_tilt`: whether tilt, moment or unequal sides make the
     contact unsymmetric. `contact_edges` are (k instants, 2) [length].
     """
-    edges = comparison.reference_cycle.contact_edges
+    contact_edges = comparison.reference_cycle.contact_edges
     x = comparison.result_cycle.x
     # Turned by a tilt, a moment or unequal sides the contact may lie on one side of x = 0.
     if comparison.may_tilt:
-        outer_edge = float(np.nanmax(edges, initial=float(x[0])))
+        outer_edge = float(np.nanmax(contact_edges, initial=float(x[0])))
     else:
-        outer_edge = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())
-    inner_edge = float(permanent_edges(comparison.reference)[1])
-    if not np.isfinite(inner_edge) or inner_edge >= outer_edge:
-        inner_edge = min(0.0, outer_edge)
-    places = inner_edge + np.linspace(0.12, 0.97, count) * (outer_edge - inner_edge)
+        outer_edge = float(np.nanmax(np.abs(contact_edges), initial=0.0)) or float(np.abs(x).max())
+    # right end of what sticks through the whole cycle
+    stick_edge = float(permanent_edges(comparison.reference)[1])
+    if not np.isfinite(stick_edge) or stick_edge >= outer_edge:
+        stick_edge = min(0.0, outer_edge)
+    places = stick_edge + np.linspace(0.12, 0.97, count) * (outer_edge - stick_edge)
     return sorted({int(np.abs(x - place).argmin()) for place in places})
 
 

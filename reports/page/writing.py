@@ -218,6 +218,9 @@ def render(
     bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
     # the page's script, and its digest, by which a browser knows it
     program, script_digest = script()
+    # Names as in the template. `flat`: makes one mapping of nested settings; `live`: data of the
+    # script; `carried`: a sentence on the slider; `stretch`: the part of the path, in words;
+    # `measured`: what is shown of measured data; `states`: legend of open, stick and slip.
     return template("report.html").render(
         sentences | {"bodies": bodies},
         title=scene.title or scene.name,
