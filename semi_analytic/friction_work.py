@@ -109,7 +109,10 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     ]
 
     def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
-        """W pi/A of a range of time, (1,)."""
+        """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`,
+        (1,): the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c)
+        over the loads from P_c, that at the stick edge, to P.
+        """
         span = span_range.span
         # quadrature nodes and weights between begin and end of the range
         times, weights = rule(span_range.begin, span_range.end)
@@ -409,7 +412,10 @@ def pointwise_dissipation(
         )
 
     def density_in_ranges(span_range: SpanRanges, rule: QuadratureRule) -> Array:
-        """W(x) pi/A at the points of a span's ranges of time, (n,)."""
+        """Friction work per area W(x) pi/A in the ranges of time in which n points slip, by a
+        quadrature `rule`, (n,): the integral of f w' p arccosh(|x|/c). w = +-Q - f P grows in slip,
+        c is the half-width of stick.
+        """
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
         # |x| of the point of each range; P and P_c at the nodes, (n, nodes)
@@ -417,6 +423,7 @@ def pointwise_dissipation(
         load, _ = span.segment.loads(times)
         stick_edge_load = load - span.slip_zone_load_at(times, load)
         contact_edge_load_of_points = contact_edge_loads[span_range.integral_number, None]
+        # P_x - P_c, P_x the load under which the edge of contact is at x
         load_outside_stick = np.maximum(contact_edge_load_of_points - stick_edge_load, 0.0)
         arccosh_ratio = contact.arccosh_ratio(
             x_of_points, load_outside_stick, contact.edge_advance(stick_edge_load)
@@ -1018,7 +1025,10 @@ class LoopWorkOfSeries:
         load_growth = records.load_at_end - records.load_at_begin
 
         def displacement_rise(record_numbers: Indices, load: Array, slip_zone_load: Array) -> Array:
-            """U pi/A, but for a constant of each record, at P and P - P_c, (n, k) each."""
+            """Tangential displacement U pi/A, but for a constant of each record, at P = `load` and
+            P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge.
+            """
+            # of ln(2 L/a) over the loads up to P, and up to P_c; L is the length of the datum
             integral_to_load = contact.approach_integral(load)
             integral_to_stick_edge = contact.approach_integral(
                 np.maximum(load - slip_zone_load, 0.0)
@@ -1026,6 +1036,7 @@ class LoopWorkOfSeries:
             integral_to_stick_edge = np.where(
                 slip_zone_load > 0, integral_to_stick_edge, integral_to_load
             )
+            # the slope of the memory curve is +-f in the slip zones
             part_of_slip_zones = slope_in_slip_zones[record_numbers, None] * (
                 integral_to_load - integral_to_stick_edge
             )

@@ -347,6 +347,7 @@ class _Search:
             time = np.unique(np.concatenate([self.turning_times, self._times_of_passing_edge(x)]))
             # slip and edges of contact at these instants
             answer = self._answer_at(x, time, ("slip",))
+            # rows of the last cycle
             cycle_rows = (
                 answer.last_cycle if self.on_straight_steps else np.arange(len(answer.time))
             )

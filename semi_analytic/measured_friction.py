@@ -315,6 +315,7 @@ def _friction_of_ellipses(
             return [values_of_members("", rise, members) for rise in value]
         if name in ("kind", "fitted"):
             return value
+        # as floats, of the shape of the batch
         return np.broadcast_to(real_numbers(value, name), shape).flat[members]
 
     def work(friction: Array, members: NDArray[np.intp]) -> Array:

@@ -204,8 +204,8 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         )
 
     def derivative(derivative_order: int, x: Array) -> Array:
-        """h' (order 1) or h'' (order 2) at x of any sign; 0 at x = 0, also where h'' is not 0, or
-        infinite, there.
+        """h' (`derivative_order` 1) or h'' (2) of h = rise (|x|/length)^n at x of any sign,
+        n = `exponent`; 0 at x = 0, also where h'' is not 0, or infinite, there.
         """
         # n (n - 1) ... rise/length^order, the derivative at |x| = length
         derivative_at_length = (
@@ -382,8 +382,8 @@ def edge_advance_function(
         return _log_table(load, stiffness, unit, corner, extent)
 
     def edge_advance(loads: Array) -> Array:
-        """Advance d of the contact edge under each of the `loads` [length], 0 where a load is not
-        positive.
+        """Advance d of the contact edge beyond the half-width without load, under each of the
+        `loads` P [length], 0 where a load is not positive.
 
         Newton's rule in logarithms of load and d, from a first guess and its bounds by a table.
         Where a step leaves the bracket [least_d, largest_d] the bracket is halved instead.
@@ -391,6 +391,7 @@ def edge_advance_function(
         positive_loads = np.where(loads > 0, loads, 1.0)
         d, least_d, largest_d = table().first_guess(np.log(positive_loads))
         for _ in range(60):
+            # P(d); `stiffness` is dP/dd
             load_at_d = load(d)
             least_d = np.where(load_at_d < positive_loads, d, least_d)
             largest_d = np.where(load_at_d < positive_loads, largest_d, d)

@@ -956,7 +956,10 @@ def _work_over_phases(
         )
 
     def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
-        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,)."""
+        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
+        w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
+        P - P_c.
+        """
         slip_rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASE_NAMES):
             # the pieces of one phase, which stand side by side
@@ -1000,7 +1003,10 @@ def _work_over_loads(
     log_at_mean_load = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
-        """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,)."""
+        """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,), a
+        the contact half-width. A course is P or P_c, the load at the stick edge, through a phase of
+        slip.
+        """
         weight, load = np.empty((2, *angle.shape))
         # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
         for course_number, name in enumerate(_COURSE_NAMES):
@@ -1043,7 +1049,7 @@ def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
 
     # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
     #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`;
-    #           `permanent_stick_load` least P_c
+    #           t_I begin of forward slip; `permanent_stick_load` least P_c
 
     Groups of intervals are courses, P or P_c through one phase of slip. In this order: P in E-G
     (reverse slip), P in I-M (forward slip), P_c in E-G, in I-J and in J-M. An interval begins at
@@ -1924,15 +1930,19 @@ class LamTable:
         written into `buffer` and returned.
         """
         # one phase after the other: it stays in the cache
-        for edge_load, load_above, lam in zip(stick_edge_load, slip_zone_load, buffer, strict=True):
+        for edge_load, load_above_stick, lam in zip(
+            stick_edge_load, slip_zone_load, buffer, strict=True
+        ):
             # cell of the table, and position in it, of P and of P_c
-            cell, position = self._cell_and_position(np.stack([edge_load + load_above, edge_load]))
+            cell, position = self._cell_and_position(
+                np.stack([edge_load + load_above_stick, edge_load])
+            )
             integral_to_load, integral_to_edge = _polynomials_at(
                 self._integral_of_log, cell, position
             )
             integral_to_load -= integral_to_edge
             log_at_edge = _polynomials_at(self._log_half_width, cell[1], position[1])
-            np.multiply(load_above, log_at_edge, out=lam)
+            np.multiply(load_above_stick, log_at_edge, out=lam)
             np.subtract(integral_to_load, lam, out=lam)
         return buffer
 
