@@ -49,6 +49,9 @@ class Scale:
         """Places of `values` along the axis [pixels]. NaN for NaN, and on a logarithmic axis for
         values that are not positive.
 
+        The axis shows the numbers from `low` to `high`, at the places from `start` to `end`; `log`
+        says whether it is logarithmic.
+
         >>> (
         ...     Scale(0.0, 2.0, 0.0, 100.0).pixels_of([0.5]),
         ...     Scale(1.0, 100.0, 0.0, 1.0, log=True).pixels_of([10.0]),
@@ -976,7 +979,7 @@ class _Pen:
         lower_curve = np.asarray(mark.low, dtype=float)
         upper_curve = np.asarray(mark.high, dtype=float)
 
-        # indices of points that follow each other, without a gap or all in one
+        # runs of indices: points without a gap between them, or a gap
         is_known = np.isfinite(lower_curve) & np.isfinite(upper_curve)
         path = ""
         for run in np.split(np.arange(len(is_known)), np.flatnonzero(np.diff(is_known)) + 1):

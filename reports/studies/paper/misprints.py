@@ -123,7 +123,7 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
         "with G": half_width_with_g,
         "permanent stick": case.permanent_stick_half_width,
     }
-    # values as mended, as printed, and by the engine
+    # values as mended, as printed, and by half-plane theory
     return _proof(half_width_with_g, half_width_with_b, case.permanent_stick_half_width, numbers)
 
 
@@ -165,7 +165,7 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
         changes = {load_name: getattr(case.load_ellipse, load_name) / 2}
         return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
 
-    # values as mended, as printed, and by the engine
+    # values as mended, as printed, and by half-plane theory
     return _proof(
         work_with_half("mean_tangential_load"),
         work_with_half("tangential_amplitude"),
@@ -176,8 +176,8 @@ def _mean_shear_force(case: Case) -> VerdictAndNumbers:
 
 def _condition_of_stick(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's condition of full stick is misprinted: dQ/dP < f as printed, |dQ/dP| <
-    f with growing P as mended. Each is compared with the engine at 720 instants of the steady
-    cycle. Returns whether it is proven, and the share of instants at which each is wrong.
+    f with growing P as mended. Each is compared with half-plane theory at 720 instants of the
+    steady cycle. Returns whether it is proven, and the share of instants at which each is wrong.
 
     `case` is the paper's ellipse of loads on one profile; `unit_length` is the contact half-width
     at the mean load.
@@ -264,7 +264,8 @@ def _corrective_load(
     pressure p(x, P), and `unit_length` the contact half-width at this load. Q is `share_of_limit`
     times f P, with `friction` f.
     """
-    # the engine's shear after P is applied first, then Q with P constant (at time 2)
+    # half-plane theory's shear (of the engine) after P is applied first, then Q with P constant (at
+    # time 2)
     normal_load = case.load_ellipse.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
     scene = case.scene.vary(
@@ -275,8 +276,8 @@ def _corrective_load(
     engine_shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
     def error_with(corrective_load: float) -> float:
-        """Largest difference of equation (2) from the engine's shear, over the largest engine's
-        shear. A negative corrective load has no pressure.
+        """Largest difference of equation (2) from half-plane theory's shear, over the largest of
+        the latter. A negative corrective load has no pressure.
         """
         pressure = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
@@ -297,9 +298,9 @@ def _corrective_load(
 
 def _sliding_condition(case: Case) -> VerdictAndNumbers:
     """Prove that equation (25), the condition of gross sliding for loads that go round a circle in
-    the plane of P and Q, is misprinted: P0/P1 below sqrt(2) (1 + f)/(2 f) as printed, below
-    sqrt(1 + f^2)/f as mended. Circles between both limits slide, and the engine's limit is within
-    1e-10 of the mended one. Returns whether it is proven, and numbers.
+    the plane of P and Q, is misprinted: P0/P1 below sqrt(2) (1 + f)/(2 f) as printed, below sqrt(1
+    + f^2)/f as mended. Circles between both limits slide, and the limit of half-plane theory is
+    within 1e-10 of the mended one. Returns whether it is proven, and numbers.
 
     # notation: P0 mean normal load, P1 radius of the circle, f coefficient of friction
 
@@ -345,8 +346,8 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
 def _rounded_law(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's contact law of the flat and rounded profile (section 4.2) is
     misprinted: its left side is P R (1 + kappa)/(4 mu b^2), not over a^2 as printed. P is the
-    integral of the engine's pressure; (1 + kappa)/mu is 2 A, the compliance of the half-planes.
-    Returns whether it is proven, and both sides.
+    integral of half-plane theory's pressure; (1 + kappa)/mu is 2 A, the compliance of the
+    half-planes. Returns whether it is proven, and both sides.
 
     # notation: a half-width of contact, b of the flat, R radius of the edges; the right side is
     #           (pi - 2 t)/(4 sin^2 t) - cot(t)/2, with sin t = b/a
@@ -446,7 +447,7 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
         "front at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
         "load at K": case.events["K"].normal_load / case.unit_load,
     }
-    # slip as mended, as printed, and by the engine
+    # slip as mended, as printed, and by half-plane theory
     return _proof(
         integral(rate_as_mended, time_of_j, middle_time),
         integral(rate_as_printed, time_of_j, middle_time),
@@ -472,13 +473,13 @@ def _closed_integral(case: Case) -> VerdictAndNumbers:
         """ds/dt of the slip s by the mended equations, from J to M."""
         return formulas.slip_rate("JM", x, time)
 
-    # the time integral while the point slips; and the engine's slip between two times, of the
-    # forward phase and of a whole revolution of the loads from G on
+    # the time integral while the point slips; and half-plane theory's (the engine's) slip between
+    # two times, of the forward phase and of a whole revolution of the loads from G on
     slip_by_15 = formulas.integral_while_slipping("JM", x, slip_rate)
     forward_slip = formulas.engine_slip(x, case.time_of("I"), case.time_of("M"))
     net_slip = formulas.engine_slip(x, time_of_g, time_of_g + 2 * math.pi)
     numbers = {"net over the slip": abs(net_slip / forward_slip)}
-    # slip as mended, as printed, and by the engine
+    # slip as mended, as printed, and by half-plane theory
     return _proof(slip_by_15, net_slip, forward_slip, numbers)
 
 
@@ -553,17 +554,17 @@ def _multiplier_in_contact(case: Case) -> VerdictAndNumbers:
     C = (dQ/dP)/f - 1.
 
     P is largest at K, between I and J, so that the printed slip has different signs before and
-    after. Returns whether it is proven, and the printed slip before and after K over the engine's
-    slip from I to J. `case` is the paper's ellipse of loads on one profile.
+    after. Returns whether it is proven, and the printed slip before and after K over half-plane
+    theory's slip (the engine's) from I to J. `case` is the paper's ellipse of loads on one profile.
     """
-    # the slip of one point (`slip.x`) from I to J [length], by the engine and by the equations
+    # the slip of one point (`slip.x`) from I to J [length], by theory and by the equations
     slip = _SlipFromIToJ(case)
     engine_slip = slip.by_engine
     printed_slip = slip.formulas.integral_while_slipping("IJ", slip.x, slip.rate_as_printed)
     slip_after_k = integral(slip.rate_as_printed, case.time_of("K"), case.time_of("J"))
     ratio_after_k = slip_after_k / engine_slip
     ratio_before_k = printed_slip / engine_slip - ratio_after_k
-    # mended slip (the slope dQ/dP is not multiplied by a load), printed one, engine's
+    # mended slip (the slope dQ/dP is not multiplied by a load), printed one, theory's
     return _proof(
         slip.with_slope_times(None),
         printed_slip,
@@ -577,12 +578,12 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
     """Prove that equation (18) is misprinted: it needs the slope dQ/dP at the load P_Y of the stick
     edge, not dQ/dP times P_Y as printed. The product depends on the unit of load; two are tried,
     and the better one must be wrong. Returns whether it is proven, and the slip in either unit over
-    the engine's.
+    that of half-plane theory (the engine).
 
     `case` is the paper's ellipse of loads on one profile; `unit_load` is P0/3, a third of the mean
     normal load.
     """
-    # the slip of one point in the first part of forward slip [length], by the engine and by (18)
+    # the slip of one point in the first part of forward slip [length], by theory and by (18)
     slip = _SlipFromIToJ(case)
     engine_slip = slip.by_engine
     printed_ratios = {
@@ -590,7 +591,7 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
         "printed in P0/3": slip.with_slope_times(case.unit_load) / engine_slip,
     }
     nearest_ratio = min(printed_ratios.values(), key=lambda ratio: abs(ratio - 1))
-    # mended slip (the slope is not multiplied by a load), printed one, engine's
+    # mended slip (the slope is not multiplied by a load), printed one, theory's
     return _proof(
         slip.with_slope_times(None), nearest_ratio * engine_slip, engine_slip, printed_ratios
     )
@@ -632,7 +633,7 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         """Rate of movement by equation (16) as mended."""
         return formulas.slip_rate("EG", x, time)
 
-    # movement as mended, as printed, and by the engine
+    # movement as mended, as printed, and by half-plane theory
     return _proof(
         integral(rate_as_mended, time_of_e, time_of_f),
         integral(rate_as_printed, time_of_e, time_of_f),
@@ -651,15 +652,16 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     from the event J to M, the second part of forward slip, at x = 0.8 a0; a0 is the contact
     half-width at the mean load.
 
-    With the slope the slip is the engine's. It also grows as the engine's does where all lengths
-    and loads are ten times as large, at the same stresses. With either gap it does neither.
+    With the slope the slip is that of half-plane theory (the engine). It also grows as that does
+    where all lengths and loads are ten times as large, at the same stresses. With either gap it
+    does neither.
 
     Returns whether it is proven, and numbers by name: "right" is the error with the slope,
     "printed" the lesser one of both gaps; the others are errors and powers of the length by which
     the slip grows. `case` is the paper's ellipse of loads on one profile; `unit_length` is a0.
     """
-    # the engine's slip of that point between these events; all lengths and loads times ten, it
-    # grows by this power of ten
+    # half-plane theory's slip of that point between these events; all lengths and loads times ten,
+    # it grows by this power of ten
     large_case = case.scaled_ten_times()
     engine_slip = _slip_after_j(case)
     power_of_engine = math.log10(_slip_after_j(large_case) / engine_slip)
@@ -689,7 +691,7 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
 
 
 def _slip_after_j(case: Case) -> float:
-    """The engine's slip [length] from the event J to M at the point x = 0.8 a0."""
+    """Half-plane theory's slip [length] from the event J to M at the point x = 0.8 a0."""
     x = 0.8 * case.unit_length
     return Formulas(case).engine_slip(x, case.time_of("J"), case.time_of("M"))
 
@@ -729,16 +731,16 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
     """Prove that equation (17), the displacement of a point out of contact in full stick, has a
     factor 2 f too much: dU = (A/pi) arccosh(x/a) dQ as mended, a the contact half-width, A = 2/E*.
 
-    Both are compared with the engine's displacement at x = 1.1 a0 between the events G (end of
-    reverse slip) and H (least Q), at two coefficients of friction. Returns whether it is proven,
-    and the relative errors of both.
+    Both are compared with half-plane theory's displacement (the engine's) at x = 1.1 a0 between the
+    events G (end of reverse slip) and H (least Q), at two coefficients of friction. Returns whether
+    it is proven, and the relative errors of both.
 
     `hertz_case` is the paper's ellipse of loads on a parabola; `unit_length` is a0, the contact
     half-width at the mean load.
     """
 
     def mended_over_engine(friction: float) -> float:
-        """Displacement from G to H by the mended equation (17), over the engine's."""
+        """Displacement from G to H by the mended equation (17), over that of half-plane theory."""
         case = hertz_case.with_zero_mean_shear(friction)
         formulas = Formulas(case)  # the paper's equations, with their misprints mended
         x = 1.1 * case.unit_length
@@ -771,7 +773,8 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
 @dataclass(frozen=True, eq=False)
 class _PartsOfWork:
     """W(x), the friction work per area of a cycle under a parabola, by readings of the paper's
-    equations (23) and (24): the part of each phase of slip, over the W(x) of the engine.
+    equations (23) and (24): the part of each phase of slip, over the W(x) of half-plane theory (the
+    engine).
 
     Every reading is a time integral of f^2/(pi R) sqrt(a^2 - x^2) arccosh(...) C dP/dt, while the
     point slips.
@@ -785,7 +788,9 @@ class _PartsOfWork:
     engine_density: float  # W(x) of the engine
 
     def root_factor(self, time: Array) -> Array:
-        """f^2/(pi R) sqrt(a^2 - x^2) over the engine's W(x): the factor that every reading has."""
+        """f^2/(pi R) sqrt(a^2 - x^2) over half-plane theory's W(x): the factor that every reading
+        has.
+        """
         case = self.formulas.case
         radius = case.scene.profile.model_dump()["radius"]
         half_width = case.contact.half_width(self.formulas.loads(time)[0])
@@ -793,8 +798,8 @@ class _PartsOfWork:
         return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.engine_density
 
     def mended(self, phase: str) -> float:
-        """Part of W(x) in a phase of slip by the mended equations, over the engine's W(x): with
-        arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J.
+        """Part of W(x) in a phase of slip by the mended equations, over half-plane theory's W(x):
+        with arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J.
         """
 
         def rate(time: Array) -> Array:
@@ -808,8 +813,8 @@ class _PartsOfWork:
 
     def with_multiplier_as_c(self, phase: str, length_unit: float) -> float:
         """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
-        printed arccosh(x/C), over the engine's W(x) at the point `x`. C, the multiplier of the
-        paper's equation (14), has no unit, so that the part depends on the unit of length.
+        printed arccosh(x/C), over half-plane theory's W(x) at the point `x`. C, the multiplier of
+        the paper's equation (14), has no unit, so that the part depends on the unit of length.
 
         `length_unit` is the scene's unit of length in the unit that is tried: 1 to take x in the
         scene's own unit.
@@ -832,8 +837,8 @@ class _PartsOfWork:
 
     def with_printed_sign(self, phase: str) -> float:
         """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
-        printed minus before it and with C dP and its sign in every phase, over the engine's W(x) at
-        the point `x`. The arccosh is the mended one, arccosh(x/c).
+        printed minus before it and with C dP and its sign in every phase, over half-plane theory's
+        W(x) at the point `x`. The arccosh is the mended one, arccosh(x/c).
 
         # notation: c half-width of the stick zone, C multiplier of the paper's equation (14)
         """
@@ -857,7 +862,7 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
 
     (23) and (24) have arccosh(x/C), where C is also the multiplier of equation (14), and a minus
     before the integral; as mended arccosh(x/c), c the half-width of the stick zone, and no minus.
-    All values are over the engine's W(x). `case` is the paper's ellipse of loads.
+    All values are over half-plane theory's W(x). `case` is the paper's ellipse of loads.
     """
     # parts of W(x) by phases of slip (_PHASES: reverse slip EG, forward slip IJ and JM), mended and
     # with the printed sign; `case.unit_length` is the contact half-width at the mean load
@@ -883,7 +888,7 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
 
     mended_sum = sum(mended_parts.values())
     printed_sum = sum(printed_parts.values())
-    # the engine's value is 1
+    # half-plane theory's value is 1
     return {
         "(23), (24), arccosh": _proof(mended_sum, sum_in_millimetres, 1.0, numbers_of_arccosh),
         "(23), (24), sign": _proof(

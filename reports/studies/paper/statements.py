@@ -77,8 +77,8 @@ def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
 
 def _error_of_shear(case: Case, time: float, shear_by_formula: Array) -> float:
     """Relative error of a formula's shear traction at the instant `time`: its largest difference
-    from the engine's shear, over the largest engine's shear. `shear_by_formula` (n,) is given at
-    the n points of `_SHEAR_POINTS`.
+    from half-plane theory's shear (the engine's), over the largest of the latter.
+    `shear_by_formula` (n,) is given at the n points of `_SHEAR_POINTS`.
     """
     engine_shear = case.solve(time=[time], x=_SHEAR_POINTS, fields=("shear",)).shear[0]
     largest_difference = np.max(np.abs(shear_by_formula - engine_shear))
@@ -143,7 +143,7 @@ def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
         load_at_y = formulas.intersection_with_initial_loading(time)
         pressure_since_y = pressure(x, normal_load) - pressure(x, load_at_y)
         shear_by_6 = formulas.shear_of_full_stick(x, load_at_y) + case.friction * pressure_since_y
-        # largest difference from the engine's shear over all points, relative
+        # largest difference from half-plane theory's shear over all points, relative
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
     # AGREEMENT_TOLERANCE: 1e-9
     largest_error = max(errors.values())
@@ -183,7 +183,7 @@ def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
             x, load_at_z
         )
         shear_by_7 = formulas.shear_of_full_stick(x, load_at_z) + case.friction * sum_of_pressures
-        # largest difference from the engine's shear over all points, relative
+        # largest difference from half-plane theory's shear over all points, relative
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
     # AGREEMENT_TOLERANCE: 1e-9
     largest_error = max(errors.values())
@@ -322,7 +322,7 @@ def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -
 
 def _residual_traction_at_g(case: Case, x: Array, load_at_t: float) -> Array:
     """Residual shear traction at the event G (end of reverse slip) at points `x` (n,) over a0,
-    times a0/(P0/3): the engine's q + f (p(P_G) - p(P_T)) - q_T, (n,).
+    times a0/(P0/3): half-plane theory's q + f (p(P_G) - p(P_T)) - q_T, (n,).
 
     Two known parts are taken off: the traction of reverse slip, and q_T, what loading in full stick
     up to P_T (`load_at_t`) alone leaves.
@@ -373,7 +373,7 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     reverse_duration = (time_of["G"] - time_of["E"]) / revolution
 
     # Each statement with its verdict and numbers. _ROUNDING_ERROR: 1e-10. A number that the paper
-    # prints (0.73, to 2 decimals) is confirmed if the engine's rounds to it.
+    # prints (0.73, to 2 decimals) is confirmed if half-plane theory's rounds to it.
     return {
         "stick from G to I": (
             verdict_of_condition(
@@ -410,8 +410,8 @@ def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
     The net slip is divided by the largest range of slip. `case` is the paper's ellipse of loads on
     one profile. Returns (verdict, numbers).
     """
-    # One period from event G (end of reverse slip) of the first cycle on: the engine computes it
-    # instant by instant, and takes later cycles from it.
+    # One period from event G (end of reverse slip) of the first cycle on: half-plane theory
+    # computes it instant by instant, and takes later cycles from it.
     times = case.time_of("G") + np.linspace(0.0, 2 * math.pi, 361)
     # POINTS: x over the contact half-width at the mean load; slip (361, 4)
     slip = case.solve(time=times, x=POINTS, fields=("slip",)).slip

@@ -329,7 +329,7 @@ def prepare(
     report: Callable[[int], None] = lambda _count: None,
 ) -> PreparedSweep:
     """Check all points of a study, and find out which of them have no stored result yet. Nothing is
-    solved; written is nothing but the new name of a damaged result.
+    solved or written; a damaged result is renamed.
 
     Parameters
     ----------

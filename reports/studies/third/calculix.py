@@ -494,7 +494,7 @@ def _compared_values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolu
     whole path where nothing repeats.
     """
     _, length_unit, stress_unit = units(scene)
-    path_in_words = part_of_path(scene)  # "last cycle" or "whole path"
+    path_in_words = part_of_path(scene)  # such as "last cycle" or "whole path"
     largest_in_words = f"the largest of the {path_in_words}"
 
     def largest_pressure(solution: ContactSolution) -> float:
