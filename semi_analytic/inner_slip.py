@@ -83,23 +83,25 @@ def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> 
         )
     # Primitives over c of both kernels, and of c times the kernels, at each half-width: (k, m + 1).
     # A punch that ends within x makes no shear there.
-    is_beyond = half_widths > x_column
-    shear = np.where(is_beyond, root_of_squares, 0.0)  # int c dc/sqrt(c^2 - x^2)
-    shear_moment = (
-        larger_width * shear + np.where(is_beyond, x_column**2 * arccosh_term, 0.0)
+    ends_beyond_x = half_widths > x_column
+    shear_primitive = np.where(ends_beyond_x, root_of_squares, 0.0)  # int c dc/sqrt(c^2 - x^2)
+    shear_moment_primitive = (
+        larger_width * shear_primitive + np.where(ends_beyond_x, x_column**2 * arccosh_term, 0.0)
     ) / 2  # int c^2 dc/sqrt(c^2 - x^2)
     # Of a range of punches that ends beyond x only its part within x makes slip there.
-    root_of_squares = np.where(is_beyond, 0.0, root_of_squares)
-    arccosh_term = np.where(is_beyond, 0.0, arccosh_term)
-    slip = (
+    root_of_squares = np.where(ends_beyond_x, 0.0, root_of_squares)
+    arccosh_term = np.where(ends_beyond_x, 0.0, arccosh_term)
+    slip_primitive = (
         smaller_width**2 * arccosh_term + x_column * (x_column - root_of_squares)
     ) / 2  # int c arccosh(x/c) dc
-    slip_moment = (
+    slip_moment_primitive = (
         smaller_width**3 * arccosh_term / 3
         + x_column * (x_column**2 * arcsine_term - smaller_width * root_of_squares) / 6
     )  # int c^2 arccosh(x/c) dc
-    shear_of_hats = _integrals_over_hats(half_widths, shear, shear_moment)
-    return modulus / 2 * shear_of_hats, _integrals_over_hats(half_widths, slip, slip_moment)
+    shear_of_hats = _integrals_over_hats(half_widths, shear_primitive, shear_moment_primitive)
+    return modulus / 2 * shear_of_hats, _integrals_over_hats(
+        half_widths, slip_primitive, slip_moment_primitive
+    )
 
 
 def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
@@ -107,12 +109,12 @@ def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive:
     is 1 at one half-width and 0 at the others. Given are the primitives over c of the kernel and of
     c times it at the `half_widths` (m + 1,), (k, m + 1) each.
     """
-    begin_width = half_widths[:-1]
+    lower_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
     kernel_integral = np.diff(primitive, axis=1)
     moment_integral = np.diff(moment_primitive, axis=1)
     # On an interval the hat of its upper end rises from 0 to 1, that of its lower end falls.
-    integral_with_rising_hat = (moment_integral - begin_width * kernel_integral) / interval_length
+    integral_with_rising_hat = (moment_integral - lower_width * kernel_integral) / interval_length
     hat_integrals = kernel_integral - integral_with_rising_hat
     hat_integrals[:, 1:] += integral_with_rising_hat[:, :-1]
     hat_integrals[:, -1] += integral_with_rising_hat[:, -1]
@@ -251,11 +253,11 @@ def inner_slip(
     # 97 half-widths, closer together at the edge of contact
     graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _FIRST_PUNCHES + 1))
     # The interval between a half-width and a slip end next to it would have no length.
-    is_apart = np.all(
+    is_apart_from_ends = np.all(
         np.abs(graded_widths[:, None] - slip_ends) > half_width / _FIRST_PUNCHES**2, axis=1
     )
-    is_apart[[0, -1]] = True
-    half_widths = np.union1d(graded_widths[is_apart], slip_ends)
+    is_apart_from_ends[[0, -1]] = True
+    half_widths = np.union1d(graded_widths[is_apart_from_ends], slip_ends)
     # None where the search does not converge
     solution = _slip_on_punches(contact, half_widths, None)
     if solution is None:
@@ -293,10 +295,10 @@ def _force_of_punches(half_widths: Array) -> Array:
     """Tangential force int r dx of each hat function of mu, which is 1 at one half-width c and 0 at
     the others, over pi E*/2: int mu c dc, (m,).
     """
-    begin_width = half_widths[:-1]
+    lower_width = half_widths[:-1]
     interval_length = np.diff(half_widths)
-    force_of_rising_hats = interval_length * (begin_width / 2 + interval_length / 3)
-    force_of_hats = interval_length * (begin_width / 2 + interval_length / 6)
+    force_of_rising_hats = interval_length * (lower_width / 2 + interval_length / 3)
+    force_of_hats = interval_length * (lower_width / 2 + interval_length / 6)
     force_of_hats[1:] += force_of_rising_hats[:-1]
     force_of_hats[-1] += force_of_rising_hats[-1]
     return np.asarray(force_of_hats)

@@ -1074,14 +1074,14 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     rows_of_times = np.stack([times_with_start, normal_load, tangential_load], axis=1)
     require_admissible_rows(rows_of_times, friction)
     # INSTANT_SLACK_SHARE: 1e-9 of a period
-    slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
-    if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
+    time_slack = INSTANT_SLACK_SHARE * (path.period or 0.0)
+    if path.period is None or times_with_start[-1] <= path.cycle_start + time_slack:
         return _one_way_series(friction, rows_of_times)
 
     # rows at the begin of each cycle, where the times have none
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
-    is_among_times = (np.abs(times_with_start[:, None] - cycle_starts) <= slack).any(axis=0)
+    is_among_times = (np.abs(times_with_start[:, None] - cycle_starts) <= time_slack).any(axis=0)
     missing_cycle_starts = cycle_starts[~is_among_times & (cycle_starts < times_with_start[-1])]
     row_times = np.sort(np.concatenate([times_with_start, missing_cycle_starts]))
     rows = np.stack(
@@ -1095,7 +1095,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
 
     # rows of the initial loading and of each cycle, the first row of one being the last of the
     # other
-    cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
+    cycle_number = np.searchsorted(cycle_starts - time_slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
     # PathPart: rows, delay, memory curve at the first row
