@@ -85,16 +85,17 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str, steps_noun: str = "stretches") -> Generator[_Report, None, None]:
-        """A context for one stage of a job, `name` being its name: its time is measured, its
-        progress shown and logged. Yields report(count, total or None, text), to be called with the
-        number of steps that are done.
+        """A context for one stage of a job: its time is measured, its progress shown and logged.
+
+        Yields report(count, total or None, text), to be called with the number of steps that are
+        done.
 
         Parameters
         ----------
-        steps_noun
-            what the steps are, for messages
         name
             of the stage
+        steps_noun
+            what the steps are, for messages
         """
         start = time.perf_counter()
         self.note(f"{name} ...")

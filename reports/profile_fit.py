@@ -265,6 +265,7 @@ def _pattern_of_residuals(scene: Scene) -> NDArray[np.float64] | None:
     them has a variance m times smaller. A pattern is a departure from either that noise shows by
     chance in one case of 1,000.
     """
+    # Record of the fit: measured rows, and the fitted offset, tilt and middle.
     fit = profile_fit_of(scene)
     assert fit is not None
     # Numbers of the fitted rows; residuals are row minus curve.

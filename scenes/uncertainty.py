@@ -563,10 +563,11 @@ def _value_of_input(scene: HasInputs, key: str) -> float | None:
 
 def _value_of_load_input(scene: HasInputs, key: str) -> float | None:
     """Value of the friction coefficient, or phase lag of Q behind P [degrees], for an uncertainty
-    stated under this `key`; None for P, Q, approach or displacement, which are scaled.
+    stated under this `key`.
 
-    `load.states_approach`: the approach is prescribed in the place of P; `load.is_driven`: a
-    displacement in the place of Q.
+    None for P, Q, approach or displacement, which are scaled, and for the phase of harmonics, each
+    of which has its own. `load.states_approach`: the approach is prescribed in the place of P;
+    `load.is_driven`: a displacement in the place of Q.
 
     Raises
     ------
