@@ -199,6 +199,8 @@ def _sentences_of_evidence(
         f"{fit.n_values((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of"
         " the scales"
     )
+    # SOFT_NORMAL: the cause that a soft layer covers the faces; its effect on the shear is not
+    # predicted
     channel_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
     subject_in_words = "a result with just this fault leaves"
     causes_in_words = "the fault"

@@ -339,9 +339,9 @@ def _history_by_loads(
     in order along the path; where every instant lies on the cycle, in its last one. Returns times
     and loads of the path, and notes.
 
-    InputError where one is farther from the path than `limit` times the largest P, or where no
-    instant has more than a two-hundredth of it; `source_in_words` says in words where the loads
-    come from. `loads` are P and Q of the instants, (n_steps,) each.
+    InputError where an instant is farther from the path than `limit` times the largest P, or where
+    no instant has more than a two-hundredth of it. `source_in_words` says where the loads come
+    from. `loads` are P and Q of the instants, (n_steps,) each.
     """
     path = scene.load.path()
     largest_load = float(np.max(path.at(_sample_times(path, 1))[0]))

@@ -415,7 +415,8 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     # notation: Q tangential load, U relative tangential displacement
     """
     misfit = candidate.best_loop.misfit
-    # 1.5 % of the opening; 0.5 % where hardly any of the distances is scatter
+    # 1.5 % of the opening; 0.5 % where neighbouring rows have a correlation of more than 0.8, so
+    # that hardly any of the distances is scatter, unless the digits of Q make it
     limit = _LARGEST_SHARE_OF_OPENING
     if (
         misfit.correlation > _CORRELATION_WITHOUT_SCATTER
@@ -423,6 +424,7 @@ def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Sc
     ):
         limit = _LARGEST_SHARE_OF_OPENING_WITHOUT_SCATTER
     reason = ""
+    # certain: not by chance, and more than theory may miss
     if candidate.is_certain(candidate.change_every_second_cycle):
         reason = "its period is another: every second cycle is alike"
     elif candidate.is_certain(candidate.change_with_time) or candidate.is_certain(
@@ -532,7 +534,9 @@ def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
     """
     phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
     if phase[-1] - phase[0] < _FEWEST_CYCLES_WITH_RUN_IN:
+        # the rows from `first_row` on, and a sentence on those left out
         yield _RowsWithoutRunIn(loop, first_row=0, half_cycles=0, sentence="")
+    # at the first turning point behind the first row
     phase_of_turn = _phase_of_first_turn(phase)
     # numbers of half-cycles from 0 to 16
     for half_cycles in _HALF_CYCLES_OF_RUN_IN:

@@ -385,8 +385,7 @@ def _partial_loops(
                 " loop"
             )
             continue
-        # U through the cycle, by name of the loop
-        # names of engines and f, for the table
+        # U through the cycle, by name of the loop (the engine and its f), as the table names it
         displacements = {f"theory, {name}": theory_displacement(fit.scene, friction_at_scene_q)}
         if against == "fe":
             displacements[f"finite elements, {name}"] = finite_element_displacement(

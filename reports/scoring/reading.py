@@ -215,8 +215,8 @@ def _surface_of_rows(
     within an instant.
     """
     # number of the instant of each row, and the column by which they differ
-    instants, instants_by = _instants_of_rows(columns)
-    point_counts = np.unique(instants, return_counts=True)[1]
+    instant_of_row, instants_by = _instants_of_rows(columns)
+    point_counts = np.unique(instant_of_row, return_counts=True)[1]
     instants_with_other_count = np.flatnonzero(point_counts != point_counts[0])
     if len(instants_with_other_count):
         other_instant = int(instants_with_other_count[0])
@@ -226,7 +226,7 @@ def _surface_of_rows(
             f" {point_counts[0]}: every instant needs the same points, with zeros where"
             " nothing touches"
         )
-    rows_by_instant = np.argsort(instants, kind="stable")
+    rows_by_instant = np.argsort(instant_of_row, kind="stable")
     # (n_instants, n_points) of each quantity
     value_grids: dict[str, Array] = {
         name: values[rows_by_instant].reshape(len(point_counts), -1)
@@ -256,7 +256,7 @@ def _surface_of_rows(
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
         series["time"] = stated_times(source, mapping, len(point_counts))
-    if np.any(np.diff(instants) < 0):
+    if np.any(np.diff(instant_of_row) < 0):
         notes = [*notes, "the rows were not in the order of the instants and were sorted"]
     if np.any(np.diff(indices_by_x, axis=1) < 0):
         notes = [*notes, "the points were not in the order of x and were sorted"]

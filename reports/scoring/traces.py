@@ -176,7 +176,7 @@ def find_full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
     """A finding where the slip of points that stick changes (they creep) in proportion to the
-    shear, as with a penalty contact of stiffness k: a change dq moves them by dq/k. At least 8/9 of
+    shear, as with a penalty contact of stiffness K: a change dq moves them by dq/K. At least 8/9 of
     the square of the creep, without noise, must be in proportion, and not by chance.
 
     `shear_sign` is -1 where the file is known to have a shear of the wrong sign. `discrepancy`
@@ -194,7 +194,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
         return
 
-    # 1/k by least squares
+    # 1/K by least squares
     compliance = float(creep @ shear_change / (shear_change @ shear_change))
     residual_slip = changes.slip - compliance * changes.shear
     mean_square_of_creep = float(np.mean(creep**2))

@@ -226,7 +226,7 @@ class Predictions:
             raise InputError("a body of negative height, a layer of negative compliance")
         if variant.share_of_block_curvatures:
             effects = _curvatures_of_blocks(discrepancy, scene, variant.share_of_block_curvatures)
-        # the pressure alone, with a soft layer of compliance 1/k
+        # the pressure alone, with a soft layer, whose compliance is relative to a_ref/E*
         if not with_shear:
             layer_compliance = (
                 variant.relative_layer_compliance
@@ -522,7 +522,9 @@ def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
 
 
 def _with_other_sign(value: Any) -> Any:
-    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
+    """A bulk stress, tilt or moment of the other sign, in the form that it was stated in: a number,
+    numbers, a function of time, a wave or sum of waves with mean, phase [degrees] and initial
+    loading, or a line of action of the loads.
 
     >>> (
     ...     _with_other_sign(0.5),
