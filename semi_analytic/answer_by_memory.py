@@ -478,6 +478,7 @@ class _InstantsOnPath(NamedTuple):
     @classmethod
     def along(cls, series: LoadSeries, time: Array) -> _InstantsOnPath:
         """The instants `time` (n,) on the path of a load series."""
+        # number of the load step, share of it that is over, tolerance of that share
         step, share_of_step, share_tolerance = series.locate(time)
         order_in_path = np.lexsort((share_of_step, step))
         return cls(
@@ -659,7 +660,9 @@ class _SeriesSums:
         return integrals
 
     def roundoff_errors_of_parts(self) -> Array:
-        """Relative error by rounding of the friction work of each part, (parts,)."""
+        """Relative error by rounding of the friction work of each part of the path, (parts,); it
+        grows as the largest share (P - P_c)/P of a part falls, P_c the load at the stick edge.
+        """
         return np.array(
             [
                 roundoff_error_of_little_slip("dissipation", share)

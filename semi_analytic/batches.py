@@ -183,6 +183,7 @@ class _LocalMaxima(NamedTuple):
         """Number of the largest maximum of each ellipse, -1 where there is none: (m,)."""
         maximum_numbers = self.numbers_by_ascending_work()
         largest_maximum = np.full(n_ellipses, -1)
+        # the last one of an ellipse stays: its largest
         largest_maximum[self.ellipse[maximum_numbers]] = maximum_numbers
         return largest_maximum
 
@@ -1548,8 +1549,8 @@ def _members_by_shape(
 
 @lru_cache(maxsize=512)
 def _contact_in_own_units(kind: str, ratios: tuple[float, ...]) -> SymmetricContact:
-    """The normal contact of a profile in units of its own, with E* = 1, from the `ratios` of its
-    parameters.
+    """The normal contact of a profile in units of its own, with E* = 1, from its `kind` and the
+    `ratios` of its parameters.
     """
     return contact_of(
         _PROFILE_OF_RATIOS[kind](*ratios),

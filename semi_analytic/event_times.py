@@ -115,6 +115,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     lettered_events = []
     for event in merged_events:
         if not event.name.endswith(_CONTINUATION_ENDING):
+            # _LETTER_TOLERANCE: 1e-7
             letters_of_event = [
                 letter
                 for letter, time in time_by_letter.items()

@@ -157,7 +157,9 @@ IntegralsAlong = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array
 
 
 def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array]) -> IntegralsAlong:
-    """Integrals along spans, one span after the other."""
+    """A function that integrates along several spans of slip, one after the other, by one
+    quadrature rule, from the function `integral_along` for a single span.
+    """
 
     def integrals_along(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
         return [integral_along(span_range, rule) for span_range in ranges]
@@ -658,7 +660,9 @@ def _means_along_records(
 
 
 def _gauss_rule(count: int) -> QuadratureRule:
-    """Gauss' rule of `count` nodes."""
+    """Gauss' quadrature rule of `count` nodes, as a function of begin and end of ranges (n,) that
+    returns nodes and weights (n, count).
+    """
     nodes, weights = gauss_rule(count)
 
     def rule(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
@@ -1074,7 +1078,7 @@ class LoopWorkOfSeries:
 
     @property
     def work(self) -> LoopWork:
-        """The integral so far, and its round-off error."""
+        """Closed integral of Q dU so far [energy per unit thickness], and its round-off error."""
         roundoff = (
             _ROUNDOFF_SHARE_OF_DISPLACEMENT
             * self._friction

@@ -234,7 +234,9 @@ class HertzContact:
         return loads * loads / 2 * (self.log_datum_ratio(loads) + 0.25) * (loads > 0)
 
     def log_datum_ratio(self, load: ArrayLike) -> Array:
-        """ln(2 L/a(P)); 0 is returned for P = 0, where it is multiplied by P."""
+        """ln(2 L/a(P)), L the `datum_length`, a^2/P = `square_width_per_load`; at P = 0, where it
+        is multiplied by P, the value for P = 1 stands in.
+        """
         loads = np.asarray(load, dtype=float)
         return -0.5 * np.log(
             np.where(loads > 0, loads, 1.0)

@@ -816,12 +816,14 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
 
 @contextmanager
 def histories_kept() -> Iterator[None]:
-    """Meanwhile a path that is asked for again is not followed again."""
-    token = _kept_histories.set({})
+    """Context in which friction histories are cached by load path and friction: a path that is
+    asked for again is not followed again.
+    """
+    token_of_cache = _kept_histories.set({})
     try:
         yield
     finally:
-        _kept_histories.reset(token)
+        _kept_histories.reset(token_of_cache)
 
 
 def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History:
@@ -914,11 +916,11 @@ def slip_zone_share(spans: Sequence[Span]) -> float:
     """Largest P - P_c over largest P of some time spans, P_c the load at the stick edge; 0 where
     nothing slips. Both are taken at the ends of the spans, P - P_c half-way too.
     """
-    largest_slip = max((span.largest_slip_zone_load for span in spans), default=0.0)
+    largest_slip_zone_load = max((span.largest_slip_zone_load for span in spans), default=0.0)
     largest_load = max(
         (max(span.begin.normal_load, span.end.normal_load) for span in spans), default=0.0
     )
-    return largest_slip / largest_load if largest_load > 0 else 0.0
+    return largest_slip_zone_load / largest_load if largest_load > 0 else 0.0
 
 
 def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:

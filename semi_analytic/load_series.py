@@ -787,7 +787,7 @@ def follow(
 
 def _knots_of(curve: Line | None) -> Array:
     """eta and M(eta) at the knots of a memory curve, the ends of its lines, (2, n), ascending from
-    (0, 0), the one knot of None.
+    (0, 0), the one knot of None, bodies out of contact.
     """
     knots = []
     while curve is not None:
@@ -1364,7 +1364,9 @@ def _share_of_record(records: Records, record_number: Indices, share_of_step: Ar
 
 
 def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:
-    """P and Q, (n,) each, at shares of steps between rows (m + 1, 2), from the nearer row."""
+    """P and Q, (n,) each, at shares of straight load steps between rows (m + 1, 2) of P and Q,
+    counted from the nearer row.
+    """
     change_of_loads = rows[step + 1] - rows[step]
     loads_from_begin = rows[step] + share_of_step[:, None] * change_of_loads
     loads_from_end = rows[step] + change_of_loads - (1 - share_of_step)[:, None] * change_of_loads

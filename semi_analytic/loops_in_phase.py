@@ -75,7 +75,9 @@ class Stroke:
 
     @cached_property
     def equivalent_load_and_tilt_rates(self) -> tuple[float, float]:
-        """dN/du and da/du of N = f P - d Q and a = f alpha - d eps, constant over the stroke."""
+        """dN/du and da/du of N = f P - d Q and a = f alpha - d eps, constant over the stroke: alpha
+        tilt, eps bulk strain, d direction of slip, u fraction of the stroke that is done.
+        """
         load, force, strain, tilt = self.load_changes.tolist()
         return (
             self.friction * load - self.direction * force,
@@ -92,6 +94,7 @@ class Stroke:
         """Load and tilt under which the frictionless contact would be the stick zone, at fractions
         u of the stroke, arrays like u.
         """
+        # dN/du and da/du of N = f P - d Q and a = f alpha - d eps
         load_rate, tilt_rate = self.equivalent_load_and_tilt_rates
         load = self.loads_at_begin[0] + u * load_rate / (2 * self.friction)
         tilt = self.loads_at_begin[3] + u * tilt_rate / (2 * self.friction)
@@ -110,9 +113,10 @@ class Stroke:
         return self.middle_and_half_width(*self.equivalent_load_and_tilt_of_stick(u))
 
     def friction_power(self, x: Array, u: Array) -> Array:
-        """f p |ds/du| at points x in the slip zone and fractions u of the stroke, arrays that
-        broadcast [energy per area].
+        """Friction work per area and u, f p |ds/du|, at points x in the slip zone and fractions u
+        of the stroke, arrays that broadcast [energy per area].
         """
+        # middle and half-width of the contact
         m, c = self.contact_at(u)
         pressure = self.shape.pressure(x, m, c) / (math.pi * self.compliance)
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))

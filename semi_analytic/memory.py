@@ -196,7 +196,10 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
 
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
-    """Tangential force M at loads eta on one piece, any shape [force per thickness]."""
+    """Tangential force M(eta) of the flat punches up to loads eta on one piece of the memory curve,
+    any shape [force per thickness]. The piece is a line or parabola about its anchor, the instant
+    of the load path at which it was made; or an arc, the path Q(P) of a load segment.
+    """
     load_from_anchor = np.asarray(eta, dtype=float) - piece.anchor.normal_load
     if piece.arc is None:
         return (
@@ -217,7 +220,9 @@ def _times_of_arc(piece: Piece) -> tuple[float, float]:
 
 
 def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
-    """Time on an arc's load segment at which P was `load`, in the shape of `load`."""
+    """Time on the load segment of an arc, a curved piece of the memory curve, at which P was
+    `load`; shape of `load`.
+    """
     begin, end = _times_of_arc(piece)
     return piece.anchor.segment.time_of(
         NORMAL_LOAD, np.asarray(load, dtype=float) - piece.bottom_load, begin, end

@@ -400,9 +400,9 @@ class OppositeSlip(TiltedProfile):
         return -self._integral_up_to_largest_load(x, load, "arccosh_ratio")
 
     def approach_integral(self, load: ArrayLike) -> Array:
-        """Integral of `log_datum_ratio` over eta from P to `load`, minus that from `load` to P;
-        shape of `load`. The integrand is what a unit of load on the stick zone I(eta) adds to the
-        tangential displacement or another quantity.
+        """Integral of `log_datum_ratio` over eta from P to `load`, so minus the integral from
+        `load` to P; shape of `load`. The integrand is what a unit of load on the stick zone I(eta)
+        adds to the tangential displacement or another quantity.
         """
         largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)

@@ -33,12 +33,18 @@ class LogisticRule(NamedTuple):
 
 
 def logistic_rule(low: float, high: float, step: float = _STEP_OF_LOGISTIC_RULE) -> LogisticRule:
-    """The trapezoidal rule from s = `low` to s = `high`, for nodes 1/(1 + exp(-s)) on [0, 1]."""
+    """The trapezoidal rule from s = `low` to s = `high` in equal steps, for nodes 1/(1 + exp(-s))
+    on [0, 1]: distances of the nodes from 0 and from 1, and weights.
+    """
     s = np.arange(low, high + step / 2, step)
-    from_begin = 1 / (1 + np.exp(-s))
-    from_end = 1 / (1 + np.exp(s))
-    from_nearer_end = np.minimum(from_begin, from_end)
-    return LogisticRule(from_begin, from_end, step * from_nearer_end * (1 - from_nearer_end))
+    distance_from_begin = 1 / (1 + np.exp(-s))
+    distance_from_end = 1 / (1 + np.exp(s))
+    distance_from_nearer_end = np.minimum(distance_from_begin, distance_from_end)
+    return LogisticRule(
+        distance_from_begin,
+        distance_from_end,
+        step * distance_from_nearer_end * (1 - distance_from_nearer_end),
+    )
 
 
 GRADED_RULE = logistic_rule(-36.0, 36.0)
