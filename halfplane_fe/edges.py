@@ -138,8 +138,16 @@ class StickEdges(NamedTuple):
 
 
 def contact_with_uncertainty(answer: NodalAnswer, by_load: EdgesByLoad) -> Edges:
-    """Ends of the contact by the load, or else by the form of pressure and gap at the outermost
-    nodes; scaled by E*.
+    """Left and right edge of contact at k instants, and the uncertainty of each, by the load that
+    moves them, or else by the form of pressure and gap at the outermost nodes; scaled by E*.
+
+    Parameters
+    ----------
+    answer
+        places of the n nodes; pressure, gap and whether they touch, (k, n)
+    by_load
+        edges that a load places between two nodes (`last_node` (k, 2) is -1 where none does), with
+        their uncertainty
     """
     by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
     is_placed = by_load.last_node >= 0
@@ -156,22 +164,28 @@ def stick_with_uncertainty(
     sticks_in_full: Mask,
     by_load: EdgesByLoad,
 ) -> Edges:
-    """Ends of the stick zone by the load that takes them inwards, or else by the distance of q from
-    the Coulomb limit, where that is smooth, or else by the states of the nodes.
+    """Left and right end of the stick zone at k instants, and the uncertainty of each: by the load
+    that takes it inwards, or else by the distance of q from the Coulomb limit, where that is
+    smooth, or else by the states of the nodes.
 
     Parameters
     ----------
+    answer
+        places of the n nodes; pressure, shear and states of each, (k, n)
     friction
         f
     contact
-        ends of the contact
+        ends of the contact, with their uncertainty
     sticks_in_full
         (k,) instants at which theory has no slip zone
     by_load
-        edges that a load places, where the reported states end the stick zone at the same nodes
+        edges that a load places beyond the last node that sticks (`last_node` (k, 2), -1 where none
+        does); they count where the reported states end the stick zone at the same nodes
     """
     stick = fitted_stick_edges(answer, contact.places, friction)
     uncertainty = _stick_uncertainty(answer, contact, stick, sticks_in_full)
+
+    # Half-way between the last node that sticks and the next one outwards: the end by states.
     next_node = by_load.last_node + np.array([-1, 1])
     is_same = (by_load.last_node >= 0) & (
         stick.by_states == (answer.x[by_load.last_node] + answer.x[next_node]) / 2
@@ -183,12 +197,15 @@ def stick_with_uncertainty(
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
-    r"""Ends of the contact, from the form that every smooth edge has; NaN without contact.
+    r"""Left and right edge of contact at k instants, (k, 2), from the form that every smooth edge
+    has; NaN without contact.
 
     With d the distance from the edge and one unknown factor beta, p = (E*/2) beta sqrt(d) inside, g
     = (2/3) beta d^(3/2) outside; the last closed and the first open node give beta and the edge.
-    With t the share of the open node in their distance s that is t^3 + c t = c, c = (3 E* g/(4 p
-    s))^2. The outermost node itself where no open node follows.
+    With t the distance of the open node from the edge, over the distance s of both nodes, that is
+    t^3 + c t = c, c = (3 E* g/(4 p s))^2. The outermost node itself where no open node follows.
+
+    # notation: p pressure of the last closed node, g gap of the first open one
 
     Parameters
     ----------
@@ -200,13 +217,16 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
         E* [stress]
     """
     edges = np.empty((len(closed), 2))
+    # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
         p, g, in_contact = side.outwards(pressure, gap, closed)
-        last_node = _last(in_contact)
+        last_node = _last(in_contact)  # (k,) outermost node that touches
         next_node = np.minimum(last_node + 1, len(x) - 1)
         distance = side.x[next_node] - side.x[last_node]
-        pressure_of_last = _pick(p, last_node)
+        pressure_of_last = _pick(p, last_node)  # (k,), of each instant at its own node
         gap_of_following = _pick(g, next_node)
+
+        # t, by the real root of the cubic
         has_form = (distance > 0) & (pressure_of_last > 0) & (gap_of_following > 0)
         ratio = gap_of_following[has_form] / (pressure_of_last * distance)[has_form]
         c = (3 * modulus / 4 * ratio) ** 2
@@ -223,31 +243,39 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
 
     A share of the distance of the nodes around it, and in part how far the edge is from another
     estimate: the zero of a straight line through the squares of the pressure at the five nodes
-    before the last. With fewer nodes than that, the width of the contact. `contact` (k, 2) are the
-    edges.
+    before the last. With fewer nodes than that, the width of the contact.
+
+    Parameters
+    ----------
+    answer
+        places of the n nodes; pressure, and whether they touch, (k, n)
+    contact
+        (k, 2) the edges [length]
     """
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
-    row = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
+    rows = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
+    # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
-        side_pressure, in_contact = side.outwards(answer.pressure[row], answer.is_closed[row])
-        last_node = _last(in_contact)
-        edge = side.sign * contact[row, side.column]
-        farthest = side.x[last_node - _EXTRAPOLATED]
+        side_pressure, in_contact = side.outwards(answer.pressure[rows], answer.is_closed[rows])
+        last_node = _last(in_contact)  # outermost node that touches
+        edge = side.sign * contact[rows, side.column]
+        # no zero counts as farther away than the innermost of the five nodes
+        farthest_zero = side.x[last_node - _EXTRAPOLATED]
         zero = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
-        zero = np.where(np.isnan(zero), farthest, zero)
-        to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
-        spacing = _spacing(side.x, last_node)
-        uncertainty[row, side.column] = _SHARE * spacing + _BY_ZERO * to_zero
+        zero = np.where(np.isnan(zero), farthest_zero, zero)
+        distance_to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest_zero - edge))
+        spacing = _spacing(side.x, last_node)  # the larger distance from a neighbour
+        uncertainty[rows, side.column] = _SHARE * spacing + _BY_ZERO * distance_to_zero
     return uncertainty
 
 
 def stick_edges(
     x: Array, stick: Mask, is_closed: Mask, contact: Array, anywhere: bool = False
 ) -> Array:
-    """Ends of the stick zone by the states of the nodes, (k, 2) [length]. The contact edge where
-    all nodes stick on its side of the middle. Both are NaN where on one side at least nodes touch
-    but none is in the stick zone.
+    """Left and right end of the stick zone at k instants by the states of the nodes, (k, 2)
+    [length]. The contact edge where all nodes stick on its side of the middle. Both are NaN where
+    on one side at least nodes touch but none is in the stick zone.
 
     The edge lies half-way between the last node of the stick zone and the first one of the slip
     zone: on each side of the middle of the contact where the fewest nodes are on the wrong side of
@@ -270,9 +298,12 @@ def stick_edges(
     """
     edges = np.empty((len(is_closed), 2))
     a_side_has_no_stick = np.zeros(len(is_closed), dtype=bool)
+    # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
         sticks_outwards, in_contact = side.outwards(stick, is_closed)
+        # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
         nodes_of_side = _half(side, in_contact, sticks_outwards if anywhere else None)
+        # last node of the stick zone, and numbers of nodes of that zone and of the side, (k,)
         last_node, n_sticking, n_of_side = _last_sticking(sticks_outwards, nodes_of_side)
         a_side_has_no_stick |= (n_sticking == 0) & (n_of_side > 0)
         next_node = np.minimum(last_node + 1, len(x) - 1)
@@ -286,21 +317,31 @@ def stick_edges(
 
 
 def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> StickEdges:
-    """Ends of the stick zone where q reaches the Coulomb limit, or by the states of the nodes where
-    it has no smooth way there: towards the edge, q inside falls off the limit as the square root of
-    the distance.
+    """Ends of the stick zone at k instants where q reaches the Coulomb limit: inside the zone the
+    square of f p -+ q falls linearly to zero at its end. Where seven nodes do not show that, the
+    ends are those by the states of the nodes.
 
     Parameters
     ----------
+    answer
+        places of the n nodes; pressure p, shear q, whether they touch and stick, (k, n)
     contact
         (k, 2) ends of the contact
     friction
         f
+
+    Returns
+    -------
+    StickEdges
+        Ends (k, 2), NaN where nothing sticks; root mean square by which the squares stand off the
+        straight line, over its slope, 0 where there is no fit; the ends by states.
     """
     by_states = stick_edges(answer.x, answer.sticks, answer.is_closed, contact, answer.anywhere)
     edges = by_states.copy()
     misfit = np.zeros_like(edges)
+    # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
+        # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
         sticks, in_contact = side.outwards(answer.sticks, answer.is_closed)
         half = _half(side, in_contact, sticks if answer.anywhere else None)
         last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
@@ -308,6 +349,8 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         rows = np.flatnonzero(has_slip_zone & (n_sticking > _FITTED[0]))
         if not len(rows):
             continue
+
+        # f p - s q, s the sense of slip beyond the edge; its square falls to zero there.
         pressure, shear = side.outwards(answer.pressure[rows], answer.shear[rows])
         sense_beyond_edge = np.sign(_pick(shear, last_node[rows] + 1))[:, None]
         force = force_to_limit(pressure, shear, sense_beyond_edge, friction)
@@ -334,57 +377,80 @@ def _stick_uncertainty(
 
     Parameters
     ----------
-    contact, stick
-        contact and stick edges as answered
+    answer
+        places of the n nodes; whether they touch, whether they stick as reported, and by the law of
+        friction alone (creeping nodes slide there), (k, n)
+    contact
+        contact edges (k, 2) as answered, with their uncertainty
+    stick
+        stick edges (k, 2) as answered, misfit of the fit of each, and those by states alone
     sticks_in_full
         (k,) instants at which theory has no slip zone
     """
+    # Distance of each edge from those by the states, as reported and by the law.
     x = answer.x
     edges = stick.places
     by_law = stick_edges(x, answer.sticks_by_law, answer.is_closed, contact.places, answer.anywhere)
     by_states = np.fmax(np.abs(stick.by_states - edges), np.abs(by_law - edges))
+
+    # Distance of the nodes around the edge.
     next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
     previous_node = next_node - 1
     before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
     spacing = _spacing(x, np.where(before_is_nearer, previous_node, next_node))
+
+    # Number of touching nodes beyond the edge, on its side of the middle.
     n_beyond = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
         in_contact, sticks = side.outwards(answer.is_closed, answer.sticks)
         half = _half(side, in_contact, sticks if answer.anywhere else None)
         is_beyond = side.x > side.sign * edges[:, [side.column]]
         n_beyond[:, side.column] = np.count_nonzero(half & is_beyond, axis=1)
-    by_status_alone = spacing + by_states
+
+    # Edges by states, where a slip zone of up to four nodes may be none at all.
+    by_states_alone = spacing + by_states
     of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
     is_narrow = n_beyond <= _UNRESOLVED
-    of_no_fit = np.where(
-        is_narrow, np.maximum(by_status_alone, of_narrow_slip_zone), by_status_alone
+    of_unfitted_edge = np.where(
+        is_narrow, np.maximum(by_states_alone, of_narrow_slip_zone), by_states_alone
     )
-    of_states = np.maximum(by_states - _BY_STATES * spacing, 0.0)
-    of_fit = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + of_states
-    uncertainty = np.where(edges == stick.by_states, of_no_fit, of_fit)
-    is_full = edges == contact.places
+
+    # Fitted edges; 0.45 node distances from the edge by states are usual.
+    beyond_usual = np.maximum(by_states - _BY_STATES * spacing, 0.0)
+    of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + beyond_usual
+    uncertainty = np.where(edges == stick.by_states, of_unfitted_edge, of_fitted_edge)
+
+    # Where all of the contact sticks.
+    is_full_stick = edges == contact.places
     of_full_stick = np.where(
-        sticks_in_full[:, None], contact.uncertainty, np.maximum(of_no_fit, _UNSEEN * spacing)
+        sticks_in_full[:, None],
+        contact.uncertainty,
+        np.maximum(of_unfitted_edge, _UNSEEN * spacing),
     )
-    return np.where(is_full, of_full_stick, uncertainty)
+    return np.where(is_full_stick, of_full_stick, uncertainty)
 
 
 def held_back_by_growth(
     places: Array, contact: ContactsOfLoads, growth: float, spacing: Array
 ) -> Array:
-    """How much farther out edges are than where elements that grow away from them hold them; of
-    the shape of `places` (..., 2), left and right, 0 where nothing is pressed [length].
+    """Correction of edges of contact or stick for elements whose size grows with the distance from
+    the contact: how much farther out they are in truth; of the shape of `places` (..., 2), left
+    and right, 0 where nothing is pressed [length].
 
-    A body that is too stiff by a share d of E* has the contact of a load P (1 - d), and all edges
-    of stick too are those of loads that are smaller by d. An edge of the stick zone is where the
-    edge of contact was under some smaller load L. So it lacks d L da/dL, as that did.
+    Such elements make a body too stiff. A body that is too stiff by a share d of E* has the contact
+    of a load P (1 - d), and all edges of stick too are those of loads that are smaller by d. An
+    edge of the stick zone is where the edge of contact was under some smaller load L. So it lacks
+    d L da/dL, as that did. Here d is 0.0068 times the third power of the growth. A share of the
+    distance of two nodes, 0.155 times the same power, is added.
+
+    # notation: a half-width of contact
 
     Parameters
     ----------
     places
         edges of contact or stick [length]
     contact
-        what is known of the half-width of contact by the load
+        half-width of contact by the load: `way_by_load` is P da/dP at given half-widths
     growth
         of the elements' size with the distance from the contact
     spacing
@@ -397,7 +463,8 @@ def held_back_by_growth(
 
 def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
     """By how much edges are uncertain since elements grow away from them, by the `growth` of their
-    size and the distance of the nodes around each edge [length].
+    size and the distance of the nodes around each edge, `spacing` [length]: nothing up to a growth
+    of 0.2, 0.005 of that distance from 0.4 on.
 
     >>> uncertainty_by_growth(0.3, np.array([0.01])).round(7).tolist()
     [2.5e-05]
@@ -406,12 +473,13 @@ def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
 
 
 def left_of_growth(put_right: Array, is_thick: bool = True) -> Array:
-    """By how much edges may be wrong that were held back and are put right [length].
+    """By how much edges may still be wrong after a correction for elements that grow away from
+    them and hold them back [length]: by 0.05 of it, or by half of it in thin or curved bodies.
 
     Parameters
     ----------
     put_right
-        what was added to them, left and right [length]
+        the correction, what was added to them, left and right [length]
     is_thick
         whether the bodies are half-planes or thick ones with flat faces
     """
@@ -435,7 +503,10 @@ class ContactsOfLoads(NamedTuple):
 
     def way_by_load(self, half_width: Array) -> Array:
         """P da/dP at any half-widths, the way of an edge by a relative change of the load: between
-        those at the instants [length].
+        those at the instants [length]. Zeros where no instant is loaded.
+
+        `self.half_width` and `self.load` (k,) are a and P at the instants. The slope is read from
+        P at 41 equally spaced half-widths from 0 to the largest.
 
         Examples
         --------
@@ -448,13 +519,13 @@ class ContactsOfLoads(NamedTuple):
         if not is_pressed.any():
             return np.zeros_like(half_width)
         order = np.argsort(self.half_width[is_pressed])
-        widths = np.append(0.0, self.half_width[is_pressed][order])
-        loads = np.append(0.0, self.load[is_pressed][order])
-        even_widths = np.linspace(0.0, widths[-1], _WIDTHS + 1)
-        load_of_width = np.interp(even_widths, widths, loads)
-        slope = np.gradient(load_of_width, even_widths)
-        way = np.divide(load_of_width, slope, out=np.zeros_like(slope), where=slope > 0)
-        return np.asarray(np.interp(half_width, even_widths, way))
+        known_half_widths = np.append(0.0, self.half_width[is_pressed][order])
+        known_loads = np.append(0.0, self.load[is_pressed][order])
+        even_half_widths = np.linspace(0.0, known_half_widths[-1], _WIDTHS + 1)
+        even_loads = np.interp(even_half_widths, known_half_widths, known_loads)
+        slope = np.gradient(even_loads, even_half_widths)  # dP/da
+        way = np.divide(even_loads, slope, out=np.zeros_like(slope), where=slope > 0)
+        return np.asarray(np.interp(half_width, even_half_widths, way))
 
 
 def uncertainty_at_jumps(
@@ -464,20 +535,20 @@ def uncertainty_at_jumps(
     spacing: float,
     first_of_cycle: int | None = None,
 ) -> Array:
-    """(k, 2) by how much an edge of stick may be wrong because an increment is wrong about when it
-    jumps.
+    """Uncertainty (k, 2) of stick edges at k instants because the increment may be wrong in which
+    an edge jumps [length]: the length of the jump at the instants before and after it, else 0.
 
     Where a slip zone reaches an older edge of stick, the edge jumps inwards. Where slip ends, it
     jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
     instant before or after the jump may be that of the other side of it. Inwards an edge also goes
     far in one increment, without a jump: one that is known well beside it is on its way, unless
-    slip starts in this increment. Moves of a few nodes are none. A stick zone that vanishes or
-    appears ends in its middle.
+    slip starts in this increment. Moves of a few nodes are no jumps: of up to six, or up to two
+    where slip starts or ends. A stick zone that vanishes or appears ends in its middle.
 
     Parameters
     ----------
     edges
-        of stick; NaN where nothing sticks
+        of stick, left and right, (k, 2), with their uncertainty; NaN where nothing sticks
     contact
         (k, 2) edges of contact, where those of stick are while nothing slips [length]
     step_index
@@ -489,45 +560,50 @@ def uncertainty_at_jumps(
         row of the first instant of the last cycle, which repeats: it follows the last instant too.
         None of a path without cycles
     """
+    # A cycle is closed by one more row: its first instant again.
     if first_of_cycle is not None:
         rows = np.append(np.arange(len(step_index)), first_of_cycle)
-        closed = uncertainty_at_jumps(
+        with_closing_row = uncertainty_at_jumps(
             Edges(edges.places[rows], edges.uncertainty[rows]),
             contact[rows],
             np.append(step_index, step_index[-1] + 1),
             spacing,
         )
-        return closed[:-1]
+        return with_closing_row[:-1]
+
     uncertainty = np.zeros(edges.places.shape)
-    follows = np.diff(step_index) == 1
-    middle = _middle_of_zone(edges.places)
+    is_next_increment = np.diff(step_index) == 1
+    middle = _middle_of_zone(edges.places)  # (k,)
     is_on_its_way = edges.uncertainty < _ON_ITS_WAY * spacing
-    for column, outwards in enumerate((-1, 1)):
+    for column, outwards in enumerate((-1, 1)):  # left and right edges
+        # Moves from instant to instant, (k - 1,), positive outwards; those that are jumps.
         places = np.where(np.isnan(edges.places[:, column]), middle, edges.places[:, column])
-        moves = outwards * np.where(follows, np.diff(places), 0.0)
-        slips = edges.places[:-1, column] != contact[:-1, column]
-        starts = (moves < 0) & ~slips
-        ends = (moves > 0) & slips
-        least_jump = np.where(starts | ends, _JUMP_AT_START, _JUMP) * spacing
+        moves = outwards * np.where(is_next_increment, np.diff(places), 0.0)
+        has_slip_zone = edges.places[:-1, column] != contact[:-1, column]
+        slip_starts = (moves < 0) & ~has_slip_zone
+        slip_ends = (moves > 0) & has_slip_zone
+        least_jump = np.where(slip_starts | slip_ends, _JUMP_AT_START, _JUMP) * spacing
         jumps = np.where(np.abs(moves) > least_jump, np.abs(moves), 0.0)
-        for beside in (slice(None, -1), slice(1, None)):
-            is_uncertain = (moves > 0) | starts | ~is_on_its_way[beside, column]
-            uncertainty[beside, column] = np.maximum(
-                uncertainty[beside, column], np.where(is_uncertain, jumps, 0.0)
+
+        # The instant before each move, then the one after it.
+        for rows_beside in (slice(None, -1), slice(1, None)):
+            is_uncertain = (moves > 0) | slip_starts | ~is_on_its_way[rows_beside, column]
+            uncertainty[rows_beside, column] = np.maximum(
+                uncertainty[rows_beside, column], np.where(is_uncertain, jumps, 0.0)
             )
     return uncertainty
 
 
 def _middle_of_zone(edges: Array) -> Array:
-    """(k,) middle of the stick zone; where there is none, that of the nearest instant before, or
-    else after it, that has one.
+    """Middle of the stick zone at k instants, (k,), from its edges (k, 2), NaN where there is no
+    zone: then that of the nearest instant before, or else after it, that has one.
     """
     middle = edges.mean(axis=1)
-    sticks = np.flatnonzero(np.isfinite(middle))
-    if not len(sticks):
+    rows_with_zone = np.flatnonzero(np.isfinite(middle))
+    if not len(rows_with_zone):
         return middle
-    nearest = np.searchsorted(sticks, np.arange(len(middle)), side="right") - 1
-    return np.asarray(middle[sticks[np.maximum(nearest, 0)]])
+    nearest = np.searchsorted(rows_with_zone, np.arange(len(middle)), side="right") - 1
+    return np.asarray(middle[rows_with_zone[np.maximum(nearest, 0)]])
 
 
 class _Side(NamedTuple):
@@ -548,38 +624,50 @@ class _Side(NamedTuple):
     x: Array
 
     def outwards(self, *rows: NDArray) -> tuple[NDArray, ...]:
-        """Rows (k, n) of values at the nodes, read outwards."""
+        """Rows (k, n) of values at the nodes, in the order in which this side is read outwards: the
+        left one (`column` 0) from right to left.
+        """
         return rows if self.column == 1 else tuple(row[:, ::-1] for row in rows)
 
 
 def _sides(x: Array) -> tuple[_Side, _Side]:
-    """The left and the right side."""
+    """The left and the right side of a contact with nodes at x (n,), each read outwards; x of the
+    left one is reflected.
+    """
     return _Side(0, -1.0, -x[::-1]), _Side(1, 1.0, x)
 
 
 def _pick(rows: NDArray, index: Indices) -> NDArray:
-    """(k,) of each row the value at its own node."""
+    """Of each of k rows (k, n) the value at its own node, (k,); `index` (k,) are the nodes."""
     return rows[np.arange(len(rows)), index]
 
 
 def _last(in_contact: Mask) -> Indices:
-    """(k,) the outermost node of each row that is `inside`."""
+    """Outermost node of each row that is in contact, (k,); `in_contact` (k, n), read outwards."""
     return np.asarray(in_contact.shape[1] - 1 - np.argmax(in_contact[:, ::-1], axis=1))
 
 
 def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
-    """(k, n) closed nodes outwards of the middle of the contact; one in the middle belongs to the
-    right side.
+    """Closed nodes on one side of the middle of the contact, outwards of it, a mask (k, n); one in
+    the middle belongs to the right side.
 
-    Where `stick` is given, of the middle one of the sticking nodes, if there are any.
+    Where `stick` is given, the middle is that of the sticking nodes, if there are any.
+
+    Parameters
+    ----------
+    side
+        left or right: x (n,) of the nodes, and all rows, are read outwards, those of the left side
+        reflected; `sign` is that of x outwards
+    closed, stick
+        (k, n) nodes that touch, and that stick, at k instants
     """
     is_right = side.sign > 0
-    innermost = side.x[np.argmax(closed, axis=1)]
-    outermost = side.x[_last(closed)]
-    middle = ((innermost + outermost) / 2)[:, None]
+    first_x = side.x[np.argmax(closed, axis=1)]  # of the first and the last closed node
+    last_x = side.x[_last(closed)]
+    middle = ((first_x + last_x) / 2)[:, None]
     if stick is not None:
         sticks_in_contact = stick & closed
-        rank = np.cumsum(sticks_in_contact, axis=1)
+        rank = np.cumsum(sticks_in_contact, axis=1)  # number of sticking nodes up to each
         n_sticking = rank[:, -1:]
         # Counted from the left whichever side looks, so that both have one middle.
         middle_rank = (n_sticking + 1) // 2 if is_right else n_sticking // 2 + 1
@@ -607,7 +695,7 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
 
 
 def _spacing(x: Array, node: Indices) -> Array:
-    """The larger distance of nodes from their neighbours."""
+    """The larger distance of nodes from their neighbours; x (n,) ascending, `node` of any shape."""
     distances = np.concatenate([[0.0], np.diff(x), [0.0]])
     return np.maximum(distances[node], distances[node + 1])
 
@@ -628,7 +716,12 @@ class _Line(NamedTuple):
 
 
 def _line_through_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> _Line:
-    """The straight lines through the squares of `values` at `count` nodes before the last."""
+    """Straight lines of least squares through the squares of `values` (k, n) at `count` nodes
+    before the last, one for each of k rows: where they are zero, and how far the squares stand off
+    them, both as lengths; NaN where a line does not fall.
+
+    `x_out` (n,) are the nodes, read outwards, `last_node` (k,) the last one of each row.
+    """
     nodes = last_node[:, None] - np.arange(1, count + 1)
     distance = x_out[nodes] - x_out[last_node][:, None]
     squares = np.take_along_axis(values, nodes, axis=1) ** 2
@@ -662,16 +755,23 @@ class _StickFit(NamedTuple):
 
 
 def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _StickFit:
-    """The zero of a straight line through the squares of `to_limit` at seven nodes: f p -+ q falls
-    to zero as the square root of the distance.
+    """Edge of the stick zone on one side at k instants: the zero of a straight line through the
+    squares of f p -+ q at seven nodes, since this falls to zero as the square root of the distance.
+
+    Returned too are how far the squares stand off the line, as a length, and whether the line is
+    accepted: one through four of these nodes has a zero within a tenth of an element, and the zero
+    is no farther than an element from the last node.
 
     Parameters
     ----------
+    x_out
+        (n,) nodes, read outwards: of the left side x with the opposite sign
     to_limit
         (k, n) what the shear in the sense of the slip beyond the edge lacks of f p [stress]
     last_node
-        (k,) last node of the stick zone by its status, at least seven nodes before it
+        (k,) last node of the stick zone by its states, at least seven nodes before it
     """
+    # distance of two nodes: an element of order 2
     element = x_out[last_node] - x_out[last_node - 2]
     line, line_of_fewer = (
         _line_through_squares(x_out, to_limit, last_node, count) for count in _FITTED
