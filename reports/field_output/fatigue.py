@@ -138,12 +138,12 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             for stress in stresses
         ]
         columns: dict[str, Any] = {"body": body}
-        for name, centre_x, half_width in zip(ENGINES, centres, half_widths, strict=True):
-            columns[f"x, {name}"] = centre_x + half_width * places
+        for engine, centre_x, half_width in zip(ENGINES, centres, half_widths, strict=True):
+            columns[f"x, {engine}"] = centre_x + half_width * places
         columns["y"] = y
         for measure in measures_by_engine[0]:
-            for name, values in zip(ENGINES, measures_by_engine, strict=True):
-                columns[f"{measure}, {name}"] = values[measure]
+            for engine, value_by_measure in zip(ENGINES, measures_by_engine, strict=True):
+                columns[f"{measure}, {engine}"] = value_by_measure[measure]
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
 

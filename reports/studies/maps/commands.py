@@ -60,7 +60,7 @@ def make_map(name: str, options: Options) -> Answer:
                     least_heights = least_heights_of(kind, rows_in(file_of_errors), report)
                     replace_text(file_of_heights, table_of_heights(least_heights))
 
-    # figures and pages of all maps in the folder
+    # figures and pages of all maps in the folder; of those asked for, kind, errors and heights
     pages.write(folder)
     page = str(folder / "README.md")
     tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]

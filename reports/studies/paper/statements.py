@@ -569,10 +569,13 @@ def one_way_slip(case: Case) -> VerdictAndNumbers:
         last_index = np.flatnonzero(case.density_of_phases(x)["EG"] > 0)[-1]
         lower_bound = float(x[last_index])
         upper_bound = float(x[last_index + 1])
-    edge = (lower_bound + upper_bound) / 2
+    end_of_reverse_work = (lower_bound + upper_bound) / 2
     largest_half_width = max(case.half_width_at("E"), case.half_width_at("G"))
-    # confirmed if the edge rounds to the printed 0.88 at 2 decimals, refined if within 2 % of it
-    return verdict_of_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
+    # confirmed if the place rounds to the printed 0.88 at 2 decimals, refined if within 2 % of it
+    return verdict_of_number(end_of_reverse_work, 0.88, 2), {
+        "edge": end_of_reverse_work,
+        "largest a in E-G": largest_half_width,
+    }
 
 
 # ------------------------------------------------------------------- other loads, the other profile

@@ -519,6 +519,7 @@ class _QuantityFigure:
         # each curve, with one of six looks of the style sheet (_N_LOOKS) for its line and dots
         coordinate = self.coordinates(column)
         for curve_number, (label, mask) in enumerate(curves):
+            # points of the curve, in ascending order
             rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]
             look = f"line-{curve_number % _N_LOOKS}"
             fill = f"p{curve_number % _N_LOOKS}"

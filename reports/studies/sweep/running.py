@@ -525,7 +525,7 @@ class _RunOfTasks:
             for future in wait(task_of, timeout=_ROUND_SECONDS, return_when=FIRST_COMPLETED).done:
                 self._store_answers(future, task_of.pop(future))
             if task_of:
-                self.pool.require_alive()
+                self.pool.require_alive()  # InputError where tasks will never come back
 
             # report the progress
             n_handed_out = sum(map(len, task_of.values()))

@@ -824,7 +824,7 @@ def _uncertainty_by_coarser_runs(
     """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": the sum of the
     changes that a coarser mesh, straight load increments and a farther far field make in it. The
     increments count where theory runs too, and under bulk stress, tilt or a prescribed
-    displacement; the far field counts for half-planes.
+    displacement; the far field, which is a half-disc of finite radius, counts for half-planes.
 
     The mesh is made twice as coarse at the surface and in the bulk; it contributes 1.64 times the
     change, or the uncertainty that the solution itself states where that is more. The far field
@@ -929,8 +929,9 @@ def _uncertainty_by_budget(
     Without a budget both are None; where there is no uncertainty, `notes` gets the reasons.
 
     The numerical errors are measured by further runs, on coarser meshes and with other load
-    increments and far fields. `question` has the settings of mesh and solver; `evaluation` has the
-    comparison of both engines, and the metrics' values by name.
+    increments and far fields (half-discs of finite radius in place of half-planes). `question` has
+    the settings of mesh and solver; `evaluation` has the comparison of both engines, and the
+    metrics' values by name.
     """
     from reports.comparison.budget import error_budget, solve_refinements
 

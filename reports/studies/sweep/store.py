@@ -146,8 +146,8 @@ class Store:
         return None
 
     def write_plan(self, study: Mapping[str, Any], points: Sequence[PlannedPoint]) -> None:
-        """Store what is asked in sweep.json: the study, and number, address and coordinates of each
-        of its points.
+        """Store what is asked in sweep.json: the study (as keys and values), and number, address
+        (the name of its result's file) and coordinates of each of its points.
         """
         rows = [
             {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
