@@ -1277,8 +1277,11 @@ def _classes_of(panel: Panel) -> str:
 
 def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
     """Attributes of a panel's SVG element that the page's script reads: scales of both axes, their
-    titles and ticks, and which axis is the time ("x", "y" or ""). `frame` is the panel's area with
-    its scales; an axis' `count` is about how many ticks it has, 5 by default.
+    titles and ticks, and which axis is the time ("x", "y" or "").
+
+    `frame` is the panel's area with its scales, whose `words` are their ends as text. Of an axis,
+    `words` is the title, `count` about how many ticks it has (5 by default), `ticks` those that are
+    given, each with its text.
     """
     attributes: dict[str, object] = {}
     if not _is_sketch(panel):

@@ -306,8 +306,8 @@ def _crossland_measures(stress: Array) -> tuple[Array, Array]:
     """
     s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     mean_stress = (s_xx + s_yy + s_zz) / 3
-    # coordinates of the deviator in which the distance of two points is sqrt(J2) of their
-    # difference
+    # coordinates of the deviator, (n_instants, n_points, 3), in which the distance of two of its
+    # values is sqrt(J2) of their difference
     path = np.stack([(s_xx - s_yy) / 2, s_xy, (s_zz - mean_stress) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
     # _N_STEPS_TO_CENTRE: 1000

@@ -284,6 +284,7 @@ def _figure_2(case: Case) -> Plate:
         / case.unit_load
         for letter, event in case.events.items()
     }
+    # loads at E, G and J; Z and T have the loads at the stick edge at E and G
     p_e, q_e, p_z = loads_at["E"].tolist()
     p_g, q_g, p_t = loads_at["G"].tolist()
     p_j, q_j, _ = loads_at["J"].tolist()

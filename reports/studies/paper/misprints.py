@@ -188,7 +188,7 @@ def _condition_of_stick(case: Case) -> VerdictAndNumbers:
     slip_zone_width = solution.contact_half_width - solution.stick_half_width
     # AGREEMENT_TOLERANCE: 1e-9
     is_full_stick = slip_zone_width <= AGREEMENT_TOLERANCE * case.unit_length
-    rate_of_p, rate_of_q = Formulas(case).rates(middle_times)
+    rate_of_p, rate_of_q = Formulas(case).rates(middle_times)  # dP/dt, dQ/dt
     slope = rate_of_q / rate_of_p
     printed_condition = slope < case.friction
     mended_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)

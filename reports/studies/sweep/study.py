@@ -405,7 +405,7 @@ def _point(
     here.
 
     `coordinates` has a value for each column of the axes. Of the study, `set` has keys of the scene
-    with a value, and `derived` keys or names with arithmetic in names. Keys have points, such as
+    with a value, and `derived` keys or names with arithmetic in names. Keys are dotted, such as
     "load.mean_normal_load"; those that begin with "mesh." or "solver." are settings.
     """
     # values by keys of the scene, and by names that arithmetic uses
@@ -428,9 +428,9 @@ def _point(
     # put the values into the scene's tables, and settings aside
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
     for key, value in value_by_key.items():
-        first_part, _, setting_name = key.partition(".")
-        if first_part in settings:
-            settings[first_part][setting_name] = value
+        first_word, _, setting_name = key.partition(".")
+        if first_word in settings:
+            settings[first_word][setting_name] = value
         else:
             _set_value(scene_content, key, value)
 
