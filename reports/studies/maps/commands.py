@@ -152,7 +152,13 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows: sentences and both tables."""
+        """What the terminal shows of advice on half-plane theory for finite bodies: sentences, a
+        table of what the bodies change, and a table of the causes.
+
+        `parts` of the advice are cause -> its part of the change of the dissipation;
+        `neglected_part` is the size of the change by tilt, bulk strain and coupling that were not
+        followed.
+        """
         yield advice_in_words(advice)
         if advice.refusal_of_kernels:
             yield f"The kernel solve does not take this scene: {advice.refusal_of_kernels}"
@@ -166,7 +172,10 @@ def _answer_by_numbers(advice: Advice) -> Answer:
         yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
     def content() -> dict[str, Any]:
-        """The content of the JSON output."""
+        """The content of the JSON output: verdict, sentence, limit and changes; causes of the
+        change of the dissipation, each with its part; why a better method does not take the scene
+        ("declined"); the elastic responses of the bodies (`effects`).
+        """
         return {
             **_shared_content(advice, "corrected theory", advice_in_words(advice)),
             "parts": {

@@ -375,13 +375,16 @@ class Formulas:
         edge_load = np.asarray(case.contact.load(x))
 
         def slope_on_ellipse(normal_loads: Array) -> tuple[Array, Array]:
-            """dQ/dP and d2Q/dP2 at normal loads of the rising half of the ellipse."""
+            """dQ/dP and d2Q/dP2 at normal loads P, on the half of the load ellipse on which P
+            rises.
+            """
+            # P is the mean load plus the amplitude times cos(time)
             time = 2 * math.pi - np.arccos(
                 (normal_loads - case.load_ellipse.mean_normal_load)
                 / case.load_ellipse.normal_amplitude
             )
-            rate_of_p, rate_of_q = self.rates(time)
-            # rates are sines of time: a quarter turn later they are what their derivatives are now
+            rate_of_p, rate_of_q = self.rates(time)  # dP/dt, dQ/dt
+            # They are sines of time: their derivatives now are their values a quarter turn later.
             second_rate_of_p, second_rate_of_q = self.rates(time + math.pi / 2)
             return rate_of_q / rate_of_p, (
                 second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p

@@ -527,15 +527,15 @@ class _SlipFromIToJ:
         """
 
         def rate(time: Array) -> Array:
-            """ds/dt of the slip s."""
-            load_at_y = self.formulas.stick_edge_load("IJ", time)
+            """ds/dt of the slip s at the point x by the paper's equation (18)."""
+            load_at_y = self.formulas.stick_edge_load("IJ", time)  # P_Y
             # dQ/dP from the multiplier (dQ/dP)/f - 1
             slope = self.case.friction * (self.formulas.multiplier_c("IJ", time) + 1)
             if load_unit:
                 slope = slope * load_at_y / load_unit
             multiplier = slope / self.case.friction - 1
-            load_rate = self.formulas.stick_edge_load_rate("IJ", time)
-            arccosh_ratio = self.formulas.arccosh_ratio(self.x, load_at_y)
+            load_rate = self.formulas.stick_edge_load_rate("IJ", time)  # dP_Y/dt
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, load_at_y)  # arccosh(x/c)
             return multiplier * self.factor * load_rate * arccosh_ratio
 
         return self.formulas.integral_while_slipping("IJ", self.x, rate)
@@ -615,12 +615,13 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
     time_of_f = case.time_of("F")
 
     def rate_as_printed(time: Array) -> Array:
-        """Rate of movement by equation (16) as printed: (A f/pi) [2 dP_c/dt int_c^x − dP/dt
-        int_a^x], with the same root in both integrals.
+        """Rate of movement of the point x by the paper's equation (16) as printed: (A f/pi)
+        [2 dP_c/dt int_c^x − dP/dt int_a^x], with the same root in both integrals. a and c are the
+        half-widths of contact and stick zone; slip is reverse, from event E to G.
         """
-        load, _ = formulas.loads(time)
-        load_rate, _ = formulas.rates(time)
-        stick_edge_load = formulas.stick_edge_load("EG", time)
+        load, _ = formulas.loads(time)  # P and Q
+        load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
+        stick_edge_load = formulas.stick_edge_load("EG", time)  # P_c, whose contact has the width c
         # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
         integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         half_width = case.contact.half_width(load)
@@ -711,7 +712,10 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
     radius = case.scene.profile.model_dump()["radius"]
 
     def rate(time: Array) -> Array:
-        """ds/dt of the slip s over A f/pi: h_o C dP/dt."""
+        """ds/dt of the slip s at the point x over A f/pi: h_o C dP/dt by the paper's equation (15),
+        with what `reading` says of h_o. C is the paper's multiplier, c the half-width of the stick
+        zone; forward slip is in its second part, from event J to M.
+        """
         # the normal load whose contact half-width is c
         stick_edge_load = formulas.stick_edge_load("JM", time)
         c = np.asarray(case.contact.half_width(stick_edge_load))
@@ -721,6 +725,7 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
             "gap of the increment": x * arccosh_ratio - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
             "gap of the punch": (x**3 - c**3) / (6 * radius),
         }
+        # C dP/dt times h_o
         return formulas.multiplied_load_rate("JM", time) * integrals[reading]
 
     slip_factor = case.compliance * case.friction / math.pi  # A f/pi
@@ -740,7 +745,11 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
     """
 
     def mended_over_engine(friction: float) -> float:
-        """Displacement from G to H by the mended equation (17), over that of half-plane theory."""
+        """Displacement of the point x = 1.1 a0, out of contact in full stick, from event G to H by
+        the paper's mended equation (17), over that of half-plane theory. a0 is the contact
+        half-width at the mean load.
+        """
+        # the same loads with this friction and no mean shear force
         case = hertz_case.with_zero_mean_shear(friction)
         formulas = Formulas(case)  # the paper's equations, with their misprints mended
         x = 1.1 * case.unit_length
@@ -748,7 +757,7 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
         time_of_h = case.time_of("H")
 
         def rate(time: Array) -> Array:
-            """dQ/dt arccosh(x/a)."""
+            """dQ/dt arccosh(x/a), a the contact half-width."""
             load, _ = formulas.loads(time)
             _, tangential_rate = formulas.rates(time)
             return tangential_rate * formulas.arccosh_ratio(x, load)

@@ -186,8 +186,8 @@ def status(folder: Path, _: Options) -> Answer:
     json_content = _content(Store(folder))
 
     def parts() -> Iterator[Part]:
-        """What the terminal shows: a table of counts, then damaged files, failures (at most 20),
-        time left.
+        """What the terminal shows of a sweep: a table of the numbers of its points, then damaged
+        files, failures (at most 20, `_MOST_ROWS`), and the time left. `json_content` has all of it.
         """
         counts = [(state, str(count)) for state, count in json_content["points"].items()]
         title = json_content["title"] or str(folder)
