@@ -51,11 +51,11 @@ def evidence_steps(comparison: Comparison) -> tuple[EvidenceStep, ...]:
     its title and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty
     for a result without a contact.
     """
-    # tractions of both at instants of the last cycle
+    # tractions of result and reference at instants of the last cycle; None without a contact
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
-        # title and words of each step
         return ()
+    # title and words of each step
     return (
         EvidenceStep("What was read", _fields_in_words(comparison)),
         EvidenceStep("Equilibrium", "; ".join(_phrases_on_equilibrium(discrepancy))),

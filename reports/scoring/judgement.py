@@ -524,6 +524,7 @@ class Judgement:
 
         # notation: Q tangential load
         """
+        # _LARGEST_SHARE_LEFT_OF_PRESSURE: a tenth, here of the shear
         if share_of_difference_left(fit, fit_before, (SHEAR,)) > _LARGEST_SHARE_LEFT_OF_PRESSURE:
             return False
         # (k, n) of each instant and point in the integrals
@@ -722,10 +723,8 @@ class Judgement:
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
-            # A shear that scatters too much beside the pressure holds more than noise: mean squares
-            # are
-            # over p_ref or f p_ref, and largest_noise_ratio is that of shear noise to pressure
-            # noise.
+            # A shear that scatters too much beside the pressure holds more than noise. Mean squares
+            # are over p_ref or f p_ref; largest_noise_ratio: of shear noise to pressure noise.
             pressure_square = max(fit.mean_square((PRESSURE,)), ROUND_OFF_SQUARE)
             if fit.mean_square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
@@ -800,10 +799,10 @@ def _may_occur_together(causes: tuple[Cause, ...]) -> bool:
 
 
 def _is_no_change(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
-    """Whether a fitted size of a cause (known fault) is next to none, below 0.005; that of a factor
-    is its logarithm. What is left then is the error of a mesh. Sizes of a delay or an offset do not
-    count. False where the fit leaves less than 3 % of the difference (norm) that `fit_before`
-    leaves.
+    """Whether a cause (known fault) in a fit has a fitted size next to 0, below 0.005, so that it
+    explains nothing: the difference may then be the error of a mesh. The size of a factor is its
+    logarithm; sizes of a delay or an offset do not count. False where the fit leaves less than 3 %
+    of the difference (norm) that `fit_before` leaves.
     """
     # keys of a delay and of an offset
     is_small = any(

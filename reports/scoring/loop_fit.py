@@ -934,8 +934,7 @@ def fit_loop(
     )
     search = _Search(rows, model, noise, sliding_friction)
 
-    # terms: highest Q, lowest Q, C and U0
-    # trial values of f, from just above gross sliding on
+    # trial values of f begin just above gross sliding; terms: highest Q, lowest Q, C and U0
     friction, terms = search.first_fit(model.first_frictions(highest_load, lowest_load))
     degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
     for _ in range(_MOST_REWEIGHTINGS):

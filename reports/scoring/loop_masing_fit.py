@@ -889,7 +889,7 @@ def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise
     ) < _LARGEST_MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
     # Neighbours on the loop are rounded alike. That is no fault of the model, but they count as
     # fewer rows, and any correlation counts: it is no chance.
-    # standard deviations of a correlation: 3, which chance exceeds once in 700
+    # Else one counts from 3 standard deviations on, which chance exceeds once in 700.
     least_significance = 0.0 if digits_explain_all else MOST_DEVIATIONS_BY_CHANCE
     order_on_loop = np.argsort(distances.place_on_loop, kind="stable")
     # positive inside the loop on both branches: to the right of the rising one, left of the falling

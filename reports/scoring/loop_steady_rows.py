@@ -121,9 +121,8 @@ def fit_steady_rows(
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
-        # part of the rows' distances that is no scatter, over the mean opening of the loop in U,
-        # which
-        # is its area over the range of Q
+        # part of the rows' distances that is no scatter, over the mean opening of the loop in U
+        # (its area over the range of Q)
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
         if (
             # 2 %
@@ -374,9 +373,8 @@ def _tested_candidate(
         change_of_size = fitted_loop.change_of_size_with(phase)
         log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
 
-    # misfit over the mean opening of the loop in U (area over range of Q): the part of the
-    # distances
-    # that is no scatter
+    # part of the rows' distances that is no scatter, over the mean opening of the loop in U
+    # (its area over the range of Q)
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
     sigma_over_opening = fitted_loop.search.sigma.displacement / _mean_opening(loop, branches.phase)
     # noise alone moves the nearest points of the loop by as much: a tenth of sigma
