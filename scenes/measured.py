@@ -346,7 +346,7 @@ class FromFile(Frozen):
                 table.values[:, column] *= column_reading.factor
             descriptions.append((name, column_reading.description))
 
-        # What else the user is told, such as columns that were not read.
+        # What else the user gets to know, such as columns that were not read.
         descriptions += self._stated_quantities_in_words()
         if table.unread_headings:
             descriptions.append(("not read", _headings_in_words(table.unread_headings)))
