@@ -403,8 +403,8 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
     Returns
     -------
     EngineRefusals
-        Reason of theory, reason of finite elements, and a sentence on how the size of the contact
-        was estimated ("" where it was not).
+        Reason of theory, reason of finite elements, a sentence on how the size of the contact was
+        estimated ("" where it was not), and whether each computes loads of its own.
 
     Raises
     ------

@@ -367,6 +367,7 @@ def _wrapped_cell(cell: str, width: int | None) -> str:
     """
     if width is None or "\n" in cell or _width_of(cell) <= width:
         return cell
+    # `cell_len`: places of the terminal that a text takes.
     lines = [""]
     for word in _words(cell):
         longer_line = f"{lines[-1]} {word}".lstrip()
@@ -388,6 +389,7 @@ def _coloured_cell(cell: str) -> Text:
         "no": "bold red",
         "undecided": "bold yellow",
     }.get(cell, "")
+    # Control characters become visible escapes.
     return Text(_printable_text(cell), style=style)
 
 

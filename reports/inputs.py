@@ -643,6 +643,7 @@ class _ScalingLaws:
             x dV/dx by name of the value
         """
         changes = {}
+        # `values_at_inputs`: each value V at the stated inputs, by name.
         for name, derivative in derivatives.items():
             value = self.values_at_inputs[name]
             change = relative_uncertainty * derivative

@@ -168,6 +168,7 @@ def _work_of_record(scene: Scene, **changes: Any) -> float | None:
     try:
         changed_scene = scene.vary(load=changes) if changes else scene
         first_and_last_time = changed_scene.load.series()[[0, -1], 0]  # type: ignore[union-attr]
+        # Two instants and one place are enough: W needs no fields.
         return semi_analytic.solve(
             changed_scene, x=[0.0], time=first_and_last_time, fields=("dissipation",)
         ).dissipation

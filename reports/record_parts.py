@@ -235,7 +235,7 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
     # _LARGEST_DIFFERENCE_OF_ALIKE: 0.1 of the median range
     is_alike = np.abs(swings.ranges - median_range) <= _LARGEST_DIFFERENCE_OF_ALIKE * median_range
 
-    # A single swing is not half a cycle of a run: it counts with those that are not alike.
+    # A run has two swings at least: a single one counts with those that are not alike.
     for first_swing, swing_beyond in _bounds_of_runs(is_alike):
         is_single_swing = swing_beyond - first_swing < 2
         if is_single_swing:

@@ -123,9 +123,11 @@ class AgainstMeasurement:
         return sentence
 
     def content(self) -> dict[str, Any]:
-        """The comparison with a measurement for JSON: both values, their difference, the
-        uncertainties by numerics, inputs and measurement (u_num, u_input, u_D), u_val of all three,
-        the verdict.
+        """The comparison with a measurement for JSON: the value by the model, the measured value,
+        and `error`, their difference; the standard uncertainties by numerics, inputs and
+        measurement, and that of all three, u_val; the verdict, "resolved" or "hidden".
+
+        `unstated_uncertainties` are those that count as 0, in words.
         """
         return {
             "model": self.model,

@@ -358,7 +358,7 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
     [0.0, 1.0, 5.0]
     """
     distance = np.maximum(np.abs(x) - flat_half_length, 0.0)
-    # Negative by rounding alone, at the very end of the arc.
+    # Below 0 by round-off alone, at the very end of the arc.
     radius_minus_distance = np.maximum(radius - distance, 0.0)
     return np.asarray(distance**2 / (radius + np.sqrt(radius_minus_distance * (radius + distance))))
 

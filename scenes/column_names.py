@@ -235,4 +235,5 @@ def normalised_name(name: str) -> str:
         for character in unicodedata.normalize("NFKD", name_before_unit)
         if character.isalnum() or character == ":"
     )
+    # A single letter keeps its case.
     return name_of_letters if len(name_of_letters) == 1 else name_of_letters.lower()

@@ -368,6 +368,7 @@ def toml_text(keys: Mapping[str, Any]) -> str:
     kind = "polygon"
     <BLANKLINE>
     """
+    # `_toml_lines`: the lines of the tables, here without a heading of their own.
     return "\n".join(_toml_lines(keys, "")).lstrip("\n") + "\n"
 
 

@@ -354,6 +354,7 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
         scenes.errors.InputError: vary: unknown key frictoin = 0.6; did you mean friction?
         `halfplane schema` lists the keys
         """
+        # `merged`: all keys with the changes, which `checked` validates.
         return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:

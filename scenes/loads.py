@@ -249,7 +249,8 @@ class BulkAndTilt(Frozen, Generic[V]):
 
         The load path is made too: that refuses lists of bulk stresses or tilts that do not fit it.
         """
-        # The moment follows from the tilt or from a line along which the loads act: one is enough.
+        # Tilt and moment follow from each other, and the moment from the line along which loads
+        # act.
         tilt_keys = [
             key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
         ]

@@ -204,6 +204,7 @@ def _require_arrays(path: Path, file: Any, axes_of_arrays: Mapping[str, tuple[st
     """
     for name, axes in axes_of_arrays.items():
         if name not in file.variables:
+            # _ROLE: "the solution"
             raise InputError(f"{path}: {_ROLE} can't be read: {name} is missing")
         variable = file.variables[name]
         if variable.dimensions != axes or variable.dtype.kind not in "fiu":

@@ -57,6 +57,7 @@ def forms_for(method: str) -> NotebookForms:
     InputError
         Where none are registered, with the import that registers them.
     """
+    # None where no module has registered any.
     forms = registered_forms()
     if forms is None:
         raise InputError(f"{method}: no figures are loaded; write `import reports.page.notebook`")

@@ -291,7 +291,7 @@ class LoadSegment(abc.ABC):
         if times_by_plain_newton is not None:  # None: not converged
             return times_by_plain_newton
 
-        # Errors are signed so that a positive one lies towards the later time.
+        # The sign of an error: positive where the time is too late.
         direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
         earliest_time = np.full(wanted_change.shape, min(begin, end))
         latest_time = np.full(wanted_change.shape, max(begin, end))
@@ -325,7 +325,8 @@ class LoadSegment(abc.ABC):
             if is_converged.all():
                 return best_time
 
-            # The bracket shrinks to the side of the error's sign.
+            # The bracket shrinks: it begins where the time was too early, ends where it was too
+            # late.
             np.copyto(earliest_time, time, where=signed_error < 0)
             np.copyto(latest_time, time, where=signed_error > 0)
             approach_rate = direction * rate
@@ -828,7 +829,7 @@ class HarmonicSegment(LoadSegment):
         rate_coefficients = self._rate_coefficients(combination)
         largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
         rate_coefficients[np.abs(rate_coefficients) <= _ROUND_OFF_SHARE * largest_rate] = 0
-        # LEAST_LOAD_CHANGE: 1e-290; smaller loads count as constant
+        # LEAST_LOAD_CHANGE: 1e-290; smaller rates count as 0
         if largest_rate < LEAST_LOAD_CHANGE or not np.any(rate_coefficients):
             return []
 

@@ -549,6 +549,7 @@ class ContactSolution:
         InputError
             Where no figures are loaded: `import reports.page.notebook` loads them.
         """
+        # The registered function that draws solutions; InputError without one.
         return forms_for("plot").solution_figure(self, time)
 
     def plot_loop(self) -> Any:
