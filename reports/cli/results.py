@@ -222,7 +222,7 @@ def _score_loop(
     with stages.stage("reading"):
         measured_loop = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
-        score = loops.score_loop(
+        loop_score = loops.score_loop(
             measured_loop, scene, rig_compliance=options.rig_compliance, against=options.against
         )
     from reports import validation
@@ -234,15 +234,15 @@ def _score_loop(
         with stages.stage("uncertainty of the inputs"):
             inputs = input_effects(scene)
     # the area of the measured loop against the computed ones, with the uncertainties of both
-    loop_validation = validation.loop_area_against_models(score, inputs, mapping.measured)
+    loop_validation = validation.loop_area_against_models(loop_score, inputs, mapping.measured)
     sentences = validation.sentences(loop_validation, is_measured=True)
     further_content = {
         "validation": [entry.content() for entry in loop_validation],
         "inputs": input_content(inputs, scene),
     }
     with stages.stage("report"):
-        page = str(loop_page.write(score, folder, command, further_content, sentences))
-    heads, cells = loop_page.table_of_loops(score)
+        page = str(loop_page.write(loop_score, folder, command, further_content, sentences))
+    heads, cells = loop_page.table_of_loops(loop_score)
     sheet = Sheet(
         f"{scene.title or scene.name}: measured loop {path.name}",
         heads,
@@ -250,17 +250,19 @@ def _score_loop(
         range(1, len(heads)),
     )
     return Answer(
-        EXIT_WITHIN if score.is_scene_friction_within else EXIT_OUTSIDE,
+        EXIT_WITHIN if loop_score.is_scene_friction_within else EXIT_OUTSIDE,
         [
-            reading_in_words(path.name, score.read_as),
-            *(f"Assumed: {sentence}." for sentence in score.notes),
+            reading_in_words(path.name, loop_score.read_as),
+            *(f"Assumed: {sentence}." for sentence in loop_score.notes),
             sheet,
-            score.sentence,
+            loop_score.sentence,
             *sentences,
             page,
         ],
         lambda: (
-            loop_page.content(score) | further_content | {"page": page, "seconds": stages.seconds}
+            loop_page.content(loop_score)
+            | further_content
+            | {"page": page, "seconds": stages.seconds}
         ),
         scene.name,
     )

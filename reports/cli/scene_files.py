@@ -172,7 +172,7 @@ def check(source: str, options: Options) -> Answer:
         n_rows = len(scene.load.kept_rows())
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     # Why theory or finite elements refuse the scene. Elements are not asked above 10,000 rows.
-    engines = engine_refusals(scene, source, finite_elements=n_rows <= _MOST_ROWS)
+    refusals = engine_refusals(scene, source, finite_elements=n_rows <= _MOST_ROWS)
     # the largest |Q|/(f P) of the path, with its time and loads
     nearest_instant = nearest_to_sliding(scene)
     # what bulk stress and tilt do to the contact; None without them
@@ -183,7 +183,7 @@ def check(source: str, options: Options) -> Answer:
     with suppress(InputError):  # theory's refusal, where finite elements alone take the scene
         contact = largest_contact(scene, source)
         remarks_on_scene += remarks_on_input(scene, contact)
-    if refusals_in_words := engines.in_words(source):
+    if refusals_in_words := refusals.in_words(source):
         remarks_on_scene.append(f"{refusals_in_words}.")
     elif n_rows > _MOST_ROWS:
         remarks_on_scene.append(
@@ -204,14 +204,14 @@ def check(source: str, options: Options) -> Answer:
     table = Sheet("By half-plane theory", ("", "value"), rows, (1,))
     bulk_sentences = bulk_in_words(bulk) if bulk else ""
     # how it was found out that the bodies have room for the contact, and on bulk stress and tilt
-    sentences = filter(None, [engines.size_in_words, bulk_sentences])
+    sentences = filter(None, [refusals.size_in_words, bulk_sentences])
     content = {
         "passed": True,
         "sentence": verdict,
         "notes": notes,
         "remarks": remarks_on_scene,
         "read_as": columns_of_table,
-        "engines": engines.reasons,
+        "engines": refusals.reasons,
         "largest_contact": vars(contact) if contact else None,
         "nearest_to_sliding": vars(nearest_instant),
         "profile_fit": fit_content(scene),
@@ -337,7 +337,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     # why theory or finite elements refuse the scene, "" where they do not
-    engines = engine_refusals(scene, source)
+    refusals = engine_refusals(scene, source)
     # table -> pairs of a quantity and words on the column that it was read from
     columns_of_table = read_as_by_key(scene)
     notes = [
@@ -345,18 +345,18 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         *filter(None, [bodies_in_words(scene), stated_in_words(scene)]),
     ]
     notes += [reading_in_words(table, columns) for table, columns in columns_of_table.items()]
-    remarks = [f"{engines.in_words(source)}.", *filter(None, [omissions_in_words(scene)])]
+    remarks = [f"{refusals.in_words(source)}.", *filter(None, [omissions_in_words(scene)])]
     content = {
         "passed": True,
         "remarks": remarks,
         "read_as": columns_of_table,
-        "engines": engines.reasons,
+        "engines": refusals.reasons,
         "largest_contact": None,
         "nearest_to_sliding": None,
         "profile_fit": None,
         "uncertainty_of_inputs": stated_content(scene),
     }
-    if engines.refusal_of_theory:
+    if refusals.refusal_of_theory:
         verdict = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
     else:
         solution = _answer_of_theory(scene, source)

@@ -297,14 +297,14 @@ def run(job: Job) -> Answer:
         require_drawing(job.stages)
     load_engines(job.stages)
     # Why theory or finite elements refuse the scene is known before anything is solved.
-    engines = engine_refusals(job.scene, job.source)
+    refusals = engine_refusals(job.scene, job.source)
     options.settings()  # values out of range are refused before anything is solved
-    if no_comparison := engines.in_words(job.source):  # the reason, in a sentence
+    if no_comparison := refusals.in_words(job.source):  # the reason, in a sentence
         _require_no_option_of_both(job, no_comparison)
         complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
         if job.scene.load.is_driven:
-            return _answer_of_rig(job, engines, no_comparison)
-        if engines.refusal_of_theory:
+            return _answer_of_rig(job, refusals, no_comparison)
+        if refusals.refusal_of_theory:
             solution = solve_finite_elements(job)
             command = "fe"
         else:
@@ -363,10 +363,10 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
     if reason_for_no_budget:
         job.stages.remark(reason_for_no_budget)
     seconds_before = time.process_time()
-    fe = solve_finite_elements(job)  # the solution
-    with _solution_kept_on_interrupt(fe):
-        with _solution_saved_on_failure(fe, job.folder):
-            comparison = _comparison_with_theory(job, fe, tolerances, measures_budget)
+    fe_solution = solve_finite_elements(job)  # the solution
+    with _solution_kept_on_interrupt(fe_solution):
+        with _solution_saved_on_failure(fe_solution, job.folder):
+            comparison = _comparison_with_theory(job, fe_solution, tolerances, measures_budget)
             if reason_for_no_budget:
                 note = f"{reason_for_no_budget[:1].upper()}{reason_for_no_budget[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
@@ -377,17 +377,17 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
-                third_answer = _third_solver(job.options.third).answer(job, fe)
+                third_answer = _third_solver(job.options.third).answer(job, fe_solution)
                 report = replace(report, third=third_answer)
         _write_page(job, report)
     return report
 
 
 def _comparison_with_theory(
-    job: Job, fe: ContactSolution, tolerances: dict[str, float], measures_budget: bool
+    job: Job, fe_solution: ContactSolution, tolerances: dict[str, float], measures_budget: bool
 ) -> Comparison:
-    """Compare the finite elements' solution `fe` with half-plane theory, solved at its surface
-    points and instants, to the relative `tolerances` by metric.
+    """Compare the finite elements' solution `fe_solution` with half-plane theory, solved at its
+    surface points and instants, to the relative `tolerances` by metric.
 
     Theory is also solved on the load path's polygon, whose vertices are the loads at these
     instants: that shows the error of the load steps. It has all fields if `measures_budget`, else
@@ -395,25 +395,25 @@ def _comparison_with_theory(
     """
     from reports.comparison.budget import SHOWN_ON_STEPS, theory_on_steps
 
-    reference = _solve_half_plane(job, x=fe.x, time=fe.time)
+    reference = _solve_half_plane(job, x=fe_solution.x, time=fe_solution.time)
     # A thinned solution stores some of its instants only. The path is then a polygon itself, and
     # the reference follows it.
     theory_on_polygon: ContactSolution | None = reference
-    if not fe.thinned:
+    if not fe_solution.thinned:
         with job.stages.stage("half-plane theory, on the polygon of the steps"):
             fields = None if measures_budget else SHOWN_ON_STEPS
-            theory_on_polygon = theory_on_steps(fe, fields)
+            theory_on_polygon = theory_on_steps(fe_solution, fields)
     with job.stages.stage("comparison"):
         from reports.comparison import compare
         from reports.comparison.datum import effects_between
 
         return compare(
             reference,
-            fe,
+            fe_solution,
             polygon_reference=theory_on_polygon,
             tolerances=tolerances,
             # compliances of finite bodies, where displacements count from different places
-            effects=effects_between(reference, fe),
+            effects=effects_between(reference, fe_solution),
         )
 
 
@@ -495,20 +495,20 @@ def _write_page(job: Job, report: Report) -> None:
     The options --vtu and --stress name instants, at which both bodies are written for ParaView, and
     at which the page shows von Mises' stress.
     """
-    fe = report.comparison.result  # the solution by finite elements
+    fe_solution = report.comparison.result  # the solution by finite elements
     command = job.command("run")
     with job.stages.stage("report"):
         from reports.field_output.files import instants_of
         from reports.page.writing import write
 
-        vtu_times = [instant.time for instant in instants_of(job.options.vtu, fe, "--vtu")]
+        vtu_times = [instant.time for instant in instants_of(job.options.vtu, fe_solution, "--vtu")]
         write(
             report,
             job.folder,
             vtu_instants=vtu_times,
             command=command,
             seconds=dict(job.stages.seconds),
-            stress_instants=instants_of(job.options.stress, fe, "--stress"),
+            stress_instants=instants_of(job.options.stress, fe_solution, "--stress"),
             log=(f"{time.strftime('%Y-%m-%d %H:%M:%S %z')}  {command}", *job.stages.log),
         )
 
@@ -650,7 +650,7 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     scene = comparison.scene
     # rows without a value in both solutions are left out
     heads, rows = cells_of_first_table(
-        comparison, "label" if verbose else "short", with_empty=False
+        comparison, "label" if verbose else "short", with_empty_rows=False
     )
     yield report.first_sentence, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
@@ -909,7 +909,7 @@ def _answer_of_one_engine(
     return Answer(code, parts(), json_content, scene.name)
 
 
-def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Answer:
+def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> Answer:
     """The answer of `run` to a scene that prescribes displacements (a rig), whose loads are found.
 
     Theory is solved and saved first, or finite elements where theory refuses the bodies. Then
@@ -917,7 +917,7 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
 
     Parameters
     ----------
-    engines
+    refusals
         which of theory and finite elements take the scene; `refusal_of_theory` is the reason why
         theory does not, "" where it does
     no_comparison
@@ -925,7 +925,7 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
     """
     from reports.comparison.words import summary_rows
 
-    if engines.refusal_of_theory:
+    if refusals.refusal_of_theory:
         solution = solve_finite_elements(job)
         command = "fe"
     else:
@@ -936,7 +936,7 @@ def _answer_of_rig(job: Job, engines: EngineRefusals, no_comparison: str) -> Ans
     # finite elements beside theory, and what JSON states of them
     solution_of_elements = None
     content_of_elements: dict[str, Any] = {}
-    if not engines.refusal_of_theory:
+    if not refusals.refusal_of_theory:
         solution_of_elements, content_of_elements = _elements_of_rig(job)
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
@@ -1038,6 +1038,6 @@ def write_solution(
                 columns |= {f"{zone}_left": edges[:, 0], f"{zone}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
         if states_loads:
-            scene = solution.scene.model_dump_json(indent=1) + "\n"
-            (folder / "scene.json").write_text(scene, encoding="utf-8")
+            scene_text = solution.scene.model_dump_json(indent=1) + "\n"
+            (folder / "scene.json").write_text(scene_text, encoding="utf-8")
     return out / f"{stem}.nc"

@@ -187,8 +187,8 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     """Ratio of the element sizes of neighbouring meshes, for a study with three coarser meshes.
 
     It is 2, or smaller where the coarsest edge elements would exceed 0.25 a, a the half-width of
-    the contact. None where it would be below 1.2. `mesh.edge_element_size` is the size of the
-    elements at the edges of contact over a, with the finest of the four meshes.
+    the contact. None where it would be below 1.2. `mesh` is the finest of the four meshes;
+    `edge_element_size` is that of its elements at the edges of contact, over a.
 
     >>> from meshes import MeshSettings
     >>> (
@@ -887,13 +887,14 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
     """The error that the finite radius L of a meshed half-plane makes in a metric phi:
     phi(L) − phi(infinity) on the coarse mesh.
 
-    Where the values for the three radii are neither equal nor of a plausible order (1 to 4.2), or
-    the error is smaller than what the run would state of the value on the coarse mesh, there is no
-    error, and the uncertainty is the spread of the three. No error and the uncertainty 0 for bodies
-    with a size of their own.
+    There is an error where the values for the three radii are equal, or are of a plausible order (1
+    to 4.2) and the error is at least the uncertainty that a run on the coarsest mesh would state.
+    Else the term has no value, and its uncertainty is the spread of the three values. No error and
+    the uncertainty 0 for bodies with a size of their own.
 
     `refinements` holds the runs with the radii 2 L, L and L/2, and the runs on meshes of different
-    element size. What a run states of its value is taken to grow with the element size.
+    element size. The uncertainty that a run states of its value is taken to grow with the element
+    size; `metric.stated_by_result` is that of the run itself.
     """
     bodies = comparison.scene.bodies
     if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
@@ -902,7 +903,7 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
         )
     formal_order = 4.0  # tractions under given loads converge with the fourth power of 1/L
     runs = refinements.far_field_runs
-    # error and uncertainty by extrapolation to 1/L = 0
+    # error and uncertainty by extrapolation to 1/L = 0; `term.kind`: how the values change with it
     term = _extrapolated_term("far field", metric, refinements, runs, formal_order)
     if term.uncertainty is None:
         return term
@@ -921,9 +922,10 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
 
 def _iteration_term(comparison: Comparison) -> Term:
     """The error by rounding and by the end of the iteration, the same for every metric: no value,
-    and for uncertainty the worst residual of any step, dimensionless. Not measured where the result
-    states no residuals.
+    and for uncertainty the worst residual of any load step, dimensionless. Not measured where the
+    result states no residuals.
     """
+    # of the laws of contact, those by residuals that the solver recorded; `value`: the largest
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
         return _unmeasured_term("solver", reason="the result states no residuals")
@@ -1106,6 +1108,9 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
       the spread of all.
     - Three meshes otherwise: the finest value, with three times the spread.
 
+    `refinement` holds sizes and values, the finest mesh first; spread: largest minus smallest
+    value.
+
     The two lower limits on the uncertainty are ours. Where noise is about as large as the trend,
     the published rules on four solutions cover the true value 80 times of 100, with the limits 94
     times (tests/test_reports_budget.py).
@@ -1220,6 +1225,7 @@ def _trusted_curve(refinement: Refinement) -> tuple[_FittedCurve, str, float | N
     order = free_fit.order
     if order is not None and formal_order / 4 <= order <= formal_order:
         return free_fit, f"order {order:.2f}", order
+    # exponents of h in each curve
     powers_of_curves: list[tuple[float, ...]] = [(formal_order / 2,), (formal_order,)]
     if order is None or order < formal_order / 4:
         powers_of_curves.append((formal_order / 2, formal_order))

@@ -103,6 +103,7 @@ def bulk_and_tilt_in_words(scene: Scene) -> str:
     >>> bulk_and_tilt_in_words(load_scene("cattaneo-mindlin").vary(load=tilt_over_time))
     'The upper body is tilted from −0.001 to 0.001 rad.'
     """
+    # the template "bulk_and_tilt"; the function that it is given states a load over time in words
     return in_template("bulk_and_tilt", scene.load, partial(_load_in_words, scene), *units(scene))
 
 
@@ -822,19 +823,19 @@ def cells_of_first_table(
     comparison: JudgedPair,
     label: Literal["label", "short"] = "label",
     *,
-    with_empty: bool = True,
+    with_empty_rows: bool = True,
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The table of the values of reference and result, such as dissipation and largest pressure, as
     column heads and rows of cells: label, both values, difference, verdict.
 
     `label` chooses long or short labels. Rows for which neither solution has a value are left out
-    unless `with_empty`.
+    unless `with_empty_rows`.
     """
     # a row: texts by key, such as "label", "reference" (its value in words)
     heads, rows = first_table(comparison)
     rows_of_cells = []
     for row in rows:
-        if is_empty_row(row) and not with_empty:
+        if is_empty_row(row) and not with_empty_rows:
             continue
         shown_keys = (label, "reference", "result", "difference", "verdict")
         rows_of_cells.append(tuple(row[key] for key in shown_keys))

@@ -431,7 +431,8 @@ def _lines_of_bulk_and_tilt(view: CycleView) -> Iterator[tuple[str, str, list[_L
     """Lines over the cycle for what acts beside P and Q: bulk stress, tilt and moment, as far as
     the scene has them. Each comes as name of a panel, title of its axis with the unit, and lines: a
     class of the style sheet, a text, values (k,). `view.result_cycle` is the last cycle of the
-    result; what the scene does not have is None in it.
+    result; what the scene does not have is None in it. A moment that follows from a stated tilt has
+    no line (`moment_is_given` is False).
     """
     unit_of_force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
