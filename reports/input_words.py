@@ -98,11 +98,11 @@ def sentences(
         `values` of theory and the `difference` of W and of the largest pressure, each by key with
         its uncertainty by the inputs; `draws`: W by random draws, or None; `sliding`: how near the
         loads come to gross sliding; `reason_unknown`: why none of these is known, "" where they are
+    scene
+        for the units
     comparison
         finite elements compared with theory; without it the difference is that of theory corrected
         by responses of the bodies
-    scene
-        for the units
     """
     sliding = sliding_in_words(effects.sliding)
     if effects.reason_unknown:

@@ -431,10 +431,10 @@ def change_by_central_differences(
     ----------
     values_at
         computes the values of a scene
-    uncertain_input
-        its `key`, and its `standard_uncertainty`: relative, of a phase in degrees
     scene
         as stated
+    uncertain_input
+        its `key`, and its `standard_uncertainty`: relative, of a phase in degrees
     values_at_inputs
         the values with the input as it is, by name
 
@@ -1513,12 +1513,12 @@ def _uncertain_differences(
 
     Parameters
     ----------
+    scene
+        with uncertain inputs and finite bodies
     effects
         elastic responses of the bodies beyond those of half-planes; solved for here where None
     correlation
         (n, n) correlation matrix of the inputs
-    scene
-        with uncertain inputs and finite bodies
 
     Returns
     -------

@@ -225,6 +225,10 @@ def _values_with_other_noise(
 
     Parameters
     ----------
+    scene
+        whose profile was fitted; its name stands in the message
+    fit
+        record of the fit, with its noise
     pattern
         residuals (m,) of the m fitted rows where they have a pattern along x, which is added at
         another place; None: they are noise
@@ -232,10 +236,6 @@ def _values_with_other_noise(
         how the dissipation is computed, or that it is left out
     seed
         seed of the random numbers
-    scene
-        whose profile was fitted; its name stands in the message
-    fit
-        record of the fit, with its noise
     """
     from scenes.fitting import fitted_again
 
@@ -354,10 +354,10 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
 
     Parameters
     ----------
-    half_width
-        half-width of the largest contact [length]
     scene
         whose profile may be fitted
+    half_width
+        half-width of the largest contact [length]
     """
     # Record of the fit; None for a profile that is not fitted.
     fit = profile_fit_of(scene)

@@ -997,10 +997,10 @@ class _ScaledRows:
         noise
             standard deviation of a height, over the range of heights; None: unknown
 
-            Returns
-            -------
-            _Fit
-                That of the least expected error, with its number of effective parameters.
+        Returns
+        -------
+        _Fit
+            That of the least expected error, with its number of effective parameters.
         """
         # `x` and `h` (n,): dimensionless places and heights of the points.
         n_rows = len(self.x)

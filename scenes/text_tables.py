@@ -243,7 +243,7 @@ def text_table(
         what the table is to the user, and what to do about one that is too large (`role_of_file`,
         `advice_on_size`), for messages; and which headings to expect where `columns` is empty
 
-        Raises
+    Raises
     ------
     InputError
         One sentence that names file, line, column, value and rule.
