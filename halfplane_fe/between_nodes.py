@@ -150,6 +150,8 @@ class Edge:
 
         Parameters
         ----------
+        problem
+            the contact problem, with the nodes of its `interface`
         side
             1 on the right of x = 0, -1 on the left
         node
@@ -175,22 +177,27 @@ class Edge:
 
         The change of Q since the sliding node was met is its slip over its rate. That to the stuck
         node is its force to the Coulomb limit, f p - s q, over its rate. For permanent stick `turn`
-        has both distances between the two turning points of slip: locked-in shear drops out. At an
-        instant between them it does not. Beside an older stick edge the place is then wrong by up
-        to the distance of the nodes.
+        has both between the two turning points of slip: locked-in shear drops out. At an instant
+        between them it does not. Beside an older stick edge the place is then wrong by up to the
+        distance of the nodes.
+
+        # notation: p normal and q shear force of a node, s sense of slip, f friction
 
         Parameters
         ----------
+        problem
+            the contact problem: nodes of its `interface`, and friction f
         side
             1 on the right of x = 0, -1 on the left
         last_stuck
             outermost node of the stick zone; the next one outwards slides
         turn
-            sense of slip, and the two distances
+            sense of slip, slip of the first sliding node, and force of the last stuck one to the
+            Coulomb limit
         by_load
             (4, n) derivatives by Q of slip, normal force, shear force and gap of the nodes
         """
-        node = last_stuck + side
+        node = last_stuck + side  # the first sliding one
         slip_rates, pressure_rates, shear_rates, _ = by_load
         force_rates = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
         load_from_node = _load_to(turn.slip, slip_rates[node])
@@ -206,6 +213,9 @@ class Edge:
     def fraction_passed(self, change_of_load: float = 0.0) -> float:
         """Where the edge is after a change of load, as a fraction 0 to 1 of the way from `node` to
         `next_node`.
+
+        `load_between` is the load that takes it all that way, `load_from_node` the part of it that
+        has taken it to its present place.
         """
         return float(
             np.clip(self.load_from_node + change_of_load, 0.0, self.load_between)
@@ -233,13 +243,21 @@ class Edge:
         )
 
     def dimensionless_excess(self, fraction: ArrayLike) -> Array:
-        """g of the module's docstring, dimensionless excess work, at a fraction of the way from
-        `node` to `next_node`.
+        """Dimensionless excess work g of a mesh at fractions t of the way of an edge from `node` to
+        `next_node`: that of a chain of chords over the smooth curve that it follows.
+
+            g = v_k + (v_l - v_k) t - d^2 t (1 - t)/2
+
+        The mean of g over all places of an edge is zero. Quadratic elements have two kinds of
+        nodes, corners and mid-side nodes.
+
+        # notation: v_k, v_l values at both nodes; d distance of the edge's places at them, over
+        # the element
         """
-        at_corner = (_V_OF_BOTH - _V) / 2
-        at_middle = (_V_OF_BOTH + _V) / 2
+        v_of_corner = (_V_OF_BOTH - _V) / 2
+        v_of_mid_side = (_V_OF_BOTH + _V) / 2
         v_of_node, v_of_next = (
-            (at_corner, at_middle) if self._is_at_corner else (at_middle, at_corner)
+            (v_of_corner, v_of_mid_side) if self._is_at_corner else (v_of_mid_side, v_of_corner)
         )
         t = np.asarray(fraction)
         return np.asarray(
@@ -249,18 +267,25 @@ class Edge:
     @property
     def load_over_rate_jump(self) -> float:
         """Load between the nodes over the dimensionless change of rates at `node`, j_k d: times a
-        change of work by load and times g it is the excess work.
+        change of work by load, and times the dimensionless excess g, it is the excess work.
+
+        # notation: j_k by how much the slope of g falls at the node, d distance of the edge's
+        # places at both nodes, over the element
         """
         jump_of_node = 1 - _JUMP_OF_MIDDLE if self._is_at_corner else _JUMP_OF_MIDDLE
         return self.load_between / (self._spacing_in_elements * jump_of_node)
 
     @property
     def _is_at_corner(self) -> bool:
+        """Whether the node that the edge met last is a corner of elements, not a mid-side node."""
         return _is_corner(self.interface, self.node)
 
     @property
     def _spacing_in_elements(self) -> float:
-        """d of the module, in elements."""
+        """Distance d of the edge's places when it meets its two nodes, over the element: D, a
+        little more than half, from a mid-side node outwards to the next corner, and 1 - D from
+        there to the next mid-side node.
+        """
         is_inwards = (self.next_node - self.node) * self.side < 0
         return _D if self._is_at_corner == is_inwards else 1 - _D
 
@@ -285,14 +310,20 @@ class TurnOfSlip(NamedTuple):
 
 
 def place_when_met(interface: Interface, node: int, side: int) -> float:
-    """Place of an edge on one side of x = 0, 1 or -1, when it meets a node."""
+    """Place x of an edge of contact or stick when it meets a node: a small part of an element
+    inside a corner, a larger part inside a mid-side node. `side` of x = 0 is 1 (right) or -1
+    (left).
+    """
     x = interface.x
+    # in elements, whose size is the distance of the two neighbours of the node
     before_node = _CORNER_IS_MET if _is_corner(interface, node) else _CORNER_IS_MET + _D - 0.5
     return float(x[node] - side * before_node * abs(x[node + 1] - x[node - 1]))
 
 
 def _is_corner(interface: Interface, node: int) -> bool:
-    """Whether a node of quadratic elements is a corner, not a mid-side one."""
+    """Whether a node of quadratic elements is a corner, not a mid-side one: corners stand for less
+    of the face than the nodes beside them.
+    """
     return bool(interface.face_lengths[node] < interface.face_lengths[node - 1])
 
 
@@ -315,21 +346,25 @@ class EdgesByLoad(NamedTuple):
 
     @classmethod
     def nowhere(cls, n_instants: int) -> EdgesByLoad:
-        """No edge at any instant."""
+        """A record of k instants at which no load places an edge: -1 for nodes, NaN for places and
+        their uncertainty.
+        """
         shape = (n_instants, 2)
         return cls(np.full(shape, -1), np.full(shape, np.nan), np.full(shape, np.nan))
 
     @classmethod
     def joined(cls, parts: Sequence[EdgesByLoad]) -> EdgesByLoad:
-        """Those of instants that follow each other."""
+        """Edges at consecutive instants, from several records of such instants."""
         return cls(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
     def at(self, rows: Indices | slice) -> EdgesByLoad:
-        """Those of some instants."""
+        """Edges at those of the k instants that `rows` picks."""
         return EdgesByLoad(self.last_node[rows], self.places[rows], self.uncertainty[rows])
 
     def mirrored(self, middle: int) -> EdgesByLoad:
-        """Both edges by the right one of a half, whose first node is number `middle` of all."""
+        """Edges on both sides from the right ones of a half that was solved alone; the left ones
+        are mirror images. Its first node is number `middle` of all nodes.
+        """
         right_node = self.last_node[:, 1:]
         outwards = np.array([-1, 1])
         return EdgesByLoad(
@@ -339,8 +374,22 @@ class EdgesByLoad(NamedTuple):
         )
 
     def put(self, row: int, last_node: int, edge: Edge, unevenness: Array, share: float) -> None:
-        """Store the edge beyond a node, uncertain by a share of the distance of two nodes, and put
-        right by what `_unevenness` tells beyond mid-side nodes.
+        """Store the place and the uncertainty of an edge at one instant, in the arrays of this
+        record.
+
+        Parameters
+        ----------
+        row
+            number of the instant
+        last_node
+            last node of the zone that ends at the edge
+        edge
+            between this node and the next, placed by the load
+        unevenness
+            (3,) how unevenly the load takes it on, by nodes behind it: beyond a mid-side node its
+            place is corrected by that
+        share
+            uncertainty over the distance of the edge's places at both nodes; 1 at most
         """
         column = 0 if edge.side < 0 else 1
         self.last_node[row, column] = last_node
@@ -349,18 +398,30 @@ class EdgesByLoad(NamedTuple):
 
 
 def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -> EdgesByLoad:
-    """Edges of contact of k states by P."""
+    """Left and right edge of contact at k instants, placed between two nodes by the load P that
+    moves it, with an uncertainty; none where P is not positive, where fewer than six nodes touch on
+    a side, and where elements are not quadratic.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with the derivatives of all nodal values by the loads (`rates`)
+    states
+        the k contact states
+    """
     edges = EdgesByLoad.nowhere(len(states))
     for row, state in enumerate(states):
         if not state.normal_load > 0:
             continue
-        for side in (-1, 1):
-            inwards = _inwards(problem, state, side)
-            if len(inwards) < _CLOSED:
+        for side in (-1, 1):  # left and right of x = 0
+            nodes_inwards = _inwards(problem, state, side)  # closed ones, the outermost first
+            if len(nodes_inwards) < _CLOSED:
                 continue
-            last_closed = int(inwards[0])
+            last_closed = int(nodes_inwards[0])
             if not _is_quadratic(problem, last_closed):
                 continue
+
+            # Place by pressure, gap and their rates; uncertainty as a share of the node distance.
             by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
             edge = Edge.of_contact(problem, side, last_closed, state, by_load)
             if edge.is_moved:
@@ -375,17 +436,20 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
 def stick_by_load(
     problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
 ) -> EdgesByLoad:
-    """Stick edges of states that a load takes inwards, by that load: of those after the first.
+    """Left and right edge of the stick zone at k instants, placed between two nodes by the load Q
+    that takes it inwards, with an uncertainty; none where no load does.
 
     Where shear moves away from the Coulomb limit the edge goes outwards, as between unlike bodies
     that are pressed: there no load places it.
 
     Parameters
     ----------
+    problem
+        the contact problem, with friction and the derivatives of nodal values by the loads
     states
-        (k + 1,) the one before, and k that follow
+        (k + 1,) contact states: the one before, and k that follow
     travels
-        (k, n) what each node has slipped since it last stuck or turned round
+        (k, n) distance that each node has slipped since it last stuck or turned round
     """
     edges = EdgesByLoad.nowhere(len(travels))
     if not problem.has_shear:
@@ -393,7 +457,8 @@ def stick_by_load(
     for row, (before, state, travel) in enumerate(
         zip(states[:-1], states[1:], travels, strict=True)
     ):
-        for side in (-1, 1):
+        for side in (-1, 1):  # left and right of x = 0
+            # last node that sticks, and number of nodes that the edge has passed since slip began
             last_stuck, n_passed = _behind_slip_zone(problem, state, travel, side)
             if not n_passed or not _is_quadratic(problem, last_stuck + side):
                 continue
@@ -408,7 +473,9 @@ def stick_by_load(
 
 
 def _is_quadratic(problem: ContactProblem, node: int) -> bool:
-    """Whether corners and mid-side nodes take turns around a node, elements of any sizes."""
+    """Whether corners and mid-side nodes take turns around a node, as quadratic elements of any
+    sizes have them; False where fewer than two nodes are on either side.
+    """
     if not 2 <= node < len(problem.interface.face_lengths) - 2:
         return False
     if _has_equal_elements(problem, node):
@@ -420,7 +487,12 @@ def _is_quadratic(problem: ContactProblem, node: int) -> bool:
 def _comes_to_limit(
     problem: ContactProblem, before: InterfaceState, after: InterfaceState, edge: Edge
 ) -> bool:
-    """Whether the shear of the last node that sticks has come nearer to the Coulomb limit."""
+    """Whether the shear of the last node that sticks has come nearer to the Coulomb limit from the
+    contact state `before` to the state `after`, so that the edge goes inwards.
+
+    `edge` is that of stick: its `node` slides, its `next_node` is the last one that sticks. The
+    distance from the limit is f p - s q, s the sense of slip.
+    """
     sense = int(slip_sign(after.node_states[edge.node]))
     distance_before, distance_after = (
         force_to_limit(
@@ -432,7 +504,9 @@ def _comes_to_limit(
 
 
 def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
-    """Closed nodes on one side of x = 0, from the outermost one inwards."""
+    """Numbers of the nodes that touch on one side of x = 0 (1 right, -1 left), from the outermost
+    one inwards.
+    """
     is_on_side = state.is_closed & (side * problem.interface.x >= 0)
     return np.flatnonzero(is_on_side)[::-side]
 
@@ -441,33 +515,65 @@ def _behind_slip_zone(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int
 ) -> tuple[int, int]:
     """The last node that sticks behind the outermost slip zone on one side of x = 0, and how many
-    nodes the edge has passed since slip began: none where too few stick.
+    nodes the edge of stick has passed since slip began; -1 and 0 where no node slides or fewer than
+    eight nodes stick behind the slip zone.
 
-    Slip began beside the node that has come farthest. `travel` (n,) is how far each has.
+    Slip began beside the node that has come farthest.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with the places of the nodes
+    state
+        contact state: nodes that touch, stick, slide
+    travel
+        (n,) distance that each node has slipped since it last stuck or turned round
+    side
+        1 on the right of x = 0, -1 on the left
     """
-    inwards = _inwards(problem, state, side)
-    slides = slip_sign(state.node_states[inwards]) != 0
-    if not slides.any():
+    nodes_inwards = _inwards(problem, state, side)  # those that touch, the outermost first
+    is_sliding = slip_sign(state.node_states[nodes_inwards]) != 0
+    if not is_sliding.any():
         return -1, 0
-    outermost = int(np.argmax(slides))  # nodes that have just come to touch stick
-    first_stuck = outermost + int(np.argmin(slides[outermost:]))
+
+    # Positions in that order: begin of the slip zone, and of the stick zone behind it.
+    first_sliding = int(np.argmax(is_sliding))  # nodes that have just come to touch stick
+    first_stuck = first_sliding + int(np.argmin(is_sliding[first_sliding:]))
     stick_zone = slice(first_stuck, first_stuck + _STICK_ZONE)
-    if len(inwards[stick_zone]) < _STICK_ZONE or slides[stick_zone].any():
+    if len(nodes_inwards[stick_zone]) < _STICK_ZONE or is_sliding[stick_zone].any():
         return -1, 0
-    farthest = outermost + int(np.argmax(np.abs(travel[inwards[outermost:first_stuck]])))
-    return int(inwards[first_stuck]), first_stuck - farthest
+
+    farthest = first_sliding + int(
+        np.argmax(np.abs(travel[nodes_inwards[first_sliding:first_stuck]]))
+    )
+    return int(nodes_inwards[first_stuck]), first_stuck - farthest
 
 
 def _placed_by_load(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
 ) -> tuple[Edge, Array]:
     """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
-    takes it on, by `_unevenness`.
+    takes it on, (3,), by three nodes behind it.
+
+    Parameters
+    ----------
+    problem
+        the contact problem: friction, and derivatives of nodal values by the loads (`rates`)
+    state
+        contact state: nodal forces, and open, stick or slip of the nodes
+    travel
+        (n,) distance that each node has slipped since it last stuck or turned round
+    side
+        1 on the right of x = 0, -1 on the left
+    last_stuck
+        outermost node of the stick zone; the next one outwards slides
     """
-    node = last_stuck + side
+    node = last_stuck + side  # the first sliding one
     sense = int(slip_sign(state.node_states[node]))
+    # by Q, (4, n): slip, pressure, shear and gap
     by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
     _, pressure_rates, shear_rates, _ = by_load
+    # f p - s q of the nodes (n,), s the sense of slip, and its derivative by Q
     to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
     turn = TurnOfSlip(sense, sense * float(travel[node]), float(to_limit[last_stuck]))
@@ -476,17 +582,20 @@ def _placed_by_load(
 
 
 def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> Array:
-    """How unevenly the load takes an edge on, by three nodes behind it: 0 where it does so evenly,
-    infinite where it does not take it on at all.
+    """How unevenly the load moves an edge of contact or stick, (3,), by three nodes behind it: 0
+    where it does so evenly, infinite where it does not move the edge at all.
 
     Force over rate of a node behind the edge is the load since an edge would have met it at this
-    rate. While the load takes the edge on evenly, that of each node exceeds that of the last one by
-    a known number of times the load between two nodes. Near the start of a loading, an older stick
-    edge, a kink of the profile, or larger elements it does not. The logarithm of the ratio of both
-    tells.
+    rate. While the load moves the edge evenly, that of each node exceeds that of the last one by a
+    known number of times the load between two nodes (`_LOADS_BEHIND`). Near the start of a loading,
+    an older stick edge, a kink of the profile, or larger elements it does not. Returned is the
+    logarithm of the ratio of both.
 
     Parameters
     ----------
+    edge
+        `load_between` is the load that takes it from its last node to the next; `side` is 1 on the
+        right of x = 0, -1 on the left
     last_node
         of the zone that ends at the edge
     force, force_rates
@@ -503,32 +612,37 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
 
 
 def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
-    """Place of an edge, moved beyond a mid-side node by what the nodes behind it tell; scaled.
+    """Place x of an edge by the load, corrected where the last node of its zone is a mid-side node;
+    scaled.
 
     The load at which elements let an edge meet a mid-side node errs, by how the sizes around it
-    differ. That shows at the first node behind it, not at the second. Nothing is moved by more than
-    half the distance of two nodes.
+    differ. That shows in the unevenness of the first node behind it, not of the second: the
+    correction is a share of their difference (`_OFF_MID_SIDE`), times the distance of two nodes.
+    Where it would be more than half of that distance, nothing is corrected.
 
     Parameters
     ----------
+    edge
+        between two nodes; `spacing` is the distance of its places at them, `side` 1 on the right of
+        x = 0, -1 on the left
     last_node
         of the zone that ends at the edge
     unevenness
-        (3,) by the nodes behind it, `_unevenness`
+        (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly
     """
-    of_first, of_second, _ = unevenness
-    if _is_corner(edge.interface, last_node) or not np.isfinite([of_first, of_second]).all():
+    at_first, at_second, _ = unevenness  # nodes behind the last one
+    if _is_corner(edge.interface, last_node) or not np.isfinite([at_first, at_second]).all():
         return edge.place
-    share_of_spacing = _OFF_MID_SIDE * float(of_first - of_second)
+    share_of_spacing = _OFF_MID_SIDE * float(at_first - at_second)
     if abs(share_of_spacing) > _MOST_OFF_MID_SIDE:
         return edge.place
     return edge.place + edge.side * edge.spacing * share_of_spacing
 
 
 def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[float, float]:
-    """How uncertain the place of an edge is, over the distance of its two nodes: by the kind of the
-    last node of its zone and how near x = 0 is, and by how unevenly the load takes it on,
-    `unevenness` (3,).
+    """How uncertain the place of an edge is, over the distance of its two nodes, in two parts: by
+    the kind of the last node of its zone (corner or mid-side) and how near x = 0 is; and by how
+    unevenly the load moves it, `unevenness` (3,), 0 where evenly.
     """
     is_corner = _is_corner(edge.interface, last_node)
     at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
@@ -541,14 +655,17 @@ def _share_by_late_start(edge: Edge, unevenness: Array) -> float:
     """How far a stick edge may be beyond its place, over the distance of both nodes, because its
     first sliding node began to slide late: at the start of slip, or where the edge has jumped.
 
-    What the node has slipped then tells too little of the way from there. The nodes behind the edge
-    tell the load between both nodes without it, and what lacks of the Coulomb limit the way that is
-    left. The least of what they tell counts.
+    The slip of that node then tells too little of the way from there. The nodes behind the edge
+    tell the load between both nodes without it; the force to the Coulomb limit tells the way that
+    is left. The least of the three values counts.
 
     Parameters
     ----------
+    edge
+        of stick; `fraction_passed` is its way from the sliding node, 0 to 1
     unevenness
-        (3,) by the nodes behind
+        (3,) how unevenly the load moves the edge, by the nodes behind it: logarithm of the load
+        that each shows over that of an even motion
     """
     load_ratio = math.exp(-max(float(np.min(unevenness)), 0.0))
     return (1 - edge.fraction_passed()) * (1 - load_ratio)
@@ -580,7 +697,7 @@ class StickZone(NamedTuple):
     turn_times: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
     def in_unit(self, length: float) -> StickZone:
-        """The zone with its places times a length."""
+        """The permanent stick zone with its places and their uncertainty times a length."""
         return self._replace(
             place_at_last_stuck=self.place_at_last_stuck * length,
             place_at_first_sliding=self.place_at_first_sliding * length,
@@ -589,7 +706,7 @@ class StickZone(NamedTuple):
         )
 
     def moved(self, ways: Array) -> StickZone:
-        """The zone with its left and its right end moved by `ways` (2,)."""
+        """The permanent stick zone with its left and its right end moved by `ways` (2,) along x."""
         return self._replace(
             place_at_last_stuck=self.place_at_last_stuck + ways,
             place_at_first_sliding=self.place_at_first_sliding + ways,
@@ -597,7 +714,9 @@ class StickZone(NamedTuple):
         )
 
     def mirrored(self) -> StickZone:
-        """The zone with a left end that is the image of the right one."""
+        """The permanent stick zone with a left end that is the mirror image of the right one, as
+        only the right half of the nodes was solved.
+        """
         outwards = np.array([-1.0, 1.0])
         return StickZone(
             place_at_last_stuck=outwards * self.place_at_last_stuck[1],
@@ -612,7 +731,11 @@ class StickZone(NamedTuple):
         they are the given `edges` (2,) if between the two nodes, or else the middle between these.
 
         `edges` are those of the intersection of all stick zones of the cycle. One that is more than
-        a few nodes away is left as it is: the zone may creep at its ends.
+        four node distances away is left as it is: the zone may creep at its ends.
+
+        `place_at_last_stuck` and `place_at_first_sliding` (2,) are the places of each end when it
+        meets the last node that sticks, and the first one that slides. `places_by_load` are NaN
+        where no load places an end.
         """
         middle = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
         is_same = np.abs(edges - middle) <= _SAME_EDGE * self.spacing
@@ -621,11 +744,11 @@ class StickZone(NamedTuple):
         return np.where(is_same, by_nodes, edges)
 
     def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
-        """Uncertainty (2,) of the ends that `confine` returned, by the mesh.
+        """Uncertainty (2,) of the ends `edges` (2,) of the permanent stick zone, by the mesh.
 
-        Where the loads place an edge, they tell it. Elsewhere it is `by_stick_zones` (2,), that of
-        the stick edges of single instants. Between its nodes an edge is never less certain than by
-        its larger distance from them.
+        Where the loads place an end (`places_by_load`), theirs counts. Elsewhere it is
+        `by_stick_zones` (2,), that of the stick edges of single instants. Between the places at its
+        two nodes an end is never less certain than by its larger distance from them.
         """
         by_nodes = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
@@ -634,7 +757,9 @@ class StickZone(NamedTuple):
         return np.where(edges == self.places_by_load, self.uncertainty_by_load, confined)
 
     def holds(self, edges: Array) -> Mask:
-        """(2,) whether each of two edges lies between the nodes around that end of the zone."""
+        """Whether each of two edges lies between the places at the two nodes around that end of the
+        zone, (2,).
+        """
         farthest = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
         )
@@ -687,11 +812,20 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         the contact problem that the states solve
     states
         contact states of the cycle, the first one from before it
+
+    Returns
+    -------
+    Excess
+        Error of the work, its rms over all places of the edges between their nodes, number of edges
+        that count, and the permanent stick zone. Zeros without shear, and where no zone of three
+        nodes sticks through the cycle.
     """
     no_excess = Excess(0.0, 0.0, 0)
     problem.work_counts.pop(TAKEN_OFF, None)
     if not problem.has_shear:
         return no_excess
+
+    # Nodes of the permanent stick zone: closed all along, with a range of slip that is next to 0.
     slip = np.stack([state.slip for state in states])
     slip_range = np.ptp(slip, axis=0)
     is_closed = np.stack([state.is_closed for state in states])
@@ -700,6 +834,8 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     stick_zone = np.flatnonzero(sticks_all_along)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return no_excess
+
+    # Excess work at the edges of stick and of contact, on the right and on the left.
     stick_edges: dict[int, _StickEdgeAtTurns] = {}  # by the side, 1 or -1
     works_at_contact_edges: list[_ExcessWork] = []
     for side in (1, -1):
@@ -710,6 +846,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         work_at_contact_edge = _at_contact_edge(problem, states, slip, side)
         if work_at_contact_edge is not None:
             works_at_contact_edges.append(work_at_contact_edge)
+
     works_at_stick_edges = [edge.excess for edge in stick_edges.values()]
     works_at_edges = works_at_stick_edges + works_at_contact_edges
     problem.work_counts[TAKEN_OFF] = len(works_at_edges)
@@ -730,7 +867,8 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
 def _stick_zone(
     problem: ContactProblem, sticks: Mask, stick_edges: Mapping[int, _StickEdgeAtTurns]
 ) -> StickZone:
-    """Left and right end of the permanent stick zone of a load cycle, scaled.
+    """Left and right end of the permanent stick zone of a load cycle, scaled: places of each when
+    it meets the nodes around it, and its place by the loads; NaN where these are not known.
 
     Parameters
     ----------
@@ -795,10 +933,13 @@ def _at_stick_edge(
     """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
     between two nodes, and the excess friction work by that; None where it cannot be placed.
 
-    The excess work of a turning point is the sum over nodes of f p times the change of slip by
-    `Edge.dimensionless_excess`. Locked-in shear brings a node beside the edge nearer to the Coulomb
-    limit at one turning point, and takes it further away at the other. So its distances from the
-    limit at both are added.
+    On a mesh the edge moves from node to node, so that its slip follows chords of a smooth curve,
+    which they exceed by a known function of its place between the nodes. The excess work of a
+    turning point is the sum over nodes of f p times that excess of slip. Locked-in shear brings a
+    node beside the edge nearer to the Coulomb limit at one turning point, and takes it further away
+    at the other. So its distances from the limit at both are added.
+
+    # notation: f friction, p and q normal and shear force of a node
 
     Parameters
     ----------
@@ -813,6 +954,8 @@ def _at_stick_edge(
     side
         1 for the right edge, -1 for the left one
     """
+    # Nodes around the edge: the last one of the stick zone, the first one that slides; and that of
+    # the opposite edge.
     leftmost, rightmost = np.flatnonzero(sticks)[[0, -1]].tolist()
     last_stuck = rightmost if side > 0 else leftmost
     first_stuck = leftmost if side > 0 else rightmost
@@ -820,10 +963,12 @@ def _at_stick_edge(
     opposite_sliding = first_stuck - side
     if not _has_equal_elements(problem, first_sliding):
         return None
+
+    # States at the turning points of slip, by the sense of slip that ends there.
     slip_of_node = slip[:, first_sliding]
     slip_range = float(np.ptp(slip_of_node))
     signs = slip_sign(np.array([state.node_states[first_sliding] for state in states]))
-    states_at_turns: dict[int, InterfaceState] = {}  # by the sense of slip that ends
+    states_at_turns: dict[int, InterfaceState] = {}
     turn_times: list[float] = []
     for sign in (1, -1):
         is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
@@ -832,12 +977,15 @@ def _at_stick_edge(
             return None
         states_at_turns[sign] = states[turning_steps[-1]]
         turn_times += [states[step].time for step in turning_steps.tolist()]
+
+    # f p - s q of the nodes (n,), s the sense of slip, added up over both turning points.
     friction = problem.friction
     forces_to_limit = [
         force_to_limit(state.pressure, state.shear, sign, friction)
         for sign, state in states_at_turns.items()
     ]
     forces_to_limit_of_both = np.sum(forces_to_limit, axis=0)
+
     excess_work = 0.0
     rms = 0.0
     places: list[float] = []
@@ -852,6 +1000,8 @@ def _at_stick_edge(
         sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
+
+        # Place of the edge, by the derivatives (4, n) of slip, p, q and gap by Q.
         turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
         by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
@@ -863,6 +1013,9 @@ def _at_stick_edge(
         places.append(_place_put_right(edge, last_stuck, unevenness))
         share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck, unevenness))
         uncertainties.append(edge.spacing * min(share, 1.0))
+
+        # Excess work: change of the slip rates as the edge meets its node, and the opposite edge
+        # its own, times the excess at the place of the edge.
         opposite_slides = 0 <= opposite_sliding < len(is_sliding) and bool(
             is_sliding[opposite_sliding]
         )
@@ -892,12 +1045,18 @@ def _at_contact_edge(
     """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
     one side of x = 0; None where the edge cannot be placed at some increment.
 
-    Along each increment the pressure is linear in P, and no node touches or separates. Its excess
-    work is the sum over nodes of f |slip| times the change of pressure by
-    `Edge.dimensionless_excess`, integrated over the increment.
+    Along each increment the pressure is linear in P, and no node touches or separates. From node to
+    node it follows chords of a smooth curve, which they exceed by a known function of the edge's
+    place between them. The excess work of an increment is the sum over nodes of f |slip| times that
+    excess of pressure, integrated over the increment.
+
+    # notation: f coefficient of friction
 
     Parameters
     ----------
+    problem
+        the contact problem that the states solve; its `rates` are derivatives of nodal values by
+        the loads at given node states, its `interface.coupling` is None of like bodies
     states
         contact states of a load cycle, the first one from before it
     slip
@@ -909,8 +1068,9 @@ def _at_contact_edge(
     rates_of_contacts: dict[bytes, Array] = {}  # by the set of closed nodes
 
     def rates_by_load(state: States) -> Array:
-        """(4, n) derivatives by P of slip, normal force, shear force and gap of the nodes. Between
-        like bodies they depend on the closed nodes alone; unlike ones are taken in full stick.
+        """Derivatives (4, n) by P of slip, normal force, shear force and gap of the nodes, whose
+        states are `state` (n,). Between like bodies they depend on the closed nodes alone; unlike
+        ones are taken in full stick.
         """
         if problem.interface.coupling is not None:
             state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
@@ -924,11 +1084,13 @@ def _at_contact_edge(
         return np.asarray(rates_by_load(state)[1])
 
     for state in states:
-        rates_by_load(state.node_states)
+        rates_by_load(state.node_states)  # cached in the order of the states
+
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
     for start, end, node_slips in zip(states[:-1], states[1:], slip_increments, strict=True):
+        # Outermost closed node on this side, and on the opposite one.
         closed_nodes = np.flatnonzero(start.is_closed)
         node = int(closed_nodes[-1 if side > 0 else 0])
         opposite_node = int(closed_nodes[0 if side > 0 else -1])
@@ -939,6 +1101,8 @@ def _at_contact_edge(
             return None
         if not 0 <= next_node < len(node_slips):
             return None
+
+        # Way of the edge during the increment, as fractions of that from node to node.
         edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.node_states))
         if not edge.is_moved:
             return None
@@ -946,6 +1110,8 @@ def _at_contact_edge(
         fraction_at_end = edge.fraction_passed(end.loads[0] - start.loads[0])
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
         fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
+
+        # Excess work: change of the pressure rates as the edge meets its node.
         nodes = (node, opposite_node) if _has_equal_elements(problem, opposite_node) else (node,)
         change_of_pressure_rates = _change_of_rates(
             pressure_by_load, start.node_states, nodes, OPEN
@@ -980,16 +1146,17 @@ def _change_of_rates(
     Parameters
     ----------
     rates
-        from the labels of the nodes (n,) to the derivatives (n,)
+        function from the states of the nodes (n,) to the derivatives (n,)
     state
-        (n,) labels open, stick or slip of the nodes, after the change
+        (n,) open, stick or slip of the nodes, after the change
     nodes
         the node that changed, and if there is one, the other that did so with it
     earlier_label
-        of the nodes before: open or stick
+        state of these nodes before the change: open or stick
     """
     node, *second_node = nodes
     changes = []
+    # the second node changes before the first one, or after it
     for nodes_not_changed_yet in {(), tuple(second_node)}:
         state_after = state.copy()
         state_after[list(nodes_not_changed_yet)] = earlier_label
@@ -1003,16 +1170,17 @@ def _has_equal_elements(problem: ContactProblem, node: int) -> bool:
     """Whether a node and its two neighbours on either side have quadratic elements of equal size
     around them.
 
-    By Simpson's rule a mid-side node then has twice the integration weight of its neighbours, which
-    are corners of two elements.
+    By Simpson's rule a mid-side node then stands for twice the length of face of its neighbours,
+    which are corners of two elements: 1.8 to 2.2 times (`_SIMPSON`).
     """
-    weights = problem.interface.face_lengths
-    if not 2 <= node < len(weights) - 2:
+    lengths = problem.interface.face_lengths
+    if not 2 <= node < len(lengths) - 2:
         return False
-    weights_of_kind = weights[node - 2 : node + 3 : 2].tolist()
-    weights_beside = weights[node - 1 : node + 2 : 2].tolist()
-    corner_weights, mid_side_weights = sorted((weights_of_kind, weights_beside), key=max)
+    # The node and those two nodes away are of one kind, its neighbours of the other kind.
+    lengths_of_kind = lengths[node - 2 : node + 3 : 2].tolist()
+    lengths_beside = lengths[node - 1 : node + 2 : 2].tolist()
+    corner_lengths, mid_side_lengths = sorted((lengths_of_kind, lengths_beside), key=max)
     least_ratio, largest_ratio = _SIMPSON
-    if min(mid_side_weights) < least_ratio * max(corner_weights):
+    if min(mid_side_lengths) < least_ratio * max(corner_lengths):
         return False
-    return max(mid_side_weights) <= largest_ratio * min(corner_weights)
+    return max(mid_side_lengths) <= largest_ratio * min(corner_lengths)

@@ -415,7 +415,7 @@ def _stick_uncertainty(
         is_narrow, np.maximum(by_states_alone, of_narrow_slip_zone), by_states_alone
     )
 
-    # Fitted edges; 0.45 node distances from the edge by states are usual.
+    # Fitted edges; up to about half a node distance from the edge by states is usual.
     beyond_usual = np.maximum(by_states - _BY_STATES * spacing, 0.0)
     of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + beyond_usual
     uncertainty = np.where(edges == stick.by_states, of_unfitted_edge, of_fitted_edge)
@@ -440,8 +440,8 @@ def held_back_by_growth(
     Such elements make a body too stiff. A body that is too stiff by a share d of E* has the contact
     of a load P (1 - d), and all edges of stick too are those of loads that are smaller by d. An
     edge of the stick zone is where the edge of contact was under some smaller load L. So it lacks
-    d L da/dL, as that did. Here d is 0.0068 times the third power of the growth. A share of the
-    distance of two nodes, 0.155 times the same power, is added.
+    d L da/dL, as that did. Here d is the third power of the growth times a fitted share
+    (`_LOAD_LACKED`). Added is a share of the distance of two nodes times the same power.
 
     # notation: a half-width of contact
 
@@ -463,8 +463,8 @@ def held_back_by_growth(
 
 def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
     """By how much edges are uncertain since elements grow away from them, by the `growth` of their
-    size and the distance of the nodes around each edge, `spacing` [length]: nothing up to a growth
-    of 0.2, 0.005 of that distance from 0.4 on.
+    size and the distance of the nodes around each edge, `spacing` [length]: nothing on meshes that
+    grow slowly, a few thousandths of that distance on those that grow fast.
 
     >>> uncertainty_by_growth(0.3, np.array([0.01])).round(7).tolist()
     [2.5e-05]
@@ -474,7 +474,7 @@ def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
 
 def left_of_growth(put_right: Array, is_thick: bool = True) -> Array:
     """By how much edges may still be wrong after a correction for elements that grow away from
-    them and hold them back [length]: by 0.05 of it, or by half of it in thin or curved bodies.
+    them and hold them back [length]: by a small share of it, a larger one in thin or curved bodies.
 
     Parameters
     ----------
@@ -542,8 +542,8 @@ def uncertainty_at_jumps(
     jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
     instant before or after the jump may be that of the other side of it. Inwards an edge also goes
     far in one increment, without a jump: one that is known well beside it is on its way, unless
-    slip starts in this increment. Moves of a few nodes are no jumps: of up to six, or up to two
-    where slip starts or ends. A stick zone that vanishes or appears ends in its middle.
+    slip starts in this increment. Moves of a few nodes are no jumps, of fewer where slip starts or
+    ends. A stick zone that vanishes or appears ends in its middle.
 
     Parameters
     ----------
