@@ -168,13 +168,10 @@ def snapshots_of(
     """
     import halfplane_fe
 
-    for first_instant in range(0, len(instants), _SNAPSHOTS_AT_ONCE):
+    for first_index in range(0, len(instants), _SNAPSHOTS_AT_ONCE):
         yield from halfplane_fe.fields(
             solution,
-            [
-                instant.time
-                for instant in instants[first_instant : first_instant + _SNAPSHOTS_AT_ONCE]
-            ],
+            [instant.time for instant in instants[first_index : first_index + _SNAPSHOTS_AT_ONCE]],
         )
 
 

@@ -574,7 +574,7 @@ def _cell_of_contact(
     skins = []
     for body in snapshot.bodies:
         # faces that are flat in the mesh are moved apart by the gap, which is drawn as well
-        lift_by_gap = np.outer(gap_share(solution, body), (0.0, 1.0))
+        lift_by_gap = np.outer(rise_by_gap(solution, body), (0.0, 1.0))
         points = body.points + body.displacement + lift_by_gap
         limits = (0.0, largest_stress)
         skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
@@ -611,7 +611,7 @@ def _cell_of_contact(
     return Cell((panel, strip, colours), None)
 
 
-def gap_share(solution: FiniteElementSolution, body: BodyFields) -> Array:
+def rise_by_gap(solution: FiniteElementSolution, body: BodyFields) -> Array:
     """By how much each node of a body is raised in pictures, (n,) [length]: by the gap h(x) of the
     scene's profile on the upper body, whose face is flat in the mesh; 0 on the lower body, and
     where the faces have their true shape in the mesh.

@@ -121,7 +121,9 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
 
 
 def _errors(changes: Mapping[str, Change]) -> dict[str, Estimate]:
-    """The error of every quantity of a map's row; NaN for those that are not known."""
+    """The error of theory in every quantity of a map (bodies/theory − 1), with its uncertainty,
+    from the changes that are known; NaN for the other quantities.
+    """
     return {
         quantity: changes[quantity].relative_change if quantity in changes else _UNKNOWN
         for quantity in QUANTITIES
@@ -184,7 +186,9 @@ def rows_in(table: Path) -> list[Row]:
 
 
 def _row_of_record(record: dict[str, Any]) -> Row:
-    """A row of a map from a record of its CSV file; KeyError or ValueError for another one."""
+    """A row of a map, the errors of theory at a point, from a record of its CSV file. KeyError or
+    ValueError for a record of another table.
+    """
     errors = {
         quantity: Estimate(float(record[quantity]), float(record[f"{quantity}_uncertainty"]))
         for quantity in QUANTITIES

@@ -119,7 +119,9 @@ class Kind:
         return scene.vary(load=load)
 
     def places(self, heights: tuple[float, ...]) -> list[Place]:
-        """The points at these heights, line by line."""
+        """The points of a map at these heights: for each width and friction coefficient all
+        heights, one after the other.
+        """
         return [
             Place(height, width, friction)
             for width in self.widths
@@ -216,7 +218,9 @@ KINDS = {
 
 
 def kind_named(name: str) -> Kind:
-    """A kind by the name of its map; InputError names those that there are."""
+    """The kind of bodies by the name of its map; for an unknown name InputError with the known
+    ones.
+    """
     if name not in KINDS:
         raise InputError(f"map {name!r}: there is none; known: {', '.join(KINDS)}, or all")
     return KINDS[name]

@@ -63,8 +63,8 @@ def table_names(kind: Kind) -> tuple[str, str]:
 
 
 def require_free(folder: Path) -> None:
-    """InputError where `folder` holds a file of somebody else's that would be replaced: to be asked
-    before an hour of solving.
+    """InputError where `folder` holds a file that this program did not write and that a page or
+    figure of the maps would replace. It is called before the maps are solved, which takes an hour.
     """
     names = [MANIFEST, "README.md"]
     for kind in KINDS.values():

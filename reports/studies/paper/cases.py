@@ -48,7 +48,9 @@ class Case:
 
     @property
     def load_ellipse(self) -> EllipseLoad:
-        """The ellipse."""
+        """The ellipse of loads: means and amplitudes of P and Q, and the phase. InputError where
+        the scene has loads of another kind.
+        """
         load = self.scene.load
         if not isinstance(load, EllipseLoad):
             raise InputError(
@@ -58,7 +60,7 @@ class Case:
 
     @property
     def friction(self) -> float:
-        """f."""
+        """Coefficient of friction f."""
         return self.scene.friction.coefficient
 
     @cached_property
@@ -415,7 +417,7 @@ class Formulas:
 
     def mirrored_time(self, t: ArrayLike) -> Array:
         """Time of the paper's point Y: where the line of gradient f through the loads at time t
-        meets the ellipse again, between G and I.
+        meets the ellipse again, between G (end of reverse slip) and I (begin of forward slip).
 
         Q - f P is a cosine of time that is least at I, so that it has the same value as long before
         I as after.
@@ -456,14 +458,15 @@ class Formulas:
     def multiplier_c(self, phase: str, t: ArrayLike) -> Array:
         """C of the paper's equation (14), as printed, the factor of dP in the increment of slip:
         (dQ/dP)/f, plus 1 in the phase EG of the cycle, minus 1 in IJ and JM. `t` are times in that
-        phase; in IJ dQ/dP is that of the point Y, see `mirrored_time`.
+        phase; in IJ dQ/dP is taken as long before I, the begin of forward slip, as t is after it.
         """
         normal_rate, tangential_rate = self.rates(self.mirrored_time(t) if phase == "IJ" else t)
         return tangential_rate / normal_rate / self.case.friction + (1 if phase == "EG" else -1)
 
     def multiplied_load_rate(self, phase: str, t: ArrayLike) -> Array:
-        """C dP/dt of equation (14), mended: d(Q + f P)/dt / f in the phase EG, d(Q - f P)/dt / f in
-        IJ and JM; it has the sign of the slip. In IJ it is C dP_Y/dt.
+        """C dP/dt of the paper's equation (14), mended: d(Q + f P)/dt / f in the phase EG of
+        reverse slip, d(Q - f P)/dt / f in IJ and JM of forward slip; it has the sign of the slip.
+        In IJ it is C dP_Y/dt.
         """
         normal_rate, tangential_rate = self.rates(t)
         sign = 1 if phase == "EG" else -1
@@ -599,7 +602,9 @@ class Paper:
 
     @cached_property
     def sweeps(self) -> tuple[Sweep, Sweep]:
-        """Hertz, flat and rounded."""
+        """Dissipation and its peak over mean load and friction, of Hertz' contact and of the flat
+        and rounded one.
+        """
         return _sweep(self.hertz_case), _sweep(self.rounded_case)
 
     @cached_property
@@ -612,8 +617,8 @@ class Paper:
 
 @lru_cache(maxsize=1)
 def paper() -> Paper:
-    """The two examples from the library; one and the same value each time, for its parts are
-    costly.
+    """The paper's two examples, from the library of scenes. They are made once in a process, since
+    their solutions are costly.
 
     >>> round(paper().hertz_case.unit_length, 12)  # a(P0) = 1 mm
     1.0

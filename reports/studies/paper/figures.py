@@ -447,7 +447,9 @@ class Zones:
         return Zones(*(getattr(self, field.name)[is_kept] for field in fields(self)))
 
     def table(self, case: Case, x_head: str, x: Array) -> Table:
-        """Columns of the figure's CSV file; the first is `x`, headed `x_head`."""
+        """Columns of the figure's CSV file: the abscissa `x` (n,), headed `x_head`, then time,
+        normal load, half-widths and direction of slip.
+        """
         edges: Table = {
             "a / a(P0)": self.contact_edge,
             "c / a(P0)": self.stick_edge,

@@ -541,7 +541,7 @@ class _SlipFromIToJ:
         return self.formulas.integral_while_slipping("IJ", self.x, rate)
 
     def rate_as_printed(self, time: Array) -> Array:
-        """ds/dt by equation (14) as printed: with C dP/dt instead of C dP_Y/dt."""
+        """ds/dt of the slip s by equation (14) as printed: with C dP/dt instead of C dP_Y/dt."""
         load_rate, _ = self.formulas.rates(time)
         stick_edge_load = self.formulas.stick_edge_load("IJ", time)
         arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)

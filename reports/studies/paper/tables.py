@@ -63,7 +63,7 @@ VerdictAndNumbers = tuple[Any, dict[str, Any]]
 def fill_in(text: str, values: Mapping[str, Any]) -> str:
     """A text of the file paper.toml with each {name:format} replaced by the value of that name.
 
-    Formats are Python's, or "small" for one digit. A name may hold any sign but : and braces.
+    Formats are Python's, or "small" for one digit. A name may hold any character but : and braces.
     `values` may be numbers or text.
 
     >>> fill_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
@@ -97,7 +97,8 @@ def table_row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNu
 
 
 def verdict_of_condition(holds: bool, nearly: bool = False) -> Verdict:
-    """Confirmed if it holds, refined if it nearly does, else contradicted.
+    """Verdict on a statement: confirmed if its condition holds, refined if a weaker one does
+    (`nearly`), else contradicted.
 
     >>> verdict_of_condition(False, nearly=True).value
     'refined'
@@ -151,7 +152,9 @@ def is_misprint_proven(mended_error: float, printed_error: float) -> bool:
 
 
 def proven_in_words(table_row: Misprint) -> str:
-    """Yes, no, or by reading."""
+    """Whether a misprint is proven, in words: "yes", "no", or "by reading" where there is nothing
+    to evaluate.
+    """
     return _PROVEN[table_row.proven]
 
 

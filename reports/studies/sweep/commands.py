@@ -212,7 +212,9 @@ def status(folder: Path, _: Options) -> Answer:
 
 
 def report(folder: Path, _: Options) -> Answer:
-    """The page of a sweep: its table and a figure of each quantity, also while it runs."""
+    """The command `sweep report`: write the page of the sweep stored in `folder`, with its table
+    and a figure of each quantity, also while it runs.
+    """
     from reports.studies.sweep.page import write_page
     from reports.studies.sweep.store import Store
 

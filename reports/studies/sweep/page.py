@@ -206,12 +206,14 @@ def _value_text(record: Mapping[Hashable, Any], figure: str) -> str:
 
 
 def _coordinate_text(value: Any) -> str:
-    """A coordinate as text."""
+    """The value of a point on an axis as text."""
     return number(value) if isinstance(value, float) else str(value)
 
 
 def _label_of_axis(axis: Axis, column: str) -> str:
-    """Words of an axis with its unit; of rows of values the name of the column."""
+    """Words of an axis of a sweep with its unit, for a column of the table; of an axis with several
+    columns the name of that one.
+    """
     if column != axis.name:
         return _in_words(column)
     unit = f" [{axis.unit}]" if axis.unit else ""
@@ -220,7 +222,7 @@ def _label_of_axis(axis: Axis, column: str) -> str:
 
 # ------------------------------------------------------------------------------------------ figures
 def _in_words(name: str) -> str:
-    """A name of a program as words."""
+    """A name of the program as words: with blanks for "_"."""
     return name.replace("_", " ")
 
 
@@ -239,12 +241,13 @@ def quantity_columns(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
 
 
 def draw_figures(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
-    """A figure of each quantity that has values, in the units of the `scene` that the sweep
-    varies.
+    """A figure of each quantity of a sweep that has values, in the units of the `scene` that the
+    sweep varies. `table` has a row for each point; points that failed are left out.
     """
-    results = solved_rows_of(table)
+    solved_rows = solved_rows_of(table)
     figures = [
-        _QuantityFigure(name, results, axes, scene) for name in quantity_columns(results, axes)
+        _QuantityFigure(name, solved_rows, axes, scene)
+        for name in quantity_columns(solved_rows, axes)
     ]
     return [figure.plate() for figure in figures if np.isfinite(figure.value).any()]
 
@@ -421,7 +424,7 @@ class _QuantityFigure:
             yield self.curve_panel(f"{name}-along-{index}", curves, column, labels_in_corner=True)
 
     def _has_words(self, column: str) -> bool:
-        """Whether a coordinate has values that are no numbers."""
+        """Whether an axis, the one of this column, has values that are no numbers."""
         return any(isinstance(value, str | bool) for value in self.table[column].tolist())
 
     def _values_in_words(self, columns: Sequence[str]) -> NDArray[np.str_]:
@@ -433,12 +436,12 @@ class _QuantityFigure:
         return np.array(texts)
 
     def _filled_share(self, columns: list[str]) -> float:
-        """How much of the grid of all values on these axes has a point."""
+        """Share of the grid of all values on these axes that has a point of the sweep, 0 to 1."""
         cells = np.prod([self.table[name].nunique() for name in columns])
         return float(len(self.table[columns].drop_duplicates()) / cells)
 
     def coordinates(self, column: str) -> Array:
-        """A coordinate (n,)."""
+        """Values of all n points of the sweep on the axis of this column, (n,)."""
         return self.table[column].to_numpy(float)
 
     def tooltip(self, row: int) -> str:
@@ -447,7 +450,7 @@ class _QuantityFigure:
         return f"{self.title_words}: {number(float(self.value[row]))} {self.unit}{remark}"
 
     def label(self, column: str) -> str:
-        """Words of an axis."""
+        """Words of the axis of this column, with its unit."""
         return _label_of_axis(self.axes[column], column)
 
     def chart_axis(self, column: str, *, for_cells: bool = False) -> ChartAxis:
@@ -630,7 +633,9 @@ class _QuantityFigure:
 
 
 def bar_curve(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
-    """Upright lines from `lower_ends` to `upper_ends` at each x."""
+    """Upright bars from `lower_ends` to `upper_ends` at each x, (n,) each, as one broken curve in a
+    look of the style sheet.
+    """
     gap = np.full(len(x), np.nan)
     return Curve(
         np.column_stack([x, x, gap]).ravel(),

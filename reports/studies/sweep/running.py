@@ -139,6 +139,7 @@ class Dask:
         return isinstance(fault, KilledWorker)
 
     def require_alive(self) -> None:
+        """InputError where the dask scheduler is gone, so that tasks will never come back."""
         if str(self._connections[0].status) != "running":
             self.is_worker_death(CancelledError())
 

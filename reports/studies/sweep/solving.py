@@ -187,13 +187,15 @@ _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 
 
 def is_error(name: str) -> bool:
-    """Whether a figure states how far the engines are apart: it is 0 where they agree."""
+    """Whether a value of a sweep, by its name such as "error.p0", states how far both engines are
+    apart, and is 0 where they agree.
+    """
     return name in METRICS or name.startswith("error.")
 
 
 def display_factor(name: str) -> float:
-    """Factor by which a figure of the table is multiplied where it is shown: shares are in per
-    cent.
+    """Factor by which a value of the table is multiplied where it is shown: 100 for errors and
+    metrics, which are in per cent, else 1. `name` is that of the value, such as "error.p0".
     """
     return 100.0 if is_error(name) else 1.0
 
@@ -640,11 +642,11 @@ def _shared_scales(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=256)
 def _scales_of(scene_json: str) -> Scales:
-    """Contact sizes for which a mesh is made, from a coarse solve of a scene that is given as JSON
-    text and has neither friction nor tangential load.
+    """Length and load scales of contact for which a mesh is made, from a coarse solve of a scene
+    that is given as JSON text and has neither friction nor tangential load.
 
-    What does not hold for the scenes with friction is left out: the innermost place of an edge,
-    the dissipation, and the values of the coarse solve.
+    Scales that do not hold for the scenes with friction are left out: the innermost place of an
+    edge, the dissipation, and the values of the coarse solve.
     """
     from halfplane_fe.scales import find_scales
 

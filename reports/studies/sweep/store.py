@@ -61,11 +61,13 @@ class Store:
         return self.folder / "results"
 
     def path(self, address: str) -> Path:
-        """Where the result of an address is."""
+        """Path of the file with the result of an address."""
         return self.result_folder / f"{address}.json"
 
     def _result_names(self, pattern: str) -> list[str]:
-        """Names of the files whose stem is an address."""
+        """Names of the files of results that match a pattern such as "*.json"; their stem is an
+        address.
+        """
         paths = self.result_folder.glob(pattern)
         return sorted(path.name for path in paths if _ADDRESS.fullmatch(path.stem))
 
@@ -74,7 +76,7 @@ class Store:
         return {name[:64] for name in self._result_names("*.json")}
 
     def damaged(self) -> list[str]:
-        """Names of the results that were set aside."""
+        """Names of the files of results that were damaged and set aside."""
         return self._result_names("*.bad")
 
     def prepare(self) -> None:
@@ -224,7 +226,9 @@ class Store:
         return pd.DataFrame(rows, columns=columns).astype(column_types)
 
     def write_table(self, table: pd.DataFrame) -> None:
-        """index.csv, and index.parquet where pyarrow is installed, each in one go."""
+        """Write the table of results to index.csv, and to index.parquet where pyarrow is installed,
+        each in one go.
+        """
         self.write_text(
             self.folder / "index.csv",
             table_text({name: table[name].tolist() for name in table.columns}),

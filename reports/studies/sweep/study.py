@@ -117,7 +117,9 @@ class Axis(Frozen):
 
     @property
     def targets(self) -> list[tuple[str, str]]:
-        """(key, column) of every key that it sets."""
+        """(key, column) of every key of the scene that the axis sets, and the column of its
+        values.
+        """
         keys = self.keys or ((self.key,) if self.key else ())
         return list(zip(keys, self.names if self.pairs else [self.name] * len(keys), strict=False))
 

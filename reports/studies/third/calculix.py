@@ -261,9 +261,9 @@ def solve_with_calculix(
     scales: Scales | None = None,
     command: str = "",
 ) -> ThirdSolver:
-    """Solve a scene with CalculiX: write its input deck into a temporary folder, run the program,
-    read the result, and compare it with half-plane theory. A run that fails is reported in
-    `failure` of the answer.
+    """Solve a scene with the finite-element program CalculiX: write its input deck into a temporary
+    folder, run the program, read the result, and compare it with half-plane theory. A run that
+    fails is reported in `failure` of the answer.
 
     Parameters
     ----------
@@ -323,7 +323,8 @@ def run_calculix(
     time_limit: float,
     show_progress: Callable[[int, int | None, str], None] | None = None,
 ) -> RunRecord:
-    """Run CalculiX on the deck `name`.inp of a folder, with one thread, until it ends.
+    """Run the finite-element program CalculiX on the input deck `name`.inp of a folder, with one
+    thread, until it ends.
 
     Parameters
     ----------

@@ -263,7 +263,9 @@ class Deck:
 
     @property
     def increments(self) -> Array:
-        """(n,) durations between instants; the first one less the touch."""
+        """Durations of the deck's load increments between instants, (n,); the first one minus that
+        of the first step, which brings the faces together.
+        """
         durations = np.diff(self.deck_time)
         durations[0] -= self.touch_time
         return np.asarray(durations)
@@ -584,13 +586,13 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
 
 
 def one_line(text: str) -> str:
-    """A text of the user's on one line: another line could begin a card of the deck."""
+    """A text of the user on one line: a further line could begin a card of the input deck."""
     return " ".join(text.split())
 
 
 def number(value: float) -> str:
-    """Thirteen digits and twenty characters at most, which is what CalculiX reads; always with a
-    point.
+    """A number as text of thirteen digits and twenty characters at most, which is what CalculiX
+    reads; always with a decimal point.
 
     >>> number(0.1), number(-1234.5), number(1e-20), number(2)
     ('0.1', '-1234.5', '1.e-20', '2.')
