@@ -86,10 +86,12 @@ def _several(words: str) -> CommandLineParameter:
 
 
 def _mesh(words: str) -> CommandLineParameter:
+    """An option of the group on the mesh, with its help text."""
     return CommandLineParameter(group=_MESH, help=words)
 
 
 def _solver(words: str) -> CommandLineParameter:
+    """An option of the group on the solver, with its help text."""
     return CommandLineParameter(group=_SOLVER, help=words)
 
 
@@ -312,6 +314,7 @@ class Options:
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
+        # names of the options that are settings of the mesh, and of the solver
         mesh_options = _FINITE_ELEMENT_OPTIONS & MeshSettings.__dataclass_fields__.keys()
         solver_options = _FINITE_ELEMENT_OPTIONS & SolverSettings.__dataclass_fields__.keys()
         mesh = replace(MeshSettings.preset(self.preset), **self.values_given(mesh_options))
@@ -940,6 +943,9 @@ def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequenc
 
 
 def _print_interruption(sentence: str) -> int:
+    """Print on stderr that the command was interrupted, and what is left of it (`sentence`; ""
+    where nothing was written). Returns the exit code, 130.
+    """
     _print_refusal(f"interrupted; {sentence or 'nothing was written'}")
     return EXIT_INTERRUPTED
 
@@ -996,11 +1002,15 @@ def _keep_traceback(text: str) -> str:
 
 
 def _print_refusal(sentence: str) -> int:
+    """Print a sentence on bad input on stderr, after the name of the program. Returns the exit
+    code, 2.
+    """
     complain(f"halfplane: {sentence}")
     return _EXIT_BAD_INPUT
 
 
 def _one_line(text: str) -> str:
+    """A text in one line, with single blanks and without a full stop at its end."""
     return " ".join(text.split()).rstrip(".")
 
 

@@ -372,6 +372,7 @@ def _row_of_instant(instant: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _rounded(place: float) -> str:
+    """A coordinate to three significant digits."""
     from reports.units import number
 
     return number(float(f"{place:.3g}"))

@@ -366,6 +366,9 @@ def diff(a: str, b: str, options: Options) -> Answer:
 
 
 def _difference_answer(difference: Difference) -> Answer:
+    """The answer of the command `diff` on two runs: exit code 0 where all values are the same
+    within tolerance, else 1; and what the terminal and --json show of their difference.
+    """
     code = EXIT_WITHIN if difference.are_same else EXIT_OUTSIDE
     return Answer(
         code,

@@ -357,6 +357,7 @@ class _RunSolver:
     """
 
     def __init__(self, comparison: Comparison, stage: _Stage) -> None:
+        """Take what all runs share from the comparison of the run whose errors are measured."""
         self.scene = comparison.scene
         self.effects = comparison.effects
         self.scales = getattr(comparison.result, "scales", None)

@@ -455,10 +455,12 @@ def stick_eccentricity(pair: Pair) -> MetricValue:
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
+    """Half-width of the zone that sticks through the whole cycle [length]; NaN without one."""
     return solution.permanent_stick_half_width
 
 
 def _middle_of_stick(solution: ContactSolution) -> float:
+    """Middle x of the zone that sticks through the whole cycle [length]; NaN without one."""
     edges = solution.permanent_stick_edges
     return math.nan if edges is None else float(np.mean(edges))
 

@@ -232,6 +232,7 @@ def markdown() -> str:
 
 
 def _markdown_row(cells: tuple[str, ...]) -> str:
+    """A row of a Markdown table."""
     return f"| {' | '.join(cells)} |"
 
 

@@ -88,6 +88,7 @@ def half_widths(view: CycleView) -> Plate:
         kind: 100 * (result_values - reference_values)
         for kind, (reference_values, result_values) in half_widths_of.items()
     }
+    # root mean square and largest value of each difference, in words
     notes = [
         f"{kind}: {view.difference_over_time(difference, ' % of a_ref')}"
         for kind, difference in differences.items()
@@ -112,6 +113,7 @@ def half_widths(view: CycleView) -> Plate:
     # of the result's points
     spacing = _spacing_at_the_edge(view.result_cycle) / a_ref
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
+    # the named values fill the caption; `stretch` is the part of the path in words
     return figure_with_texts(
         "half_widths",
         (upper_panel, lower_panel),
@@ -189,6 +191,7 @@ def discrepancies(view: CycleView) -> Plate:
     )
     table = {"time": view.result_cycle.time}
     table |= {metric.key: np.asarray(metric.series) for metric in drawn_metrics}
+    # the values behind `columns` fill the caption; `stretch` is the part of the path in words
     return figure_with_texts(
         "errors",
         [panel],
@@ -232,7 +235,7 @@ def slip_histories(view: CycleView) -> Plate:
         f"result − reference at {places[worst_column]}, where it is largest:",
         view.difference_over_time(difference[:, worst_column], f" {unit_of_length}"),
     ]
-    least_slip = 1e-12 * view.scales.half_width
+    least_slip = 1e-12 * view.scales.half_width  # least range of the axis
     panel = broad_panel(
         "slip",
         view.over_time(8),
@@ -352,6 +355,7 @@ def load_path(view: CycleView) -> Plate:
         "Q": tangential_load,
     }
     has_bulk_or_tilt = len(panels) > 1
+    # the values behind `columns` fill the caption; `stretch` is the part of the path in words
     return figure_with_texts(
         "load_path",
         panels,

@@ -216,6 +216,7 @@ def _loop(rig_motion: RigMotion) -> Plate:
     for motion_by_engine in rig_motions:
         engine_name = engine_in_words(motion_by_engine.solution.engine)
         table["engine"] += [engine_name] * len(motion_by_engine.time)
+    # heading of a column, and the attribute of a rig's motion that it holds
     for column, attribute in (
         ("time", "time"),
         (f"P [{unit_of_load}]", "normal_load"),
@@ -223,8 +224,8 @@ def _loop(rig_motion: RigMotion) -> Plate:
         (f"U of the contact [{unit_of_length}]", "contact_displacement"),
         (f"U of the actuator [{unit_of_length}]", "actuator_displacement"),
     ):
-        values = [getattr(motion_by_engine, attribute) for motion_by_engine in rig_motions]
-        table[column] = np.concatenate(values).tolist()
+        values_by_engine = [getattr(by_engine, attribute) for by_engine in rig_motions]
+        table[column] = np.concatenate(values_by_engine).tolist()
     has_spring = rig_motion.scene.rig.tangential_stiffness is not None
     # legend: contact, actuator, contact by finite elements
     keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
