@@ -127,7 +127,7 @@ class Scales:
     values: RunValues | None
 
     def content(self) -> dict[str, float]:
-        """The numbers, without the values of the coarse run."""
+        """The scales by their names, without the values (`RunValues`) of the coarse run."""
         numbers = {field.name: getattr(self, field.name) for field in fields(self)}
         del numbers["values"]
         return numbers
@@ -144,11 +144,12 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 
 
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
-    """Convert normal approach and tangential displacement of a run to another datum length, the
-    distance from a force at which a half-plane's surface counts as unmoved.
+    """Convert normal approach and tangential displacement (`shift`) of a run to another datum
+    length, the distance from a force at which a half-plane's surface counts as unmoved.
 
     The new datum is `ratio` times the run's. Displacements change by a compliance times P or Q; the
-    energies in the run stay those of its own datum.
+    energies in the run stay those of its own datum. The states of the run are scaled, displacements
+    over P/E*. `scene` has the bodies, of which half-planes alone count, and their materials.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     displacement_per_load = compliance_beyond(scene, ratio) * modulus
@@ -163,15 +164,19 @@ def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
 
 
 def largest_load(scene: Scene) -> float:
-    """Largest normal load of the path, or approach, at an end of a leg or where it turns round
-    [force per thickness, or length].
+    """Largest normal load of the path, or approach, at an end of a segment or where it turns round
+    within one [force per thickness, or length].
     """
-    legs = tuple(prescribed_path(scene).segments(1))
+    segments = tuple(prescribed_path(scene).segments(1))  # initial loading and one cycle
     return max(
         float(
-            np.max(leg.loads(np.array([leg.start, *leg.turning_points(NORMAL_LOAD), leg.end]))[0])
+            np.max(
+                segment.loads(
+                    np.array([segment.start, *segment.turning_points(NORMAL_LOAD), segment.end])
+                )[0]
+            )
         )
-        for leg in legs
+        for segment in segments
     )
 
 
@@ -184,12 +189,14 @@ def needs_shear(scene: Scene) -> bool:
 
 
 def is_record(scene: Scene) -> bool:
-    """Whether the load is a record of rows."""
+    """Whether the load of a scene is a record: rows of measured time, P and Q."""
     return isinstance(scene.load, TimeSeriesLoad)
 
 
 def is_plain_record(scene: Scene) -> bool:
-    """Whether it is one of like bodies, without bulk stress and tilt: P alone sets the pressure."""
+    """Whether the load of a scene is a record of measured rows, on like bodies without bulk stress
+    and tilt: then P alone sets the pressure.
+    """
     return is_record(scene) and bodies_are_alike(scene) and not scene.unsymmetric
 
 
@@ -203,8 +210,9 @@ def find_scales(scene: Scene, work_counts: Counter[str]) -> Scales:
     edges, largest load, friction work.
 
     How much of the face the coarse mesh covers follows from the contact itself, found in a few
-    normal solutions. Where the approach is prescribed, the load is a result: a first run with the
-    load of half-planes finds it, a second one is scaled by it. `work_counts` counts condensations.
+    normal solutions. Where the approach is prescribed (`load.states_approach`), the load is an
+    unknown: a first run with the load of half-planes finds it, a second one is scaled by it.
+    `work_counts` counts condensations.
 
     Raises
     ------
@@ -225,7 +233,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
 
     The approach of a half-plane is relative to its surface at a datum length from the contact: that
     of the rig, or the geometric mean of both bodies' depths, each at most the datum length of the
-    profile. The load is found by bracketing its logarithm. `work_counts` counts condensations.
+    profile. The load is found by bracketing its logarithm. `work_counts` counts condensations;
+    `scene` has the rig, bodies, materials and profile.
 
     Raises
     ------
@@ -240,12 +249,13 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         np.sqrt(reference_lengths[0] * reference_lengths[1])
     )
     scene_on_half_planes = on_half_planes(scene, datum_length)
+    # bodies on a coarse mesh, with the load that they are pressed by; `work` are its counts
     coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work_counts)
 
     def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
         coarse_pair.load = float(np.exp(logarithm))
-        face_half_width = _fitting_size(coarse_pair)
+        face_half_width = _fitting_size(coarse_pair)  # of the finely meshed part of the face
         pressed_state = _pressed(coarse_pair, face_half_width)[1]
         actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal_compliance
         assert actuator_compliance is not None  # for the type checker: the approach is given
@@ -254,6 +264,7 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         )
         return approach_of_actuator - approach
 
+    # The bracket grows by a factor of e on both sides, around a load of E* times the approach.
     first_logarithm = float(np.log(modulus * approach))
     for half_range in range(1, _MOST_HALF_RANGES):
         lower_end = first_logarithm - half_range
@@ -270,7 +281,9 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
 
 
 def on_half_planes(scene: Scene, datum: float) -> Scene:
-    """The scene of half-planes, at which a displacement is prescribed in a distance `datum`."""
+    """The scene with half-planes in the place of its bodies. Where actuators drive it, their
+    movements count from the distance `datum` from the contact [length].
+    """
     if not scene.load.is_driven:
         return scene.vary(bodies=Bodies())
     return scene.vary(bodies=Bodies(), rig={"datum_length": datum})
@@ -280,12 +293,14 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
     """Length and load scales of a contact, read off a run along its load path on a coarse mesh.
 
     Where the contact touches an end of the finely meshed part of the face, that part is enlarged by
-    `_ENLARGEMENT` and the run repeated, `_MOST_ENLARGEMENTS` times at most. The run after the last
-    enlargement is accepted even if the contact touches an end: the scales may then be too small.
-    `solution.solve` raises ConvergenceError if the contact touches an end of the mesh they give.
+    a factor of 1.3 (`_ENLARGEMENT`) and the run repeated, ten times at most. The run after the last
+    enlargement is accepted even if the contact touches an end: the scales may then be too small. A
+    later solution raises ConvergenceError if its contact touches an end of the mesh they give.
 
     Parameters
     ----------
+    scene
+        bodies, materials, profile, friction and loads
     load
         largest normal load, which loads are divided by [force per thickness]
     work_counts
@@ -298,13 +313,15 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
         action of the loads misses the meshed faces.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
+    # The bodies on a coarse mesh; `pair.room`: most of the half-width of the narrower face. The
+    # contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
     pair = _CoarsePair(scene, load, modulus, work_counts)
     face_half_width = _fitting_size(pair)
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
             problem, run = _coarse_run(pair, face_half_width, steps)
-        except BesideTheFaces:
+        except BesideTheFaces:  # the line of action of the loads misses the meshed faces
             if not enlargements_left or face_half_width == pair.room:
                 raise
         else:
@@ -327,16 +344,18 @@ def _scales_of_run(
     Parameters
     ----------
     pair
-        the coarse bodies, with the load and modulus that the run is scaled by
+        the coarse bodies, with the load P and the modulus E* that the run is scaled by
     face_half_width
         half the width of the part of the face that may touch, which lengths of the run are over
         [length]
     problem, run
-        the contact problem, and its states along the load path
+        the contact problem with the places of its nodes, and its states along the load path
     """
     scene = pair.scene
     load = pair.load
     modulus = pair.modulus
+
+    # Half-width at the largest load, and outermost place that touches; scaled.
     state_at_largest_load = max(run.states, key=lambda state: state.normal_load)
     half_width = float(
         np.nan_to_num(np.diff(_contact_edges(problem, [state_at_largest_load]))[0, 0] / 2)
@@ -344,6 +363,8 @@ def _scales_of_run(
     reach = max(
         float(np.abs(problem.interface.x[state.is_closed]).max(initial=0.0)) for state in run.states
     )
+
+    # Innermost place of an edge of contact or stick in the cycles; scaled.
     innermost_edge = 0.0
     if prescribed_path(scene).period is not None:
         # The first revolution too: the kink of q that it leaves where edges turned stays for good.
@@ -358,6 +379,8 @@ def _scales_of_run(
     )
     # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
+
+    # In the scene's units; `values` are what a finer run is compared with.
     return Scales(
         half_width=face_half_width * half_width,
         inner=min(face_half_width * innermost_edge, first_kink),
@@ -400,7 +423,9 @@ class RoomForContact:
 
     @property
     def in_words(self) -> str:
-        """How large the contact is, and how it was estimated."""
+        """A sentence on how large the contact is on faces of a width (`room`: half of it), how far
+        from x = 0 it reaches, and how it was estimated.
+        """
         return (
             f"The bodies have room for the contact: it has the half-width"
             f" {self.scales.half_width:.3g} at the largest load and reaches |x| = {self.reach:.3g}"
@@ -415,8 +440,14 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     are wide enough for it.
 
     One cycle of a dozen increments is followed on a coarse mesh; of a record of measured loads the
-    rows of extreme loads. The finely meshed part of the face is enlarged until the contact does not
-    touch its ends. `work_counts` counts condensations.
+    rows of extreme loads. The finely meshed part of the face is doubled in width until the contact
+    does not touch its ends. `work_counts` counts condensations.
+
+    Returns
+    -------
+    RoomForContact
+        Largest distance from x = 0 at which the faces touch, half the width of the narrower face,
+        and the scales of the contact.
 
     Raises
     ------
@@ -428,12 +459,14 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     if short_scene.load.states_approach:
         load = _load_of_approach(short_scene, work_counts)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
+
+    # The bodies on a coarse mesh; `pair.room`: most of the half-width of the narrower face.
     pair = _CoarsePair(short_scene, load, modulus, work_counts)
     face_half_width = _size_near_contact(pair)
     while True:
         try:
             problem, run = _coarse_run(pair, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1)
-        except BesideTheFaces:
+        except BesideTheFaces:  # the line of action of the loads misses the meshed faces
             if face_half_width == pair.room:
                 raise
         else:
@@ -449,9 +482,11 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
     largest load takes 0.3 of it or more, but not all.
 
-    It is twice the half-width of the contact found with the half-width tried before; after
-    `_MOST_ENLARGEMENTS` trials the last one is taken. Where it would come near the end of the face,
-    the whole face is taken. `pair` are the coarse bodies.
+    It is twice the half-width of the contact found with the half-width tried before; after ten
+    trials the last one is taken. Where it would come near the end of the face, all of the face is
+    taken, `pair.room`. InputError where the contact takes all of that.
+
+    `pair` are the bodies on a coarse mesh, with the largest load.
     """
     face_half_width = min(_size_on_half_planes(pair), pair.room)
     for _ in range(_MOST_ENLARGEMENTS):
@@ -470,11 +505,16 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     at which the contact is largest.
 
     Of P, Q, Q/P, bulk stress and tilt the rows of the largest and the smallest value stay, with the
-    first and the last row.
+    first and the last row. Other scenes are returned as they are.
+
+    Rows of the record are (time, P, Q). `load.optional_column_kinds` names its further columns: of
+    bulk stress, tilt or moment. Each is one number, or a tuple with one for each row.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
         return scene
+
+    # Rows (n, 3) that count, and further columns (n,) by name.
     first_row, row_beyond = load.row_bounds()
     rows = load.rows.values[first_row:row_beyond] if load.has_bulk_or_tilt else load.kept_rows()
     further_columns = {
@@ -482,7 +522,9 @@ def _with_extreme_rows(scene: Scene) -> Scene:
         for name in load.optional_column_kinds
         if isinstance(getattr(load, name), tuple)
     }
-    safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())
+
+    # Numbers of the extreme rows of each column.
+    safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())  # P, not near 0
     columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_load, *further_columns.values()]
     row_numbers = {0, len(rows) - 1}
     for column in columns:
@@ -523,7 +565,8 @@ class _CoarsePair:
         `half_width` [length]; in the scene's units.
 
         The last one is cached. Half-planes are meshed once, with a half-width of 1: their
-        compliance does not depend on the size, so that only places are scaled.
+        compliance does not depend on the size, so that only places are scaled. Where it can be told
+        apart, the error that the mesh adds between nearby nodes is taken out.
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._made is None or self._made[0] != size_of_mesh:
@@ -559,11 +602,12 @@ class _CoarsePair:
             which loads are prescribed as movements: none by default
         """
         interface = unscaled.scaled(size, 1 / self.modulus)
-        height = initial_gap(self.scene, unscaled) * self.modulus / self.load
-        no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))
+        # displacements are over P/E*, P the largest load
+        scaled_gap = initial_gap(self.scene, unscaled) * self.modulus / self.load
+        no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))  # exact contact law
         return ContactProblem(
             interface,
-            height,
+            scaled_gap,
             self.scene.friction.coefficient,
             no_layer,
             has_shear=has_shear,
@@ -573,6 +617,9 @@ class _CoarsePair:
 
 
 def _grading(size: float, ratio: float) -> SurfaceGrading:
+    """Element sizes of a coarse mesh along the face: 24 elements of one size, times `ratio`, on
+    each side of x = 0 of the part that may touch, whose half-width is `size` [length].
+    """
     return SurfaceGrading(
         inner=0.0,
         outer=size,
@@ -583,19 +630,24 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
 
 
 def _touches_an_end(run: PathRun) -> bool:
-    """Whether the contact reached an end of the side that may touch."""
+    """Whether the contact reached, at any instant of the run, the first or the last node of the
+    part of the face that may touch.
+    """
     return any(state.is_closed[0] or state.is_closed[-1] for state in run.states)
 
 
 def _coarse_run(
     pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
-    """Follow the load path of a scene on a coarse mesh; the contact problem and its states.
+    """Follow the load path of a scene on a coarse mesh. Returned are the contact problem, scaled,
+    and the run: its states along the path, at all nodes.
+
+    Faces that are their own mirror image are solved on one half.
 
     Parameters
     ----------
     pair
-        the coarse bodies
+        the coarse bodies, with scene, largest load P and modulus E*
     face_half_width
         half the width of the part of the face that may touch [length]
     steps
@@ -608,7 +660,7 @@ def _coarse_run(
     ConvergenceError
         Where the run fails.
     """
-    faces = pair.faces(face_half_width)
+    faces = pair.faces(face_half_width)  # contact compliance, in the scene's units
     needs_tangential = needs_shear(pair.scene)
     actuators = actuators_of(pair.scene, face_half_width)
     problem = pair.problem(face_half_width, faces, needs_tangential, actuators)
@@ -618,6 +670,8 @@ def _coarse_run(
         if is_halved
         else problem
     )
+
+    # no step error is too large
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
     # All states are stored, for their edges decide about the mesh; there are few nodes.
     run = run_path(
@@ -638,35 +692,42 @@ def _fitting_size(pair: _CoarsePair) -> float:
     largest load takes 0.6 to 0.85 of it.
 
     It is tripled or divided by three until it is bracketed, then bisected in its logarithm. The
-    narrower face limits it. `pair` are the coarse bodies.
+    narrower face limits it (`pair.room`). `pair` are the bodies on a coarse mesh, with the largest
+    load.
 
     Raises
     ------
     InputError
         Where the contact takes all of the narrower face, or no half-width is found.
     """
-    too_small = 0.0
-    too_large = np.inf
+    too_small_size = 0.0
+    too_large_size = np.inf
     face_half_width = min(_size_on_half_planes(pair), pair.room)
     # Factors of 3, then halved steps: 400 are more than floating-point numbers have.
     for _ in range(400):
+        # half-width of the contact over that of the part of the face
         contact_fraction = _contact_fraction(pair, face_half_width)
         if _CONTACT_FRACTIONS[0] <= contact_fraction <= _CONTACT_FRACTIONS[1]:
             return face_half_width
+
         if contact_fraction > _CONTACT_FRACTIONS[1]:
             if face_half_width == pair.room and contact_fraction < 1:
                 return face_half_width
             if face_half_width == pair.room:
                 raise _past_the_end(pair.scene)
-            too_small = face_half_width
+            too_small_size = face_half_width
             larger_size = (
-                face_half_width * 3 if np.isinf(too_large) else np.sqrt(too_small * too_large)
+                face_half_width * 3
+                if np.isinf(too_large_size)
+                else np.sqrt(too_small_size * too_large_size)
             )
             face_half_width = min(larger_size, pair.room)
         else:
-            too_large = face_half_width
+            too_large_size = face_half_width
             face_half_width = (
-                face_half_width / 3 if too_small == 0 else np.sqrt(too_small * too_large)
+                face_half_width / 3
+                if too_small_size == 0
+                else np.sqrt(too_small_size * too_large_size)
             )
     raise InputError(
         f"{pair.scene.name}: no size of the bodies was found that holds the contact; check profile"
@@ -697,7 +758,9 @@ def _contact_fraction(pair: _CoarsePair, size: float) -> float:
 
 
 def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceState]:
-    """The faces at the largest load, without shear."""
+    """Scaled contact problem of the coarse bodies without shear, and its state at the largest load.
+    `size` is the half-width of the part of the face that may touch [length].
+    """
     faces = pair.faces(size)
     solved_faces = half_interface(faces) if on_half(pair.scene, faces) else faces
     problem = pair.problem(size, solved_faces, has_shear=False)
@@ -705,6 +768,7 @@ def _pressed(pair: _CoarsePair, size: float) -> tuple[ContactProblem, InterfaceS
 
 
 def _past_the_end(scene: Scene) -> InputError:
+    """Error to raise where the contact reaches past the end of the narrower face of a scene."""
     return InputError(
         "bodies: the contact at the largest load reaches past the end of the narrower face, at |x|"
         f" = {least_face_half_width(scene):.6g}: make the bodies wider, or the load less"
@@ -712,7 +776,9 @@ def _past_the_end(scene: Scene) -> InputError:
 
 
 def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) -> Array:
-    """(k, 2) of the contact; NaN without one."""
+    """Left and right edge of contact in k states, (k, 2), by the form of pressure and gap at the
+    outermost nodes; scaled; NaN without contact.
+    """
     _, pressure, _, gap = nodal_values(np.stack([state.values for state in states]))
     is_closed = np.stack([state.is_closed for state in states])
     return contact_edges(
@@ -727,13 +793,27 @@ def _innermost_edge(
     half-width of either zone, 0 where nothing sticks; scaled.
 
     Where the zones may be unsymmetric (`anywhere`), it is the least distance of an edge from x = 0,
-    and 0 where an edge crosses it. `sticks` (n_states, n) are the nodes that stick.
+    and 0 where an edge crosses it.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, with places of its n nodes and length of face of each
+    states
+        contact states at the instants
+    sticks
+        (n_states, n) nodes that stick
+    anywhere
+        whether the contact and its stick zone may lie beside x = 0
     """
+    # Edges (n_states, 2) of the contact, or plus and minus its half-width.
     contact_zones = _contact_edges(problem, states)
     is_closed = np.stack([state.is_closed for state in states])
     signs_of_sides = np.array([-1.0, 1.0])
     if not anywhere:
         contact_zones = np.diff(contact_zones) / 2 * signs_of_sides
+
+    # Likewise of the stick zone.
     stick_zones = stick_edges(
         problem.interface.x, sticks, is_closed, contact_zones, anywhere=anywhere
     )
