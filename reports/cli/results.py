@@ -197,6 +197,7 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     if not comparison.scene.inputs:
         return report
     with stages.stage("uncertainty of the inputs"):
+        # what the uncertain inputs do to values of theory; `effects`: compliances of finite bodies
         inputs = input_effects(comparison.scene, comparison.effects)
     report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
     # fields worked out from others: an external result has some, an own solution has none

@@ -266,11 +266,12 @@ def _reason_for_no_budget(scene: Scene) -> str:
     """
     from scenes import TimeSeriesLoad
 
-    rows = len(scene.load.kept_rows()) if isinstance(scene.load, TimeSeriesLoad) else 0
-    if rows <= _LONG_RECORD:
+    # 0 for loads that are no table over time
+    n_rows = len(scene.load.kept_rows()) if isinstance(scene.load, TimeSeriesLoad) else 0
+    if n_rows <= _LONG_RECORD:
         return ""
     return (
-        f"no uncertainty was measured: the record has {rows:,} rows, more than {_LONG_RECORD};"
+        f"no uncertainty was measured: the record has {n_rows:,} rows, more than {_LONG_RECORD};"
         " --budget measures it"
     )
 
@@ -941,10 +942,11 @@ def _answer_of_rig(job: Job, refusals: EngineRefusals, no_comparison: str) -> An
     with job.stages.stage("report"):
         from reports.page.rig import RigMotion, write
 
-        rig = RigMotion(job.scene, solution, inputs, solution_of_elements)
+        # what rig and contact do, for the page
+        rig_motion = RigMotion(job.scene, solution, inputs, solution_of_elements)
         refusal = content_of_elements.get("refused")
         remarks = (no_comparison, refusal) if refusal else (no_comparison,)
-        page = write(rig, job.folder, job.command("run"), remarks)
+        page = write(rig_motion, job.folder, job.command("run"), remarks)
 
     def json_content() -> dict[str, Any]:
         """The object "result" of --json: that of one engine, of finite elements, and the page."""

@@ -923,8 +923,8 @@ def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinem
 
 def _iteration_term(comparison: Comparison) -> Term:
     """The error by rounding and by the end of the iteration, the same for every metric: no value,
-    and for uncertainty the worst residual of any load step, dimensionless. Not measured where the
-    result states no residuals.
+    and for uncertainty the worst residual of any load step, dimensionless, as a bound that is never
+    exceeded. Not measured where the result states no residuals.
     """
     # of the laws of contact, those by residuals that the solver recorded; `value`: the largest
     checks = [check for check in comparison.result_certificates if check.source == "record"]
@@ -937,9 +937,9 @@ def _iteration_term(comparison: Comparison) -> Term:
 
 def _theory_term(metric: Metric, comparison: Comparison) -> Term:
     """The error of half-plane theory's own quadratures and series in a metric: no value, since the
-    sign is not known. The uncertainty is the largest estimate by theory itself, on the smooth path
-    and on the polygon of the load increments; round-off (1e-12) where it states none, as of closed
-    forms.
+    sign is not known. The uncertainty, a bound that is never exceeded, is the largest estimate by
+    theory itself, on the smooth path and on the polygon of the load increments; round-off (1e-12)
+    where it states none, as of closed forms.
     """
     # how the names of this quantity begin among the relative errors that theory states
     prefix = _ERROR_NAME_BY_METRIC.get(metric.key, metric.key)
@@ -1272,17 +1272,20 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]  # over the coarsest
     values = np.array(refinement.values)
-    deviations = values - np.average(values, weights=weights)
+    centred_values = values - np.average(values, weights=weights)
 
     def sum_of_squares(orders: Array) -> Array:
         """For each of m orders p, the weighted sum of squared residuals with the best phi_0 and
         alpha, (m,).
         """
         powers = relative_sizes ** np.atleast_1d(orders)[:, None]
+        # (m, k), less their mean: phi_0 drops out
         powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
-        alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
-        return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
+        alpha = (weights * powers) @ centred_values / np.sum(weights * powers**2, axis=1)
+        residuals = centred_values - alpha[:, None] * powers
+        return np.asarray(np.sum(weights * residuals**2, axis=1))
 
+    # a search on 97 orders, then a closer one beside the best of them
     trial_orders = np.geomspace(*_RANGE_OF_SEARCHED_ORDERS, 97)
     best_index = int(np.argmin(sum_of_squares(trial_orders)))
     order = None

@@ -36,15 +36,15 @@ def _is_negligible(entry: Budget, term: Term) -> bool:
 
 
 def budget_table(
-    budget: ErrorBudget, left_out: tuple[str, ...] = ()
+    budget: ErrorBudget, sources_left_out: tuple[str, ...] = ()
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """The table of the error budget as text: column heads, rows of the metrics that the page's
     first table shows, and rows of the other metrics.
 
     A row holds the metric, its error E, one cell for each source of error, the part that these
-    leave, its uncertainty u, and a verdict. Sources named in `left_out`, and columns with "none" in
-    every row, are not shown. The verdict says, for half-planes, whether u covers the unexplained
-    part; for real bodies, whether the idealisation error is larger than u.
+    leave, its uncertainty u, and a verdict. Sources named in `sources_left_out`, and columns with
+    "none" in every row, are not shown. The verdict says, for half-planes, whether u covers the
+    unexplained part; for real bodies, whether the idealisation error is larger than u.
 
     An entry of `budget.budgets` is the budget of one metric; `headline` states whether the page's
     first table shows the metric.
@@ -65,7 +65,7 @@ def budget_table(
     shown_columns = []
     for column, head in enumerate(heads):
         is_none_everywhere = all(row[column] == "none" for row in rows)
-        if head not in left_out and not is_none_everywhere:
+        if head not in sources_left_out and not is_none_everywhere:
             shown_columns.append(column)
     first_rows = []
     other_rows = []

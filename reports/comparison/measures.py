@@ -468,8 +468,10 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 def _difference_of_stick_zones(
     pair: Pair, length_of: Callable[[ContactSolution], float]
 ) -> MetricValue:
-    """A length of the zone that sticks through the whole cycle, result − reference over a_ref. The
-    amounts are those of `pair.plain_reference`, the reference without a rule of the result.
+    """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
+
+    States of the reference may follow the rule by which those of an external result were found. The
+    amount of the reference is that by its own rule, from `pair.plain_reference`.
 
     `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
     value where one solution lacks the zone or both do: the note then names them.
@@ -704,6 +706,7 @@ def pressure(pair: Pair) -> MetricValue:
     x = result_cycle.x
     difference = l2_norm(x, result_cycle.pressure - reference_cycle.pressure)
     series = quotient(difference, l2_norm(x, reference_cycle.pressure))
+    # denominator 1: the stated uncertainties are relative already
     return _value_at_worst_instant(
         pair, series, stated=_stated_uncertainties_of_norm(pair, "pressure"), denominator=1.0
     )
@@ -720,6 +723,7 @@ def shear(pair: Pair) -> MetricValue:
     x = result_cycle.x
     difference = l2_norm(x, result_cycle.shear - reference_cycle.shear)
     series = quotient(difference, pair.scales.friction * l2_norm(x, reference_cycle.pressure))
+    # denominator 1: the stated uncertainties are relative already
     return _value_at_worst_instant(
         pair, series, stated=_stated_uncertainties_of_norm(pair, "shear"), denominator=1.0
     )

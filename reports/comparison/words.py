@@ -514,8 +514,8 @@ def _label_in_sentence(metric: Metric) -> str:
 
 
 def _texts_of_metric(metric: Metric) -> dict[str, str]:
-    """Texts of a metric for the templates of sentences: name, value, "open" (value with its
-    uncertainty, "" where that is not known), unit, tolerance.
+    """Texts of a metric for the templates of sentences: name, value, "open" (value, and its
+    uncertainty where that is known), unit, tolerance.
     """
     value = value_in_words(metric)
     value_and_uncertainty = f"{value} {uncertainty_in_words(metric)}".strip()

@@ -98,7 +98,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"y [{unit_of_length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
     }
     shapes = (scene.bodies.lower, scene.bodies.upper)
-    # The arguments after `columns` fill the caption. A half-plane is cut off by the drawing.
+    # The arguments after `columns` fill the caption: whether a half-plane is cut off, width of the
+    # contact, ranges of P and Q in words, what acts beside P and Q, units.
     return figure_with_texts(
         "bodies",
         [panel],
