@@ -637,6 +637,7 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
                 f" there are {', '.join(known_names)}"
             )
         is_unjudged = bool(equals) and tolerance_text.strip() == "none"
+        # 0.05 for "5%" and "0.05"; NaN where it is no number
         tolerance = math.inf if is_unjudged else share_of(tolerance_text)
         if not is_unjudged and not 0 < tolerance < math.inf:
             raise InputError(

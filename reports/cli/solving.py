@@ -184,7 +184,8 @@ def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
         try:
             from meshes.interrupts import interrupts_wait
 
-            with interrupts_wait():  # compiled modules make an ImportError of it
+            # Ctrl-C waits meanwhile: compiled modules would make an ImportError of it
+            with interrupts_wait():
                 for engine in engines:
                     import_module(engine)
         except (ImportError, OSError) as reason:

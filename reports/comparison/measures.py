@@ -879,6 +879,7 @@ def stick_edge(pair: Pair) -> MetricValue:
     if metric_value.value is None and n_differing:
         reason_for_none = f"no instant has a stick edge in both: {note}"
         return replace(metric_value, value=math.nan, note=reason_for_none)
+    # with the shift in element sizes too
     return replace(metric_value, note=note, elements=_shift_in_elements(pair, metric_value.value))
 
 

@@ -603,7 +603,8 @@ def hysteresis(view: CycleView) -> Plate | None:
     }
     # A varying P does work too, where the normal approach depends on Q.
     has_constant_p = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
-    # the arguments after `view.keys` fill the caption: k of each engine, works, datum of U, ...
+    # The arguments after `view.keys` fill the caption: k of each engine, works, datum of U;
+    # `alone`: whether the area of the loop alone is the friction work.
     return figure_with_texts(
         "hysteresis",
         panels,
