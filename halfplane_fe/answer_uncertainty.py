@@ -81,19 +81,35 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     It is in the run's scaled unit: `task.work_unit` times it is [energy / thickness]. The part of
     the mesh follows from the difference to the run on the coarse mesh. The part of the increments
     follows from bounds that the run has recorded for each.
+
+    # notation: A = 2/E*, f coefficient of friction, P largest load
+
+    Parameters
+    ----------
+    task
+        the scene, its mesh, and scales with W and element size of the run on the coarse mesh;
+        whether errors are of low order (linear elements, penalty layer), and whether kinks of
+        pressure and slip bound the step error (records of like bodies)
+    run
+        friction work of the nodes in each cycle, index of the state at the start of each, bounds of
+        each increment by name, and by cycle the work that edges add which move from node to node
+        (`edge_excess_by_cycle`)
     """
     scene = task.scene
     if not needs_shear(scene):
         return 0.0
     first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
     friction_unit = task.friction_unit  # A f^2 P^2, scaled
-    # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
-    # only approach the steady state.
+
+    # W of the run and of the coarse run. With bulk stress or tilt a cycle is compared with the
+    # coarse run's of the same number: they only approach the steady state.
     cycle_works = (
         run.nodal_work_by_cycle[:COARSE_CYCLES] if scene.unsymmetric else run.nodal_work_by_cycle
     )
     dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
+
+    # Scatter by edges between nodes, where what they add to W was taken off.
     edges_are_known = (
         bool(run.edge_excess_by_cycle)
         and not task.has_errors_of_low_order
@@ -104,9 +120,10 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
     edge_scatter = run.edge_excess_by_cycle[-1].rms / friction_unit if edges_are_known else None
-    # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
-    # that starts to slide and the last. Between unlike bodies half of the bound "step_error"
-    # counts: nodes that start to slide change the pressure too.
+
+    # Part of the increments. "kink_work": what kinks of pressure and slip add to W of an increment,
+    # between the first node that starts to slide and the last. Between unlike bodies half of the
+    # bound "step_error" counts: nodes that start to slide change the pressure too.
     if task.kinks_bound_step_error:
         step_uncertainty = (
             _BENT_IN_RECORDS * run.values_of_increments("kink_work")[first_increment:].sum()
@@ -116,6 +133,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     else:
         share = _OF_BOUND if edges_are_known else 1.0
         step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
+
+    # Added is the part of the mesh, over A f^2 P^2 times that unit.
     return float(step_uncertainty) + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
@@ -133,11 +152,21 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     It adds up the error by mesh and increments, the change of W to its limit over further cycles,
     and two errors proportional to W. These come from narrow flanks of the contact with steep
     pressure, and from slip that turns round within increments.
+
+    Parameters
+    ----------
+    task
+        the scene, its mesh, and the unit of scaled work
+    run
+        `trend` is how W goes on from cycle to cycle, with the change to its limit
+    arrays
+        fields and series of the solution by name, in the scene's units
     """
     if run.failure is not None:
         return math.nan
     change_to_limit = float(np.nan_to_num(abs(run.trend.change_to_limit)))
     by_flanks = _share_of_flanks(task, run, arrays)
+    # (n,) W(x) times the length of each node
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
     work = max(float(work_of_nodes.sum()), 1e-300)
     by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
@@ -147,11 +176,16 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
 
 
 def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of W over W by narrow flanks of the contact: the mean over the stored instants of
-    the last load cycle, by the work that was done up to each since the one before.
+    """Uncertainty of W over W by narrow flanks of the contact, its parts beyond the flat of a
+    rounded flat punch: the mean over the stored instants of the last load cycle, by the work that
+    was done up to each since the one before. 0 of other profiles.
 
     Parameters
     ----------
+    task
+        the scene; size of the elements at the edges over the contact half-width (`element`)
+    run
+        friction work of each increment, and indices of the states that are stored
     arrays
         fields and series of the solution by name
     """
@@ -159,13 +193,14 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
     under_load = np.flatnonzero(_under_load(scene, arrays))
     if scene.profile.kind != "flat_rounded" or not len(under_load):
         return 0.0
+    # work of the increments between stored instants
     works = np.add.reduceat(run.values_of_increments("dissipation"), run.stored_indices[:-1])
     work_at_instants = np.maximum(np.append(0.0, works)[under_load], 0.0)
     if not work_at_instants.any():
         return 0.0
-    element = task.element * task.scales.half_width
+    element_size = task.element * task.scales.half_width
     shares = [
-        share_of_flanks(scene.profile, half_width, element)
+        share_of_flanks(scene.profile, half_width, element_size)
         for half_width in arrays["contact_half_width"][under_load].tolist()
     ]
     return float(np.average(shares, weights=work_at_instants))
@@ -180,16 +215,23 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     the nearer end of an increment is less there by t^2/2 of its amplitude, t in radians of the
     cycle. This t is at most half of the last increment in which the node slides.
 
+    Zeros where no bulk stress or tilt varies out of phase, and on paths of straight segments.
+
     Parameters
     ----------
+    scene
+        load path with its period
     arrays
         fields and series of the solution by name
     """
     path = scene.load.path()
+    # rows of the instants of the last cycle
     cycle = np.flatnonzero(is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
     is_smooth = any(not part.is_straight for part in path.cycle)
     if path.period is None or not is_smooth or not _is_out_of_phase(arrays, cycle):
         return np.zeros(len(arrays["x"]))
+
+    # For both senses of slip: the increment in which a node first reaches the end of its slip.
     time = arrays["time"][cycle]
     slip = arrays["slip"][cycle]
     tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
@@ -197,23 +239,25 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     for sense in (1, -1):
         reaches_end = sense * slip >= np.max(sense * slip, axis=0) - tolerance
         last_step = np.maximum(np.argmax(reaches_end, axis=0), 1)
-        increments = 2 * np.pi * (time[last_step] - time[last_step - 1]) / path.period
-        shares.append(increments**2 / 8)
+        angles = 2 * np.pi * (time[last_step] - time[last_step - 1]) / path.period
+        shares.append(angles**2 / 8)  # (angle/2)^2/2, the angle in radians of the cycle
     return np.mean(shares, axis=0)
 
 
 def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
     """Whether bulk stress or tilt varies in the steps of a cycle, and the path of all loads is no
-    straight line.
+    straight line: its second singular value is more than round-off.
+
+    `arrays` has the loads by name, (n_steps,) each; `cycle` are the steps of the cycle.
     """
-    imposed = [name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][cycle])]
-    if not imposed:
+    varying_names = [name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][cycle])]
+    if not varying_names:
         return False
-    names = ("normal_load", "tangential_load", *imposed)
+    names = ("normal_load", "tangential_load", *varying_names)
     loads = np.stack([arrays[name][cycle] / np.max(np.abs(arrays[name])) for name in names])
-    from_mean = loads - loads.mean(axis=1, keepdims=True)
-    largest, second, *_ = np.linalg.svd(from_mean, compute_uv=False)
-    return bool(second > _IN_PHASE * largest)
+    loads_from_mean = loads - loads.mean(axis=1, keepdims=True)
+    largest_value, second_value, *_ = np.linalg.svd(loads_from_mean, compute_uv=False)
+    return bool(second_value > _IN_PHASE * largest_value)
 
 
 def value_uncertainties(
@@ -229,20 +273,26 @@ def value_uncertainties(
     Parameters
     ----------
     task
-        the scene, its meshes, and the values of the run on the coarse mesh
+        the scene, its meshes, and the values of the run on the coarse mesh (`scales.values`; None
+        where there was none); sizes of elements at the edges over the contact half-width
     problem, run
         the contact problem, and its states along the load path
     arrays
-        fields and series of the solution by name, in the scene's units
+        fields and series of the solution by name, in the scene's units; those of the edges have
+        their uncertainty in them
     """
     if run.failure is not None:
         return {}
     scene = task.scene
+
+    # Displacements and L2 norms, by the difference from the coarse run and by neighbouring nodes.
     coarse_values = task.scales.values
     values = _values_beside_coarse_run(task, problem, run)
     estimates = _displacement_uncertainties(task, values, arrays)
     estimates["largest_slip"] = 0.0
     estimates |= _norms_of_tractions(task, arrays)
+
+    # Largest slip and largest friction work per area; 0 without shear.
     estimates["largest_dissipation_density"] = 0.0
     if needs_shear(scene):
         estimates["largest_slip"] = slip_uncertainty(
@@ -263,6 +313,8 @@ def value_uncertainties(
         by_turns = _shares_of_turns(scene, arrays)[node]
         density_error += float(arrays["dissipation_density"][node] * by_turns)
         estimates["largest_dissipation_density"] = density_error
+
+    # Largest pressure, half-width of the largest contact, half-width of permanent stick.
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
     )
@@ -287,8 +339,19 @@ def _displacement_uncertainties(
 
     They follow from the difference between the fine and the coarse run. At instants when the
     contact is only a few elements wide, a further one counts.
+
+    Parameters
+    ----------
+    task
+        the scene, size of the elements at the edges over the half-width, and scales with that of
+        the coarse run (`scales.element`), its values, and E*
+    values
+        displacements of the fine run at the instants of a cycle
+    arrays
+        fields and series of the solution by name, in the scene's units
     """
     scales = task.scales
+    # ratio of the element sizes; whether errors are of low order
     meshes = Meshes(refinement=scales.element / task.element, plain=task.has_errors_of_low_order)
     estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
@@ -310,24 +373,34 @@ def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
     Slip grows up to the edge of contact. At constant P the edge stays between this node, which is
     the last one that touches, and the next. Where P varies an edge that is hardly beyond the node
     has not been there for long: the slip errs by 0.7 to 1.05 of how it changes to the next node.
+
+    `arrays` has the series of the solution by name: loads (n_steps,), states and slip (n_steps, n),
+    contact edges (n_steps, 2).
     """
     under_load = _under_load(scene, arrays)
     loads = arrays["normal_load"][under_load]
     if not len(loads) or np.ptp(loads) > _SAME_LOAD * loads.max():
         return 1.0
+
+    # Node with the largest range of slip while it touches.
     touches = arrays["state"][under_load] != OPEN
     node = int(np.argmax(range_of_slip(arrays["slip"][under_load], touches)))
     x = arrays["x"]
     outwards = 1 if x[node] > 0 else -1
     if not 0 <= node + outwards < len(x):
         return 1.0
+
+    # Contact edge on its side at the instants at which it touches.
     edges = arrays["contact_edges"][under_load][touches[:, node], (outwards + 1) // 2]
-    farthest = float(np.max(outwards * (edges - x[node]), initial=0.0))
-    return min(farthest / abs(float(x[node + outwards] - x[node])), 1.0)
+    farthest_distance = float(np.max(outwards * (edges - x[node]), initial=0.0))
+    return min(farthest_distance / abs(float(x[node + outwards] - x[node])), 1.0)
 
 
 def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
-    """W over A f^2 P^2, P the largest load: how much a contact with friction slips in a cycle."""
+    """Friction work W of the last cycle over A f^2 P^2: how much a contact slips in it.
+
+    # notation: A = 2/E*, f coefficient of friction, P largest load
+    """
     return float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
 
 
@@ -335,7 +408,8 @@ def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, floa
     """Relative uncertainties of pressure and shear in the L2 norm over x, at the worst instant of
     the last load cycle: "pressure" over the norm of p, "shear" over that of f p.
 
-    NaN for linear elements and penalty layers.
+    NaN for linear elements and penalty layers (`task.has_errors_of_low_order`). `arrays` has
+    pressure and shear (n_steps, n) at nodes x (n,).
     """
     estimates = norm_uncertainties(
         arrays["x"],
@@ -355,12 +429,17 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
     with the coarse run, in the scene's units.
 
     That is the last cycle of `run`. If either run has not reached a steady cycle, and the coarse
-    one ended earlier, it is the cycle at which the coarse one ended.
+    one ended earlier, it is the cycle at which the coarse one ended. Values of two runs are
+    comparable if both are of the same cycle (`number`), or of a steady one.
+
+    `task.scales` has load, half-width and E*, which values of the run are scaled by; `problem` the
+    length of face of each node.
     """
     scales = task.scales
     coarse_values = scales.values  # of the run on the coarse mesh that set the scales
 
     def values_of_cycle(cycle: int | None) -> RunValues:
+        """Values of a cycle of the run, by its number from 1; of the last one for None."""
         return run_values(
             run,
             problem.interface.face_lengths,
@@ -376,7 +455,9 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
 
 
 def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
-    """(n_steps,) instants of the last cycle under load, of the whole path where none repeats."""
+    """Which stored instants are in the last cycle and under load, a mask (n_steps,); of a path that
+    does not repeat those of all the path under load.
+    """
     in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     if in_cycle.any():
         return in_cycle
@@ -384,7 +465,9 @@ def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
 
 
 def _from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> float:
-    """How far the largest W(x) is from that of the coarse run [energy / area]; NaN without one."""
+    """Difference of the largest friction work per area, W(x), from that of the coarse run [energy /
+    area]; NaN without a coarse run, or where both have not the same cycle.
+    """
     if coarse_values is None or not values.is_comparable(coarse_values):
         return math.nan
     return values.difference("largest_dissipation_density", coarse_values)
@@ -402,10 +485,10 @@ def _of_permanent_stick(
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
     NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    Where slip places an end, its misfit tells. Elsewhere the zone ends at the innermost stick edge
-    of the last cycle. With edges e +- u, that edge is
-    between the innermost e - u and the innermost e + u. Where the loads or the nodes tell more,
-    `StickZone.uncertainty` says so.
+    Where the slip beyond the zone places an end, its own uncertainty counts. Elsewhere the zone
+    ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is between the
+    innermost e - u and the innermost e + u. Where loads place an end between two nodes, or these
+    nodes bound it more closely, their uncertainty counts.
 
     Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)
     count as stuck. The zone may then reach beyond the edges of single instants, and these count as
@@ -414,8 +497,11 @@ def _of_permanent_stick(
 
     Parameters
     ----------
+    scene
+        load path, with the period of its cycle
     arrays
-        fields and series of the solution by name, in the scene's units
+        fields and series of the solution by name, in the scene's units; "permanent_stick_held_back"
+        (2,) is what was added to the ends, since growing elements hold edges back
     zone
         the permanent stick zone by its nodes and by the loads [length]
     is_sharp
@@ -423,6 +509,8 @@ def _of_permanent_stick(
     """
     if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
+
+    # Innermost stick edges of the last cycle, and their bounds e - u and e + u.
     in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
     in_cycle &= np.isfinite(arrays["stick_half_width"])
     zone_ends = arrays["permanent_stick_edges"]
@@ -437,6 +525,8 @@ def _of_permanent_stick(
         innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge
     )
     end_uncertainty = zone.uncertainty(zone_ends, by_stick_zones)
+
+    # Creep that the mesh may add.
     if not is_sharp:
         slip = arrays["slip"][in_cycle]
         is_closed = arrays["state"][in_cycle] != OPEN
@@ -445,6 +535,8 @@ def _of_permanent_stick(
         spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
         is_creep = creep_beyond_end > _CREEP_IN_NODES * spacing
         end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
+
+    # Ends by slip, and what the correction for growing elements may leave.
     by_slip = arrays["permanent_stick_uncertainty"]
     end_uncertainty = np.where(np.isfinite(by_slip), by_slip, end_uncertainty)
     by_growth = left_of_growth(arrays["permanent_stick_held_back"])
@@ -458,10 +550,20 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     `is_coupled`: the bodies are unlike, so that shear changes the pressure. Then the pressure of
     neighbouring nodes scatters, and this scatter counts too. So it does where the curvature of the
     profile jumps at every row of a table: the pressure is an arch from row to row.
+
+    Parameters
+    ----------
+    task
+        the scene, mesh settings, and scales: half-width, and of the coarse run its largest pressure
+        and the size of its elements over the half-width
+    arrays
+        pressure (n_steps, n), contact edges and half-width by name, in the scene's units
     """
     scales = task.scales
     profile = task.scene.profile
-    scatters = is_coupled or profile.kind == "tabulated"
+    has_scatter = is_coupled or profile.kind == "tabulated"
+
+    # The largest pressure: instant, node, and what tells its error.
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
     largest_pressure = float(pressure[step, node])
@@ -472,8 +574,9 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         half_width=float(arrays["contact_half_width"][step]),
         to_edge=float(np.min(distances_to_edges)),
         stands_off=largest_off_neighbours(arrays["x"], pressure[step], int(node)),
-        scatter=scatter_of_nodes(pressure[step], int(node)) if scatters else 0.0,
+        scatter=scatter_of_nodes(pressure[step], int(node)) if has_scatter else 0.0,
     )
+    # `fine`: sizes of the elements along the face of the body with the coarser ones
     return peak_uncertainty(
         peak,
         profile,
@@ -489,11 +592,12 @@ def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolu
     """Loads, half-widths of contact and of stick at the instants of the last load cycle, and its
     friction work: what the resolution of the mesh is judged by.
 
-    Loads and half-widths are in the scene's units. The work is over A f^2 P^2 with A = 2/E* and P
-    the largest load of the cycle.
+    Loads and half-widths are in the scene's units. The work is over A f^2 P^2 with A = 2/E*, f the
+    coefficient of friction and P the largest load of the cycle. Where no cycle was begun, it is all
+    of the path. `run` has the indices of the stored states, and of those at which cycles start.
     """
     scene = task.scene
-    first_step = 1
+    first_step = 1  # row of the stored instants
     if run.cycle_starts:
         first_step = int(np.searchsorted(run.stored_indices, run.cycle_starts[-1])) + 1
     load = arrays["normal_load"][first_step:]
