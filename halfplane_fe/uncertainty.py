@@ -88,6 +88,9 @@ class Rule:
         """Uncertainty of a value from its difference between two meshes; NaN where the elements are
         like those of the coarse run.
 
+        With an error of the order p in the element size (`order`), r the refinement, it is the
+        factor F (`factor`) times the difference over |r^p - 1|, plus round-off.
+
         Parameters
         ----------
         value, difference
@@ -162,12 +165,14 @@ _AT_ONCE = 256
 
 
 def density_uncertainty(x: Array, density: Array) -> float:
-    """u of the largest W(x): by how far nodes there stand off the straight line between their
-    neighbours, which is what every second node alone would give [energy / area].
+    """Uncertainty of the largest friction work per area, W(x): by how far nodes there stand off the
+    straight line between their neighbours, which is what every second node alone would give
+    [energy / area].
 
     W(x) has a kink where an edge of contact or stick turns, and its largest value is near one: a
-    coarse run alone agrees with it by chance. NaN where no node between others does friction work,
-    and where the largest value stands alone.
+    coarse run alone agrees with it by chance. Two parts are added: a share of how far that node
+    stands off, and one of how much farther it does than the nodes beside it. NaN where the largest
+    value is 0 or at an end node, and where it stands alone.
 
     Parameters
     ----------
@@ -194,8 +199,8 @@ def density_uncertainty(x: Array, density: Array) -> float:
 
 
 def _off_neighbours(x: Array, values: Array) -> Array:
-    """(..., n - 2) how far values (..., n) at nodes x (n,) are from the straight line between their
-    neighbours.
+    """How far nodal values (..., n) at nodes x (n,) are from the straight line between their two
+    neighbours, (..., n - 2): of all nodes but the first and the last.
     """
     share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
     return np.asarray(values[..., 1:-1] - (1 - share) * values[..., :-2] - share * values[..., 2:])
@@ -221,28 +226,29 @@ def norm_uncertainties(
     friction
         f; 0 has no error of q
     """
-    off_p = [0.0]
-    off_q = [0.0]
+    # Norm of what p or q stands off by, over the norm of p: the largest of each block of instants.
+    shares_of_p = [0.0]
+    shares_of_q = [0.0]
     instants = np.flatnonzero(counts)
     # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
     for start in range(0, len(instants), _AT_ONCE):
         rows = instants[start : start + _AT_ONCE]
         norm_of_p = _norm(x, pressure[rows])
         share_of_p = _norm(x[1:-1], _off_neighbours(x, pressure[rows])) / norm_of_p
-        off_p.append(float(share_of_p.max()))
+        shares_of_p.append(float(share_of_p.max()))
         if friction:
             share_of_q = _norm(x[1:-1], _off_neighbours(x, shear[rows])) / norm_of_p
-            off_q.append(float(share_of_q.max()) / friction)
+            shares_of_q.append(float(share_of_q.max()) / friction)
     if not len(instants):
         return {"pressure": math.nan, "shear": math.nan}
     return {
-        "pressure": _PRESSURE_BY_NEIGHBOURS * max(off_p),
-        "shear": _SHEAR_BY_NEIGHBOURS * max(off_q),
+        "pressure": _PRESSURE_BY_NEIGHBOURS * max(shares_of_p),
+        "shear": _SHEAR_BY_NEIGHBOURS * max(shares_of_q),
     }
 
 
 def _norm(x: Array, values: Array) -> Array:
-    """(k,) L2 norm over x of (k, n)."""
+    """L2 norm over x of each of k rows of values (k, n) at nodes x (n,): (k,)."""
     return np.asarray(np.sqrt(np.trapezoid(np.square(values), x, axis=-1)))
 
 
@@ -250,8 +256,9 @@ def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: 
     """Error of a displacement by contacts a few elements wide, the largest of the path [length].
 
     Where P begins to grow, the contact is no wider than an element. Two meshes are compared by
-    values of whole cycles, none of them that small: their difference does not show it. The error
-    goes as (h/a)^2, at most as 1, with h the size of elements.
+    values of whole cycles, none of them that small: their difference does not show it. The error is
+    a fitted share of the load over E* times (h/a)^2, which counts as 1 at most; h is the size of
+    elements, a the half-width of contact.
 
     Parameters
     ----------
@@ -310,17 +317,22 @@ class RunValues:
     repeats: bool
 
     def is_comparable(self, second: RunValues) -> bool:
-        """Whether both have the same cycle of the path, or the steady one."""
+        """Whether the values of two runs are of the same cycle of the path, by its `number`, or
+        both of a cycle that repeats.
+        """
         return self.number == second.number or (self.repeats and second.repeats)
 
     def difference(self, name: str, second: RunValues) -> float:
-        """That of a quantity, the largest of the instants that both have."""
+        """Difference of a quantity between two runs: of a series the largest at the instants that
+        both have. `name` is that of an attribute, a number or a series (k,).
+        """
         of_first = np.asarray(getattr(self, name))
         of_second = np.asarray(getattr(second, name))
         if of_first.ndim:
-            here, there = _common_instants(self.since_start, second.since_start)
-            of_first = of_first[here]
-            of_second = of_second[there]
+            # indices of the common instants in either run
+            rows_of_first, rows_of_second = _common_instants(self.since_start, second.since_start)
+            of_first = of_first[rows_of_first]
+            of_second = of_second[rows_of_second]
         return float(np.max(np.abs(of_first - of_second), initial=0.0))
 
 
@@ -331,11 +343,15 @@ def run_values(
     stress_unit: float,
     cycle: int | None = None,
 ) -> RunValues:
-    """What a cycle of a run gave to compare with another mesh: times, U, approach, largest slip and
-    largest W(x), in the scene's units.
+    """Values of a load cycle of a run, to be compared with those on another mesh: times, tangential
+    displacement U, approach, largest slip and largest friction work per area W(x), in the scene's
+    units.
 
     Parameters
     ----------
+    run
+        scaled contact states along the path, index of the state at which each cycle starts, and
+        friction work of the nodes in each cycle
     weights
         (n,) length of surface that each node stands for, over the unit of length
     displacement_unit, stress_unit
@@ -343,10 +359,13 @@ def run_values(
     cycle
         number of the cycle, from 1; the last one by default
     """
+    # States of the cycle, from its start to that of the next one.
     number = cycle or len(run.cycle_starts)
-    first_place = run.cycle_starts[number - 1] if number else 0
-    has_next = number < len(run.cycle_starts)
-    states = run.states[first_place : run.cycle_starts[number] + 1 if has_next else None]
+    first_index = run.cycle_starts[number - 1] if number else 0
+    has_next_cycle = number < len(run.cycle_starts)
+    states = run.states[first_index : run.cycle_starts[number] + 1 if has_next_cycle else None]
+
+    # Largest range of slip of a node while it touches; with the instants beside its contact too.
     time = np.array([state.time for state in states])
     slip = np.array([state.slip for state in states])
     is_closed = np.array([state.is_closed for state in states])
@@ -356,6 +375,7 @@ def run_values(
     slip_between_instants = slip_with_neighbours - largest_slip
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
+
     work_of_nodes = np.zeros_like(weights)
     if run.nodal_work_by_cycle:
         work_of_nodes = run.nodal_work_by_cycle[number - 1]
@@ -370,23 +390,24 @@ def run_values(
         * displacement_unit
         * stress_unit,
         number=number,
-        repeats=run.steady_from is not None and not has_next,
+        repeats=run.steady_from is not None and not has_next_cycle,
     )
 
 
 def _change_beside_largest(values: Array) -> float:
-    """Mean change of nodal values (n,) from the largest one over the next nodes, on that side where
-    it is less: on the other one the contact ends.
+    """Mean change of nodal values (n,) from node to node over the two nodes next to the largest
+    one, on that side where it is less: on the other one the contact ends. NaN where neither side
+    has two nodes.
 
     >>> _change_beside_largest(np.array([0.0, 1.0, 10.0, 9.0, 6.0]))
     2.0
     """
-    largest = int(np.argmax(values))
-    outwards_and_inwards = (values[largest::-1], values[largest:])
+    peak_node = int(np.argmax(values))
+    values_to_both_sides = (values[peak_node::-1], values[peak_node:])
     changes = [
-        float(np.mean(np.abs(np.diff(of_side[: _NEXT_NODES + 1]))))
-        for of_side in outwards_and_inwards
-        if len(of_side) > _NEXT_NODES
+        float(np.mean(np.abs(np.diff(side_values[: _NEXT_NODES + 1]))))
+        for side_values in values_to_both_sides
+        if len(side_values) > _NEXT_NODES
     ]
     return min(changes, default=math.nan)
 
@@ -410,18 +431,21 @@ class Meshes:
 def displacement_uncertainties(
     values: RunValues, coarse_values: RunValues | None, meshes: Meshes, has_shear: bool
 ) -> dict[str, float]:
-    """Uncertainty of tangential displacement and normal approach by the name [length]; NaN without
-    an estimate.
+    """Uncertainty of tangential displacement and normal approach by their names [length], from the
+    difference of two meshes; NaN without an estimate.
+
+    For each name `RULES` has the order of its error in the element size, and a factor.
 
     Parameters
     ----------
     values
-        values of the run
+        displacements of the run at the instants of a cycle
     coarse_values
         those of the coarse run; None where the bodies are shared, without a coarse run of this
         scene
     meshes
-        the two meshes
+        the two meshes: `refinement`, element size of the coarse run over that of the run; `plain`,
+        whether the difference counts in full, as of linear elements and penalty layers
     has_shear
         whether any shear can arise: then a displacement that is zero in both runs may be too little
         for either
@@ -454,9 +478,11 @@ def slip_uncertainty(
     Parameters
     ----------
     values, coarse_values
-        values of the run and of the coarse run; None without one
+        of the run and of the coarse run, None without one: largest range of slip of a node, its
+        change to the next nodes (`slip_to_next_nodes`), and how much larger it would be if nodes
+        touched one instant longer (`slip_between_instants`)
     scaled_work
-        W over A f^2 P^2, P the largest load
+        W over A f^2 P^2, A = 2/E*, f the coefficient of friction, P the largest load
     nodes_to_edge
         distance from the node of the largest slip to the edge of contact beyond it, over that of
         the next node; at most 1
@@ -465,6 +491,7 @@ def slip_uncertainty(
     """
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
+    # the way to the edge, in distances of nodes, with fitted shares
     nodes_missing = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
     by_nodes = nodes_missing * values.slip_to_next_nodes
     by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
@@ -477,7 +504,9 @@ def slip_uncertainty(
 
 
 def _with_neighbours(closed: Mask) -> Mask:
-    """(k, n) nodes that touch at an instant, or at the one before or after it."""
+    """Nodes that touch at an instant, or at the one before or after it, a mask (k, n), from those
+    `closed` (k, n) at each of k instants.
+    """
     with_neighbours = closed.copy()
     with_neighbours[1:] |= closed[:-1]
     with_neighbours[:-1] |= closed[1:]
@@ -485,7 +514,9 @@ def _with_neighbours(closed: Mask) -> Mask:
 
 
 def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, Indices]:
-    """Indices of the instants that both have, in either."""
+    """Instants that two ascending series have in common: their indices in the first and in the
+    second. They agree to 1e-9 of the last instant (of 1 if that is less).
+    """
     tolerance = _SAME_INSTANT * max(float(instants[-1]), 1.0)
     next_instants = np.searchsorted(other_instants, instants - tolerance)
     nearest = np.minimum(next_instants, len(other_instants) - 1)
@@ -553,15 +584,23 @@ def uncertainty(
     scatter: float | None,
     plain: bool,
 ) -> float:
-    """Share of the mesh in the uncertainty of W over A f^2 P^2; NaN on a mesh hardly finer than
-    that of the coarse run.
+    """Uncertainty of the friction work W of a load cycle by the mesh, over A f^2 P^2; NaN on a mesh
+    hardly finer than that of the coarse run.
+
+    It adds up a share of the difference from the coarse run, one of W by the element size or its
+    growth, and what edges add that lie between nodes.
+
+    # notation: A = 2/E*, f coefficient of friction, P largest load
 
     Parameters
     ----------
     dissipation, difference
         W, and its difference from that of the coarse run, over A f^2 P^2
     coarse
-        element of the coarse run, over the half-width
+        element size of the coarse run, over the half-width
+    mesh
+        settings: element size at the edges over the half-width, ratio of the upper body's elements,
+        growth of the size with the distance from the contact
     scatter
         rms of what edges between nodes add to W, over A f^2 P^2, which was taken off; 0 where
         nothing was, None where nothing is known of it
@@ -576,20 +615,22 @@ def uncertainty(
     ... )
     0.000118060606
     """
-    element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
-    refinement = coarse / element
+    element_size = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
+    refinement = coarse / element_size
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
+
+    # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
     share_left = _OF_DIFFERENCE / (refinement**2 - 1)  # of an error of order 2
     if plain:
         share_left = max(share_left, 1.0)
-    by_elements = dissipation * max(_OF_WORK * element**2, _GROWN * mesh.growth**4)
+    by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
     if scatter:
         by_edges = _OF_SCATTER * scatter
-    elif dissipation < _FALSE_WORK * element**2:
-        by_edges = dissipation
+    elif dissipation < _FALSE_WORK * element_size**2:
+        by_edges = dissipation  # all of it may be an error of the mesh
     else:
-        by_edges = by_elements if scatter == 0 else _OF_UNKNOWN_EDGES * element**2
+        by_edges = by_elements if scatter == 0 else _OF_UNKNOWN_EDGES * element_size**2
     return difference * share_left + by_elements + by_edges
 
 
@@ -597,12 +638,16 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     """Uncertainty of the work done on a contact, over that work, by the narrow flanks of a flat
     punch, where the pressure is steep; 0 of other profiles.
 
-    The run and the coarse run may agree there by chance: neither has more than a few elements.
+    The run and the coarse run may agree there by chance: neither has more than a few elements. The
+    uncertainty is a share over the square of the number of elements that a Hertz contact as steep
+    at its edge would have from middle to edge; 1 at most.
 
     Parameters
     ----------
+    profile
+        of the faces: its kinks are the ends of the flat
     half_width, element
-        half-width of the contact, and mesh at its edge [length]
+        half-width of the contact, and size of the elements at its edge [length]
 
     Examples
     --------
@@ -649,8 +694,8 @@ class Peak:
 
 
 def largest_off_neighbours(x: Array, pressure: Array, node: int) -> float:
-    """How far nodes around one stand off the straight line between their neighbours, at most
-    [stress].
+    """Largest distance, among a node and the two nodes on either side, of the nodal pressure from
+    the straight line between its neighbours [stress].
 
     >>> largest_off_neighbours(np.arange(9.0), np.array([0.0, 3, 4, 5, 6, 5, 4, 3, 0]), node=4)
     1.0
@@ -659,32 +704,38 @@ def largest_off_neighbours(x: Array, pressure: Array, node: int) -> float:
     ----------
     x, pressure
         (n,) nodes in ascending order [length], and the pressure there at one instant [stress]
+    node
+        number of the node
     """
-    stands_off = np.pad(_off_neighbours(x, pressure), 1)  # 0 at the ends
-    around = stands_off[max(node - _BESIDE_PEAK, 0) : node + _BESIDE_PEAK + 1]
-    return float(np.max(np.abs(around)))
+    differences = np.pad(_off_neighbours(x, pressure), 1)  # 0 at the ends
+    differences_around = differences[max(node - _BESIDE_PEAK, 0) : node + _BESIDE_PEAK + 1]
+    return float(np.max(np.abs(differences_around)))
 
 
 def scatter_of_nodes(pressure: Array, node: int) -> float:
-    """By how much single nodes around one stray from the others, by fourth differences, which are
-    small of a smooth pressure [stress].
+    """Largest deviation of the pressure of a single node from a smooth curve through its
+    neighbours, among a node and a few on either side: by fourth differences, which are small of a
+    smooth pressure [stress].
 
     Near sliding, shear bends the pressure of coupled bodies by the mesh's error, one way at one
-    node and the other way at the next. The largest of the nodes is then that which strays most.
+    node and the other way at the next. The node of the largest pressure is then the one that
+    deviates most. One that deviates by 1 alone has a fourth difference of 6.
 
     Parameters
     ----------
     pressure
         (n,) of one instant [stress]
+    node
+        number of the node
 
     Examples
     --------
     >>> scatter_of_nodes(np.array([5.0, 5, 5, 5, 5, 6, 5, 5, 5, 5, 5]), node=5)
     1.0
     """
-    reach = _BESIDE_LARGEST_PRESSURE + 2
-    around = pressure[max(node - reach, 0) : node + reach + 1]
-    fourth_differences = np.diff(around, n=4)
+    n_beside = _BESIDE_LARGEST_PRESSURE + 2
+    pressure_around = pressure[max(node - n_beside, 0) : node + n_beside + 1]
+    fourth_differences = np.diff(pressure_around, n=4)
     return float(np.max(np.abs(fourth_differences), initial=0.0)) / _OF_ONE_NODE
 
 
@@ -713,11 +764,16 @@ def peak_uncertainty(
     Parameters
     ----------
     peak
-        the largest pressure, where it is, and its difference from the coarse run
+        the largest pressure, its difference from the coarse run, half-width of contact and distance
+        to its edge then; how far nodes there stand off the line between their neighbours, and how
+        much single nodes stray
+    profile
+        initial gap of the faces
     coarse
-        element of the coarse run [length]
+        size of the elements of the coarse run [length]
     fine
-        sizes of the run's elements along the surface, of the body whose elements are larger
+        sizes of the run's elements along the surface, at the edges and at a tip of the profile, of
+        the body whose elements are larger
     growth
         of their size with the distance from the contact
     depth
@@ -727,9 +783,11 @@ def peak_uncertainty(
     """
     if not (peak.half_width > 0 and peak.to_edge > 0):
         return math.nan  # nothing touches: the first increment failed
-    power = tip_power(profile, coarse)
+
+    # Where the difference is made: ratio of the element sizes there, and order p of the error.
+    power = tip_power(profile, coarse)  # n
     within_tip = 0.0
-    if power >= SMOOTH_TIP:
+    if power >= SMOOTH_TIP:  # no tip
         place = Place(coarse / fine.edge_size, 1.0 if math.isfinite(depth) else 2.0)
     elif tip_power(profile, fine.tip_size) < SMOOTH_TIP:
         place = Place(coarse / fine.tip_size, power - 1)
@@ -738,8 +796,9 @@ def peak_uncertainty(
         within_tip = _PEAK_WITHIN_TIP
     if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
+
+    # Error of the run over the difference, 1/|r^p - 1|; further terms by edges and growth, over p0.
     share = max(place.share_left(), 1.0 if plain else 0.0)
-    # each over p0
     relative_size = fine.edge_size / peak.half_width
     of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
     of_growth = _PEAK_GROWN * growth**4
@@ -754,12 +813,20 @@ def peak_uncertainty(
 def uncertainty_note(
     dissipation: float, uncertainty: float, tolerances: Tolerances, coarse: float
 ) -> Iterator[str]:
-    """That W is uncertain by more than its tolerance, or by an unknown amount; `coarse` is that of
-    the coarse run, or NaN. Where the scene has no tolerance, that of the project's own checks
-    counts.
+    """A sentence where the friction work W is uncertain by more than its tolerance, or by an
+    unknown amount. Where the scene has no tolerance, that of the project's own checks counts.
+
+    Parameters
+    ----------
+    dissipation, uncertainty
+        W of the last cycle, and its uncertainty, NaN where unknown [energy / thickness]
+    tolerances
+        of the scene: relative limits by the name of the value
+    coarse
+        W of the coarse run; NaN without one
     """
     tolerance = tolerances.limit("dissipation") or 0.0
-    whose = "that of the project's own checks" if tolerances.dissipation is None else "the scene's"
+    source = "that of the project's own checks" if tolerances.dissipation is None else "the scene's"
     if np.isnan(dissipation):
         return
     if np.isnan(uncertainty):
@@ -768,11 +835,11 @@ def uncertainty_note(
             reason = "its bodies are shared, without a coarse run of this scene"
         yield f"the dissipation has no uncertainty estimate: {reason}"
     elif uncertainty > tolerance * dissipation and uncertainty > 0:
-        share = ""
+        share_text = ""
         if dissipation:
             percent = 100 * uncertainty / dissipation
-            share = f" ({percent:.3g} %; the tolerance, {whose}, is {100 * tolerance:.3g} %)"
+            share_text = f" ({percent:.3g} %; the tolerance, {source}, is {100 * tolerance:.3g} %)"
         yield (
-            f"the dissipation is uncertain by {uncertainty:.3g}{share}: make edge_element_size or"
-            " step_tolerance smaller"
+            f"the dissipation is uncertain by {uncertainty:.3g}{share_text}: make edge_element_size"
+            " or step_tolerance smaller"
         )
