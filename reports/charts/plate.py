@@ -658,8 +658,8 @@ def colour_scale(
 
 
 def _attributes(attributes: Mapping[str, object]) -> str:
-    """Attributes of an XML element as text, each with a blank before it: "_" in a name is written
-    as "-", attributes that are None or empty are left out, numbers have two decimals at most.
+    """Attributes of an XML element as text, each with a blank before it. "_" in a name is written
+    as "-". Attributes that are None or empty are left out, numbers have two decimals at most.
 
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
@@ -749,8 +749,8 @@ def _path_data(
 def _is_on_chord(
     x: Array, y: Array, is_first: NDArray[np.bool_], tolerance: float
 ) -> NDArray[np.bool_]:
-    """Whether each point of a line can be left out, (n,): of the second, fourth, ... point, whether
-    it lies within `tolerance` [pixels] of the chord between its neighbours; False for all others.
+    """Whether each point of a line can be left out, (n,). The second, fourth, ... point can if it
+    lies within `tolerance` [pixels] of the chord between its neighbours. False for all others.
 
     Parameters
     ----------
@@ -835,9 +835,9 @@ class _Pen:
     is_standalone: bool  # True: in an SVG file without style sheet; False: on a page
 
     def look_attributes(self, css: str, *, text: bool = False) -> dict[str, object]:
-        """The attributes that give an SVG element the look of the classes `css` in the style sheet:
-        on a page the class names, in an SVG file of its own (`is_standalone`) the declarations of
-        these classes. `text` says whether the element is a text.
+        """The attributes that give an SVG element the look of the classes `css` in the style sheet.
+        On a page they are the class names, in an SVG file of its own (`is_standalone`) the
+        declarations of these classes. `text` says whether the element is a text.
         """
         if not self.is_standalone:
             return {"class_": css}

@@ -320,8 +320,7 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
     contact, and where the tension of one body is not known.
 
     Of a body in `snapshot`, `edges` has x of the left and right edge of contact, NaN out of
-    contact, `edge_tension` and its uncertainty the stress along the face there, NaN where it is not
-    known.
+    contact. `edge_tension` has the stress along the face there, NaN where it is not known.
     """
     if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
         return None
@@ -343,8 +342,8 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
     """Values at an instant whose fields of both bodies were written (`snapshot`), by name, for
-    fields.json and the terminal: time, loads [force / thickness], largest nodal stresses [stress],
-    and the largest tension at the edges of contact [stress].
+    fields.json and the terminal. They are time, loads [force / thickness], largest nodal stresses
+    [stress], and the largest tension at the edges of contact [stress].
 
     `instant` is that which was asked for; the time of the snapshot is the nearest one that is
     stored.

@@ -350,9 +350,9 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
 def _marks_of_boundaries(
     bodies: Sequence[BodyMesh], half_width: float
 ) -> tuple[list[Mark], list[Key]]:
-    """Marks for the boundaries of two meshed bodies (lower, upper), such as contact and base, each
-    in its colour and with places over a_ref = `half_width` [length]; and their entries in the
-    legend, which name the supports.
+    """Marks for the boundaries of two meshed bodies (lower, upper), such as contact and base, and
+    their entries in the legend, which name the supports. Each boundary has a colour; places are
+    over a_ref = `half_width` [length].
     """
     # BOUNDARIES: their names in a mesh; the upper body is turned over
     marks: list[Mark] = []
@@ -371,9 +371,9 @@ def _marks_of_boundaries(
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
-    """Two numbers that all pictures of a run share: the largest nodal von Mises stress [stress], at
-    the end of the scale of colours; and the factor by which displacements are magnified in pictures
-    of whole bodies.
+    """Two numbers that all pictures of a run share. They are the largest nodal von Mises stress
+    [stress], at the end of the scale of colours, and the factor by which displacements are
+    magnified in pictures of whole bodies.
 
     The factor is 1, 2 or 5 times a power of ten, with which the largest displacement is at most
     0.06 of the size of the bodies (`_SHOWN_DISPLACEMENT`); 1 where nothing moves. `snapshots` are
@@ -550,8 +550,9 @@ def _cell_of_contact(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of the contact at one instant, to true scale: both bodies coloured by von Mises'
-    stress with their mesh; below them the states of the contact points, and the scale of colours.
+    """Panels of the contact at one instant, to true scale. Both bodies are coloured by von Mises'
+    stress, with their mesh. Below them are the states of the contact points, and the scale of
+    colours.
 
     Parameters
     ----------
@@ -612,9 +613,9 @@ def _cell_of_contact(
 
 
 def rise_by_gap(solution: FiniteElementSolution, body: BodyFields) -> Array:
-    """By how much each node of a body is raised in pictures, (n,) [length]: by the gap h(x) of the
-    scene's profile on the upper body, whose face is flat in the mesh; 0 on the lower body, and
-    where the faces have their true shape in the mesh.
+    """By how much each node of a body is raised in pictures, (n,) [length]. On the upper body,
+    whose face is flat in the mesh, it is the gap h(x) of the scene's profile. It is 0 on the lower
+    body, and where the faces have their true shape in the mesh.
     """
     if body.name == "lower" or solution.scene.bodies.faces_are_true:
         return np.zeros(len(body.points))

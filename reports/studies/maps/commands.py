@@ -118,8 +118,8 @@ def advise(scene: str, options: Options) -> Answer:
 
 def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
     """The answer of the command `advise`, on the error of half-plane theory for a scene, where no
-    error is computed: one sentence, with exit code 0 if the `verdict` is that theory is within the
-    `limit`, else 1. The JSON content has the same.
+    error is computed. It is one sentence, with exit code 0 if the `verdict` is that theory is
+    within the `limit`, else 1. The JSON content has the same.
     """
     from reports.comparison.verdicts import Verdict
 
@@ -137,15 +137,16 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
 
 def _answer_by_numbers(advice: Advice) -> Answer:
     """The answer of the command `advise`, on the error of half-plane theory for a scene, by theory
-    that is corrected with elastic responses of the bodies: the sentence of the advice, a table of
-    what the bodies change, and a table of the causes. Exit code 0 if the verdict is that theory is
-    within the limit, else 1.
+    that is corrected with elastic responses of the bodies. It has the sentence of the advice, a
+    table of what the bodies change, and a table of the causes. Exit code 0 if the verdict is that
+    theory is within the limit, else 1.
 
-    `advice` holds: `changes` (quantity -> change of theory's value by the bodies), `parts` (cause
-    -> its part of the change of the dissipation), `neglected_part` (size of the change by tilt,
-    bulk strain and coupling that were not followed), `refusal_of_kernels` (why the kernel solve,
-    half-planes with the bodies' compliance, does not take the scene; ""), `reason_for_size_alone`
-    (why only the size of the change is known; "") and `effects`, the elastic responses.
+    `advice.changes` is quantity -> change of theory's value by the bodies, `parts` is cause -> its
+    part of the change of the dissipation, `effects` are the elastic responses. `neglected_part` is
+    the size of the change by tilt, bulk strain and coupling that were not followed.
+    `refusal_of_kernels` is why the kernel solve, half-planes with the bodies' compliance, does not
+    take the scene, or "". `reason_for_size_alone` is why only the size of the change is known, or
+    "".
     """
     from reports.advising_by_numbers import advice_in_words
     from reports.comparison.pairs import has_coupled_tractions
@@ -194,9 +195,9 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     """The answer of the command `advise`, on the error of half-plane theory for a scene, by
-    half-planes with the compliance of the bodies added (kernels): the sentence of the advice, and a
-    table of what the bodies change. Exit code 0 if the verdict is that theory is within the limit,
-    else 1.
+    half-planes with the compliance of the bodies added (kernels). It has the sentence of the
+    advice, and a table of what the bodies change. Exit code 0 if the verdict is that theory is
+    within the limit, else 1.
 
     `advice.changes` holds for each quantity the change of theory's value by the bodies. The key
     "declined" of the JSON content is why corrected theory, which is quicker, does not answer.
@@ -251,9 +252,10 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
 
 
 def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
-    """The JSON content that both kinds of advice on a scene share: how it was found (`by`), whether
-    half-plane theory is within the limit, the verdict in one word, the `sentence` of the advice,
-    the limit, and of each quantity theory's value with the relative change that the bodies make.
+    """The JSON content that both kinds of advice on a scene share. It states how the advice was
+    found (`by`), whether half-plane theory is within the limit, the verdict in one word, the
+    `sentence` of the advice, and the limit. For each quantity it has theory's value and the
+    relative change that the bodies make.
     """
     from reports.comparison.verdicts import Verdict
 

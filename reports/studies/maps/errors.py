@@ -110,7 +110,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
     the bodies' compliance added (kernels).
 
     They are solved on the mesh of the maps, or on the default one where the mesh of the maps leaves
-    the edge tension uncertain by more than 0.02: a single instant that few nodes see is then taken
+    the edge tension uncertain by more than 0.02. A single instant that few nodes see is then taken
     for the largest.
     """
     changes = changes_of(halfplane_fe.solve(scene, MESH_OF_MAPS, bodies="kernel"))
@@ -136,9 +136,9 @@ _KEY_COLUMNS = ("way", "height", "width", "friction")
 
 def points_of(kind: Kind) -> list[tuple[Place, Way]]:
     """The points of a map (height, width, friction) and the way by which the bodies are solved at
-    each: "kernels", half-planes with the bodies' compliance added, at every height; so "numbers",
-    theory corrected by elastic responses, for bodies with flat faces; "elements", finite elements
-    of the bodies, at a few heights that check the others.
+    each. "kernels" are half-planes with the bodies' compliance added, at every height. "numbers" is
+    theory corrected by elastic responses, at every height of bodies with flat faces. "elements" are
+    finite elements of the bodies, at a few heights that check the others.
     """
     points: list[tuple[Place, Way]] = []
     for place in kind.places(kind.heights):

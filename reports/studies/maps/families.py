@@ -83,9 +83,9 @@ class Kind:
     is_flat_pad: bool = False
 
     def scene(self, place: Place) -> Scene:
-        """The scene at a point of a map of errors (`place`: height, width, friction coefficient):
-        bodies of this kind, a profile, and the mean load at which the half-width a is 1 mm; the
-        amplitudes of the loads have the paper's proportions to it.
+        """The scene at a point of a map of errors (`place`: height, width, friction coefficient).
+        It has bodies of this kind, a profile, and the mean load at which the half-width a is 1 mm.
+        The amplitudes of the loads have the paper's proportions to the mean.
 
         `is_curved`: the faces are arcs, whose radius is the height; `is_flat_pad`: they have a flat
         between the arcs, whose half-length is the width. `bodies` makes both bodies from height and

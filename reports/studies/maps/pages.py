@@ -73,9 +73,10 @@ def require_free(folder: Path) -> None:
 
 
 def stored_maps(folder: Path) -> list[Tables]:
-    """The maps of errors of theory that are complete in `folder`: the tables of errors and of least
-    heights are there, and half-planes with the bodies' compliance ("kernels") were solved at every
-    point where finite elements ("elements") were. A map that was interrupted is not among them.
+    """The maps of errors of theory that are complete in `folder`. Of these the tables of errors and
+    of least heights are there. Half-planes with the bodies' compliance ("kernels") were solved at
+    every point where finite elements ("elements") were. A map that was interrupted is not among
+    them.
 
     `KINDS` has the kinds of bodies, with a map each.
     """
@@ -206,8 +207,8 @@ def _heights(tables: Tables, width: float, quantity: str) -> str:
 
 
 def _height(kind: Kind, height: float) -> str:
-    """A least height as text, rounded up to a tenth: "≤" the lowest of the map where theory holds
-    at all its heights (0), ">" the highest where it holds at none (infinite).
+    """A least height as text, rounded up to a tenth. Where theory holds at all heights of the map
+    (0) it is "≤" the lowest of them, where at none (infinite) ">" the highest.
     """
     if height == 0:
         return f"≤{kind.heights[0]:g}"
@@ -243,8 +244,9 @@ def _quantities(tables: Tables, way: Way) -> list[str]:
 
 # ------------------------------------------------------------------------------------------ figures
 def figure(tables: Tables) -> Plate:
-    """The figure of a map of errors of half-plane theory: a panel for each quantity with |error| in
-    per cent over the height of the bodies, a line for each width and friction coefficient f.
+    """The figure of a map of errors of half-plane theory. It has a panel for each quantity, with
+    |error| in per cent over the height of the bodies, and a line for each width and friction
+    coefficient f.
 
     `tables` has the kind of bodies (with the widths and frictions of the map, and the words for its
     coordinates), and the errors at its points.

@@ -243,7 +243,7 @@ class Case:
         self, friction: ArrayLike, ratio: ArrayLike, **changes: Any
     ) -> dict[str, Any]:
         """Keyword arguments for the dissipation of loads that go round circles about Q = 0 in the
-        plane of P and Q: both amplitudes Q1 = P1 are P0/3 of this case, and the mean normal load is
+        plane of P and Q. Both amplitudes Q1 = P1 are P0/3 of this case, and the mean normal load is
         `ratio` times P1. `friction` and `ratio` may be arrays; `changes` replace further arguments.
         They fit `semi_analytic.dissipation` and `peak_dissipation`.
         """
@@ -326,8 +326,8 @@ class Formulas:
         return event.tangential_load + sign * self.case.friction * event.normal_load
 
     def initial_parabola(self) -> tuple[float, float]:
-        """alpha and beta of the initial loading Q = alpha P + beta P^2: a parabola from no load
-        that is tangent to the ellipse of loads at the event A, where the ellipse begins.
+        """alpha and beta of the initial loading Q = alpha P + beta P^2. This parabola from no load
+        is tangent to the ellipse of loads at the event A, where the ellipse begins.
         """
         event_a = self.case.events["A"]
         normal_rate, tangential_rate = self.rates(self.case.time_of("A"))
@@ -361,9 +361,9 @@ class Formulas:
 
     def shear_of_full_stick(self, x: Array, load: float) -> Array:
         """Shear traction q, (n,), at points x (n,) after loading without slip up to the normal load
-        `load`: the integral of p'(x, P) dQ/dP over P, in the paper's equations (5) to (7), where
-        p' = dp/dP. The loads follow the initial parabola Q = alpha P + beta P^2 up to the event A,
-        and the ellipse of loads after A.
+        `load`. It is the integral of p'(x, P) dQ/dP over P, in the paper's equations (5) to (7),
+        where p' = dp/dP. The loads follow the initial parabola Q = alpha P + beta P^2 up to the
+        event A, and the ellipse of loads after A.
 
         By parts it is dQ/dP p(x, P) − int p(x, P) d2Q/dP2 dP: p' itself has an inverse root at the
         load whose contact reaches x.
@@ -425,8 +425,8 @@ class Formulas:
         return 2 * self.case.time_of("I") - np.asarray(t, dtype=float)
 
     def stick_edge_load(self, phase: str, t: ArrayLike) -> Array:
-        """The normal load whose contact half-width is that of the stick zone, at times `t` in a
-        phase of slip: "EG" reverse, "IJ" and "JM" forward, each from event to event. The paper
+        """The normal load whose contact half-width is that of the stick zone. The times `t` lie in
+        a phase of slip, "EG" reverse, "IJ" or "JM" forward, each from event to event. The paper
         calls it P_S in EG, P_Y in IJ, and P_K in JM.
 
         `q_plus_f_p(letter, sign)` is Q + sign f P at an event.
@@ -443,8 +443,9 @@ class Formulas:
         return (self.q_plus_f_p("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
 
     def stick_edge_load_rate(self, phase: str, t: ArrayLike) -> Array:
-        """Rate in time of the normal load whose contact half-width is that of the stick zone, at
-        times `t` in a phase of slip: "EG" reverse, "IJ" and "JM" forward, each from event to event.
+        """Rate in time of the normal load whose contact half-width is that of the stick zone. The
+        times `t` lie in a phase of slip, "EG" reverse, "IJ" or "JM" forward, each from event to
+        event.
         """
         if phase == "IJ":
             # minus dP/dt at a time as long before I, the begin of forward slip, as t is after it
@@ -456,16 +457,17 @@ class Formulas:
         return (friction * normal_rate - tangential_rate) / (2 * friction)
 
     def multiplier_c(self, phase: str, t: ArrayLike) -> Array:
-        """C of the paper's equation (14), as printed, the factor of dP in the increment of slip:
-        (dQ/dP)/f, plus 1 in the phase EG of the cycle, minus 1 in IJ and JM. `t` are times in that
-        phase; in IJ dQ/dP is taken as long before I, the begin of forward slip, as t is after it.
+        """C of the paper's equation (14), as printed, the factor of dP in the increment of slip. It
+        is (dQ/dP)/f, plus 1 in the phase EG of reverse slip, minus 1 in IJ and JM of forward slip.
+        `t` are times in that phase; in IJ dQ/dP is taken as long before I, the begin of forward
+        slip, as t is after it.
         """
         normal_rate, tangential_rate = self.rates(self.mirrored_time(t) if phase == "IJ" else t)
         return tangential_rate / normal_rate / self.case.friction + (1 if phase == "EG" else -1)
 
     def multiplied_load_rate(self, phase: str, t: ArrayLike) -> Array:
-        """C dP/dt of the paper's equation (14), mended: d(Q + f P)/dt / f in the phase EG of
-        reverse slip, d(Q - f P)/dt / f in IJ and JM of forward slip; it has the sign of the slip.
+        """C dP/dt of the paper's equation (14), mended; it has the sign of the slip. It is d(Q + f
+        P)/dt / f in the phase EG of reverse slip, d(Q - f P)/dt / f in IJ and JM of forward slip.
         In IJ it is C dP_Y/dt.
         """
         normal_rate, tangential_rate = self.rates(t)
@@ -479,10 +481,9 @@ class Formulas:
         return np.arccosh(np.maximum(x / np.asarray(self.case.contact.half_width(load)), 1.0))
 
     def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
-        """Rate of slip ds/dt at x in one of the phases of slip, EG (reverse), IJ and JM (forward),
-        by the paper's equations (16), (18) and (19) mended; x in or out of contact.
-        ds = (A f/pi) [C dP arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ
-        and JM.
+        """Rate of slip ds/dt at x, in or out of contact, by the paper's equations (16), (18) and
+        (19), mended. The phases of slip are EG (reverse), IJ and JM (forward). ds = (A f/pi) [C dP
+        arccosh(x/c) - sign dP arccosh(x/a)], the sign being + in EG and - in IJ and JM.
 
         # notation: a, c half-widths of contact and stick zone, A = 2/E* the compliance, f friction,
         #           C the multiplier of the paper's equation (14), (dQ/dP)/f + sign; in IJ C dP is
@@ -562,9 +563,9 @@ class Sweep:
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     """The dissipation W of a steady cycle, and the peak over x of the dissipation per area W(x),
-    for many circles of loads about Q = 0: all coefficients of friction f of the paper, and `count`
-    ratios P0/P1 from gross sliding up to `largest_ratio`. P0 is the mean normal load, P1 the radius
-    of the circle.
+    for many circles of loads about Q = 0. They have all coefficients of friction f of the paper,
+    and `count` ratios P0/P1 from gross sliding up to `largest_ratio`. P0 is the mean normal load,
+    P1 the radius of the circle.
 
     `case` gives the profile, whose radius is changed with each ratio: the half-width a0 = a(P0) and
     the flat's half-length b stay what they are. Its `unit_load`, a third of its mean load, is P1,

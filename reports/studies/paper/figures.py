@@ -44,9 +44,9 @@ _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 def all_figures(paper: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order, computed again.
 
-    `paper` holds, for the parabola and for the flat and rounded profile: the case, which is the
-    paper's ellipse of loads on that profile; place and value of the peak of W(x), the dissipation
-    per area; and a sweep of the dissipation and this peak over mean load and friction.
+    `paper` holds for each of both profiles the case, which is the paper's ellipse of loads on that
+    profile. It also holds place and value of the peak of W(x), the dissipation per area, and a
+    sweep of the dissipation and this peak over mean load and friction.
     """
     hertz_case = paper.hertz_case
     rounded_case = paper.rounded_case
@@ -264,9 +264,9 @@ def _figure_1(case: Case) -> Plate:
 
 
 def _figure_2(case: Case) -> Plate:
-    """Figure 2: the initial loading and the ellipse in the plane of P and Q, with the letters A to
-    M by which the paper calls the events of contact, and the lines of gradient f and -f that define
-    them. All loads are over P0/3, a third of the mean normal load (`unit_load`).
+    """Figure 2: the initial loading and the ellipse in the plane of P and Q. The letters A to M
+    stand for the events of contact, and lines of gradient f and -f define them. All loads are over
+    P0/3, a third of the mean normal load (`unit_load`).
 
     The line of gradient f through E (end of forward slip) ends at Z, on the initial loading. The
     line of gradient -f through G (end of reverse slip) ends at T, at the load of the permanent
@@ -783,8 +783,8 @@ def _figure_8(case: Case) -> Plate:
 
 # --------------------------------------------------------------------------------------------- work
 def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
-    """Figures 6 and 9: dissipation per area W(x) of a steady cycle over A f^2 P0^2/a0, with the
-    part of each phase of slip, from event to event: "EG" reverse, "IJ" and "JM" forward.
+    """Figures 6 and 9: dissipation per area W(x) of a steady cycle over A f^2 P0^2/a0, and the part
+    of each phase of slip. The phases, from event to event, are "EG" reverse, "IJ" and "JM" forward.
 
     # notation: a0 contact half-width at the mean normal load P0, A = 2/E*, f friction
 

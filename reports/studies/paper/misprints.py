@@ -81,7 +81,7 @@ def _proof(
 # -------------------------------------------------------------------- loads, friction and tractions
 def _misprints_of_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     """Prove the misprints in sections 2 and 3 of the paper, by computing with the text as printed
-    and as mended: which loads, events (the letters A to M) and conditions are meant.
+    and as mended. They concern which loads, events (the letters A to M) and conditions are meant.
 
     `case` is the paper's ellipse of loads on one profile. Returns name of a misprint -> (whether
     it is proven, numbers).
@@ -99,9 +99,9 @@ def _misprints_of_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
 
 def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
     """Prove that the permanent stick zone of equations (9) and (10) is given by the loads at the
-    event G (end of reverse slip), not at B (end of full stick in the first cycle) as printed: P_T =
-    [(Q + f P) at the event - (Q - f P) at E] / (2 f). Returns whether it is proven, and half-widths
-    over a0.
+    event G (end of reverse slip), not at B (end of full stick in the first cycle) as printed. The
+    equation is P_T = [(Q + f P) at the event - (Q - f P) at E] / (2 f). Returns whether it is
+    proven, and half-widths over a0.
 
     # notation: P_T the normal load whose contact is the permanent stick zone, f friction, E the end
     #           of forward slip, a0 contact half-width at the mean load
@@ -128,8 +128,8 @@ def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
 
 
 def _order_of_j_and_k(case: Case) -> VerdictAndNumbers:
-    """Prove that the event J comes after K in the paper's example: at K the normal load is largest,
-    at J the stick edge is where the contact edge was at G, the end of reverse slip. Forward slip
+    """Prove that the event J comes after K in the paper's example. At K the normal load is largest.
+    At J the stick edge is where the contact edge was at G, the end of reverse slip. Forward slip
     begins at I, before K. Returns whether it is proven, and angles of the load cycle.
 
     `case` is the paper's ellipse of loads on one profile. Of its events, `front_load` is the normal
@@ -298,9 +298,9 @@ def _corrective_load(
 
 def _sliding_condition(case: Case) -> VerdictAndNumbers:
     """Prove that equation (25), the condition of gross sliding for loads that go round a circle in
-    the plane of P and Q, is misprinted: P0/P1 below sqrt(2) (1 + f)/(2 f) as printed, below sqrt(1
-    + f^2)/f as mended. Circles between both limits slide, and the limit of half-plane theory is
-    within 1e-10 of the mended one. Returns whether it is proven, and numbers.
+    the plane of P and Q, is misprinted. It is P0/P1 below sqrt(2) (1 + f)/(2 f) as printed, below
+    sqrt(1 + f^2)/f as mended. Circles between both limits slide, and the limit of half-plane theory
+    is within 1e-10 of the mended one. Returns whether it is proven, and numbers.
 
     # notation: P0 mean normal load, P1 radius of the circle, f coefficient of friction
 
@@ -396,9 +396,9 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
 
 # --------------------------------------------------------------------------------------------- slip
 def _misprints_of_slip(case: Case) -> dict[str, VerdictAndNumbers]:
-    """Prove that equations (14) to (19) are misprinted: slip and movement between two events of the
-    cycle (the paper's letters), at points in and out of contact, by the printed and the mended
-    formula.
+    """Prove that equations (14) to (19) are misprinted. Slip and movement between two events of the
+    cycle (the paper's letters) are computed by the printed and the mended formula, in and out of
+    contact.
 
     `case` is the paper's ellipse of loads on one profile. Returns name of a misprint -> (whether it
     is proven, numbers).
@@ -416,7 +416,7 @@ def _misprints_of_slip(case: Case) -> dict[str, VerdictAndNumbers]:
 
 def _load_at_k(case: Case) -> VerdictAndNumbers:
     """Prove that P_K of equation (19), the slip after the event J, is the load at the moving stick
-    edge, not the normal load at the event K: with a constant P_K the term of the stick edge is
+    edge, not the normal load at the event K. With a constant P_K the term of the stick edge is
     zero. The slip is that of the point x = a0, from J halfway to M, the end of forward slip.
     Returns whether it is proven, and numbers.
 
@@ -457,7 +457,7 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
 
 
 def _closed_integral(case: Case) -> VerdictAndNumbers:
-    """Prove that it is equation (15) which becomes (23), not (12) as printed: (15) gives the
+    """Prove that it is equation (15) which becomes (23), not (12) as printed. (15) gives the
     forward slip at x = 0.8 a0, whereas (12) is the slip of a whole cycle, which is zero. The
     forward slip of this point lies between the events J and M; of any point, between I and M.
     Returns whether it is proven, and the net slip over the forward slip.
@@ -486,7 +486,7 @@ def _closed_integral(case: Case) -> VerdictAndNumbers:
 @dataclass(frozen=True, eq=False)
 class _SlipFromIToJ:
     """Slip of the point x = 1.05 a0 from the event I to J, the first part of forward slip, while it
-    is in contact: by equation (15), the time integral of (A f/pi) C arccosh(x/c) dP_Y/dt.
+    is in contact. By equation (15) it is the time integral of (A f/pi) C arccosh(x/c) dP_Y/dt.
 
     # notation: a0 contact half-width at the mean load, A = 2/E*, f friction, c half-width of the
     #           stick zone, P_Y the load whose contact half-width is c, C = (dQ/dP)/f - 1 the
@@ -598,10 +598,10 @@ def _slope_as_product(case: Case) -> VerdictAndNumbers:
 
 
 def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
-    """Prove that the second line of equation (16) is misprinted: movement of the point x = a0, out
-    of contact, from the event E (begin of reverse slip) to F (least normal load). As printed it has
-    int_a^x dx' / sqrt(x'^2 - c^2), as mended a root of x'^2 - a^2. Returns whether it is proven,
-    and the relative error of each.
+    """Prove that the second line of equation (16) is misprinted. It gives the movement of the point
+    x = a0, out of contact, from the event E (begin of reverse slip) to F (least normal load). As
+    printed it has int_a^x dx' / sqrt(x'^2 - c^2), as mended a root of x'^2 - a^2. Returns whether
+    it is proven, and the relative error of each.
 
     # notation: a, c half-widths of contact and stick zone, P_c the normal load whose contact
     #           half-width is c, a0 contact half-width at the mean load
@@ -615,9 +615,9 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
     time_of_f = case.time_of("F")
 
     def rate_as_printed(time: Array) -> Array:
-        """Rate of movement of the point x by the paper's equation (16) as printed: (A f/pi)
-        [2 dP_c/dt int_c^x − dP/dt int_a^x], with the same root in both integrals. a and c are the
-        half-widths of contact and stick zone; slip is reverse, from event E to G.
+        """Rate of movement of the point x by the paper's equation (16) as printed. It is (A f/pi)
+        [2 dP_c/dt int_c^x − dP/dt int_a^x], with the same root in both integrals. Here a and c are
+        the half-widths of contact and stick zone; slip is reverse, from event E to G.
         """
         load, _ = formulas.loads(time)  # P and Q
         load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
@@ -647,18 +647,18 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     """Prove that h_o in the paper's equation (15), printed as a gap, must be the slope of a gap.
 
     Equation (15) gives the slip of a point by an integral over the loads, with h_o in the
-    integrand: the slip of each load increment on the flat punch that sticks, of half-width c. Three
-    readings of h_o are tried: the slope 1/sqrt(x^2 - c^2) of the gap that an increment of load
-    opens beside that punch; this gap itself; and the roller's gap x^2/(2 R). The slip is taken
-    from the event J to M, the second part of forward slip, at x = 0.8 a0; a0 is the contact
-    half-width at the mean load.
+    integrand. The integrand is the slip by each load increment on the flat punch that sticks, of
+    half-width c. Three readings of h_o are tried: the slope 1/sqrt(x^2 - c^2) of the gap that an
+    increment of load opens beside that punch; this gap itself; and the roller's gap x^2/(2 R). The
+    slip is taken from the event J to M, the second part of forward slip, at x = 0.8 a0; a0 is the
+    contact half-width at the mean load.
 
     With the slope the slip is that of half-plane theory (the engine). It also grows as that does
     where all lengths and loads are ten times as large, at the same stresses. With either gap it
     does neither.
 
-    Returns whether it is proven, and numbers by name: "right" is the error with the slope,
-    "printed" the lesser one of both gaps; the others are errors and powers of the length by which
+    Returns whether it is proven, and numbers by name. "right" is the error with the slope,
+    "printed" the lesser one of both gaps. The others are errors and powers of the length by which
     the slip grows. `case` is the paper's ellipse of loads on one profile; `unit_length` is a0.
     """
     # half-plane theory's slip of that point between these events; all lengths and loads times ten,
@@ -734,7 +734,8 @@ def _slip_by_15(case: Case, x: float, reading: str) -> float:
 
 def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
     """Prove that equation (17), the displacement of a point out of contact in full stick, has a
-    factor 2 f too much: dU = (A/pi) arccosh(x/a) dQ as mended, a the contact half-width, A = 2/E*.
+    factor 2 f too much. As mended it is dU = (A/pi) arccosh(x/a) dQ, a the contact half-width, A =
+    2/E*.
 
     Both are compared with half-plane theory's displacement (the engine's) at x = 1.1 a0 between the
     events G (end of reverse slip) and H (least Q), at two coefficients of friction. Returns whether
@@ -782,8 +783,8 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
 @dataclass(frozen=True, eq=False)
 class _PartsOfWork:
     """W(x), the friction work per area of a cycle under a parabola, by readings of the paper's
-    equations (23) and (24): the part of each phase of slip, over the W(x) of half-plane theory (the
-    engine).
+    equations (23) and (24). They give the part of each phase of slip, over the W(x) of half-plane
+    theory (the engine).
 
     Every reading is a time integral of f^2/(pi R) sqrt(a^2 - x^2) arccosh(...) C dP/dt, while the
     point slips.
@@ -846,8 +847,8 @@ class _PartsOfWork:
 
     def with_printed_sign(self, phase: str) -> float:
         """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM"), with the
-        printed minus before it and with C dP and its sign in every phase, over half-plane theory's
-        W(x) at the point `x`. The arccosh is the mended one, arccosh(x/c).
+        printed minus and C dP with its sign. It is over half-plane theory's W(x) at the point `x`.
+        The arccosh is the mended one, arccosh(x/c).
 
         # notation: c half-width of the stick zone, C multiplier of the paper's equation (14)
         """
@@ -870,8 +871,8 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
     misprint -> (whether it is proven, numbers).
 
     (23) and (24) have arccosh(x/C), where C is also the multiplier of equation (14), and a minus
-    before the integral; as mended arccosh(x/c), c the half-width of the stick zone, and no minus.
-    All values are over half-plane theory's W(x). `case` is the paper's ellipse of loads.
+    before the integral. As mended they have arccosh(x/c), c the half-width of the stick zone, and
+    no minus. All values are over half-plane theory's W(x). `case` is the paper's ellipse of loads.
     """
     # parts of W(x) by phases of slip (_PHASES: reverse slip EG, forward slip IJ and JM), mended and
     # with the printed sign; `case.unit_length` is the contact half-width at the mean load

@@ -60,8 +60,8 @@ def judge_statements(paper: Paper) -> dict[str, VerdictAndNumbers]:
 # --------------------------------------------------------------------- tractions of the first cycle
 def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the shear traction in the first cycle, against half-plane
-    theory: its equations (5) in full stick, (6) in forward and (7) in reverse slip, the rest at
-    event E (end of forward slip), and the tractions that the cycle leaves.
+    theory. This concerns its equations (5) in full stick, (6) in forward and (7) in reverse slip,
+    the rest at event E (end of forward slip), and the tractions that the cycle leaves.
 
     `case` is the paper's ellipse of loads on one profile. Returns name of a statement ->
     (verdict, numbers).
@@ -291,9 +291,9 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
 
 def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -> dict[str, float]:
     """Slip that points gain in the first cycle, from the begin of slip (event B) to the end of
-    reverse slip (G): its largest size at 0 < x < `half_width_z`, and its least from there to
-    `half_width_t`. With it the largest change of slip from G to the end of the second forward slip
-    (M).
+    reverse slip (G). The numbers are its largest size at 0 < x < `half_width_z`, its least from
+    there to `half_width_t`, and the largest change of slip from G to the end of the second forward
+    slip (M).
 
     `half_width_z` is a(P_Z), up to which no slip stays, and `half_width_t` is a(P_T), that of the
     permanent stick zone. Both are over a0, the contact half-width at the mean normal load P0. The
@@ -737,9 +737,9 @@ def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndN
 
 
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
-    """Largest differences of the steady cycle between a case and its variants (`changed_cases`): of
-    the stick half-width c, over the contact half-width a0 at the mean load, and of the dissipation
-    W, relative.
+    """Largest differences of the steady cycle between a case and its variants (`changed_cases`).
+    They are those of the stick half-width c, over the contact half-width a0 at the mean load, and
+    of the dissipation W, relative.
 
     W is taken as the closed integral of Q dU (`loop_work`), U the tangential displacement: its
     integrand depends on the mean shear force. `case` is the paper's ellipse of loads on one
@@ -840,8 +840,8 @@ _PROFILE_NAMES = ("Hertz", "flat and rounded")
 
 def _statements_on_comparison(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states on the peak of the dissipation per area W(x), on the influence of
-    P0/P1 and f, and on the flat and rounded contact beside Hertz at equal loads, f, material and
-    a0. Returns name of a statement -> (verdict, numbers).
+    P0/P1 and f, and on the flat and rounded contact. This is compared with Hertz' contact at equal
+    loads, f, material and a0. Returns name of a statement -> (verdict, numbers).
     """
     return (
         _places_of_peaks(paper)
@@ -858,10 +858,10 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     The last statement takes the sweeps of loads, at the largest coefficient of friction: "near" is
     the load nearest to gross sliding, "far" the farthest.
 
-    `paper` holds, for the parabola and the flat and rounded profile: `peaks`, of the paper's own
-    cycle, with `place` [length] and `fraction` of the way; and `sweeps`, whose `peak_fraction` has
-    coefficients of friction along rows and mean loads along columns. Returns name of a statement ->
-    (verdict, numbers).
+    For each of both profiles, `paper.peaks` are those of the paper's own cycle, with `place`
+    [length] and `fraction` of the way. Its `sweeps` have a `peak_fraction` with coefficients of
+    friction along rows and mean loads along columns. Returns name of a statement -> (verdict,
+    numbers).
     """
     # the paper's own cycle; "confirmed" if the condition holds, "refined" if it holds `nearly`
     statements: dict[str, VerdictAndNumbers] = {}
@@ -899,9 +899,9 @@ def _exponents(sweep: Sweep, quantity: str) -> Array:
 
 
 def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Check what the paper states of a cycle's dissipation W, the peak of W(x), the dissipation per
-    area, and their quotient (the figure of merit), from loads near gross sliding to loads far from
-    it.
+    """Check what the paper states on how the dissipation W of a cycle, its peak and their quotient
+    (the figure of merit) change from loads near gross sliding to loads far from it. The peak is
+    that of W(x), the dissipation per area.
 
     `paper.sweeps` are those of the parabola and of the flat and rounded profile: `work` W and
     `peak`, at constant amplitude P1 and contact half-width a0 = a(P0). They have coefficients of
@@ -950,9 +950,9 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
 
 
 def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
-    """Check what the paper states of the flat and rounded contact beside the Hertz contact: how
-    many times as large as those of Hertz are its dissipation W, and the peak of W(x), the
-    dissipation per area. Returns name of a statement -> (verdict, numbers).
+    """Check the factors that the paper states between the flat and rounded contact and the Hertz
+    contact. They are five for the dissipation W, and eight for the peak of W(x), the dissipation
+    per area. Returns name of a statement -> (verdict, numbers).
 
     # notation: A = 2/E*, f friction, P0 mean normal load, a0 contact half-width at P0
 

@@ -118,8 +118,9 @@ def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
 def _result_parts(
     sweep: PreparedSweep, table: DataFrame, json_content: dict[str, Any]
 ) -> Iterator[Part]:
-    """What the terminal shows of a sweep: tables of the points with their values and of those that
-    failed with the reason, then lines of text: counts, notes, the path of the table of all points.
+    """Tables and lines that the terminal shows of a sweep. The tables are of the points with their
+    values, and of those that failed with the reason. The lines are counts, notes, and the path of
+    the table of all points.
 
     `sweep` is the study with its points and its store; `table` has a row for each point, with
     "status", "number" and "reason". `json_content` holds the notes ("notes": each a text and how
@@ -166,9 +167,9 @@ def _result_parts(
 
 
 def _content(store: Store) -> dict[str, Any]:
-    """How far the sweep in a store is, as content of the JSON output: title, numbers of points
-    done, failed and waiting, failures, notes, damaged files, and seconds left, which is None where
-    nothing waits or no rate is known.
+    """How far the sweep in a store is, as content of the JSON output. It has title, numbers of
+    points done, failed and waiting, failures, notes, damaged files, and seconds left. The seconds
+    are None where nothing waits or no rate is known.
     """
     from reports.studies.sweep.page import sweep_state
 

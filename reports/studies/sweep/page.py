@@ -65,9 +65,9 @@ _UNCERTAINTY = {
 
 
 def sweep_state(store: Store) -> Mapping[str, Any]:
-    """How far a sweep is, by what its store holds now: title of the study, numbers of points done,
-    failed, waiting and in total, failures and notes, damaged files that were set aside, and the
-    "table" of results.
+    """How far a sweep is, by what its store holds now. By name: title of the study, numbers of
+    points done, failed, waiting and in total, failures and notes, damaged files that were set
+    aside, and the "table" of results.
 
     "seconds_left" is the time to the end at the rate of the last results; None where no point waits
     or no rate is known.
@@ -259,9 +259,9 @@ class _QuantityFigure:
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
-        """Take from a sweep's table what the plot of one quantity (`name`, such as "fe.p0") needs:
-        its values at all n points with their uncertainties, in the unit that is shown, and the
-        words of the plot.
+        """Take from a sweep's table what the plot of one quantity (`name`, such as "fe.p0") needs.
+        These are its values at all n points with their uncertainties, in the unit that is shown,
+        and the words of the plot.
 
         Where the table has the idealisation error of that quantity, the error is drawn, with the
         same uncertainty: the difference from theory without the errors of mesh and load increments.
@@ -455,7 +455,7 @@ class _QuantityFigure:
 
     def chart_axis(self, column: str, *, for_cells: bool = False) -> ChartAxis:
         """The axis of a chart for an axis of a sweep, whose values stand in this `column` of its
-        table; its ticks stand at the values themselves where these are few and apart.
+        table. Ticks stand at the values themselves where these are few and apart.
 
         With `for_cells` it goes half an interval beyond the outer values: in a map each value is
         the middle of a cell.
@@ -492,8 +492,8 @@ class _QuantityFigure:
     ) -> Panel:
         """A panel of curves of one quantity of a sweep over one axis.
 
-        Points are dots with bars for their uncertainty; a curve of many points (more than
-        `_MOST_DOTS`, 120) has a band instead, and dots where the value is not resolved, so that the
+        Points are dots with bars for their uncertainty. A curve of many points (more than
+        `_MOST_DOTS`, 120) has a band instead, and dots only where the value is not resolved. So the
         page stays small. A value is not resolved where it is an error that is no larger than its
         uncertainty; its dot is hollow.
 
@@ -593,12 +593,13 @@ class _QuantityFigure:
         return Cell((panel, scale), None)
 
     def dots_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with a dot for each point of `mask` (n,): the value of one quantity of a sweep
-        over the first of the axes `columns`, coloured by the second, with the scale of colours
-        beneath. `combination` says in words which values of the other axes it is for.
+        """A panel with a dot for each point of `mask` (n,), and the scale of its colours beneath. A
+        dot shows the value of one quantity of a sweep over the first of the axes `columns`; its
+        colour is the second coordinate. `combination` says in words which values of the other axes
+        it is for.
 
         `value`, its `lower_ends` and `upper_ends` (minus and plus its uncertainty) are given at all
-        n points of the sweep; `is_unresolved` is true for an error that is no larger than its
+        n points of the sweep. `is_unresolved` is true for an error that is no larger than its
         uncertainty, whose dot is hollow.
         """
         # place on the scale of colours, from 0 to 1, (n,)

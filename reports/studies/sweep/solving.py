@@ -237,10 +237,10 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
     """Check the names of the quantities (`figures`) that a sweep is to compute.
 
     A name is the key of a metric (`METRICS`), which compares both engines, or one of `QUANTITIES`
-    with a prefix: "fe." of the finite elements, "exact." of half-plane theory, "error." for finite
-    elements/theory − 1. `engines` are those that run, "fe" and "exact". `uncertainty` is how that
-    of the quantities is found: "none", "cheap" (a few more runs) or "budget" (a whole error
-    budget).
+    with a prefix. The prefix is "fe." of the finite elements, "exact." of half-plane theory, or
+    "error." for finite elements/theory − 1. `engines` are those that run, "fe" and "exact".
+    `uncertainty` is how that of the quantities is found: "none", "cheap" (a few more runs) or
+    "budget" (a whole error budget).
 
     Raises
     ------
@@ -477,10 +477,10 @@ def solve_task(text: str) -> str:
 def _answer_to_question(question: Question) -> dict[str, Any]:
     """Solve one point of a sweep; an exception of the solvers becomes an answer that states it.
 
-    The answer has JSON values: its status "done" or "failed", the reason of a failure, the values
-    that are kept ("figures"), notes on them, the record of the solution, the seconds it took, and
-    the name of the machine. `question` is the point's scene with settings and the names of the
-    values that are kept.
+    The answer has JSON values. They are its status "done" or "failed", the reason of a failure, the
+    values that are kept ("figures"), notes on them, the record of the solution, the seconds it
+    took, and the name of the machine. `question` is the point's scene with settings and the names
+    of the values that are kept.
     """
     start_seconds = time.perf_counter()
     try:
@@ -516,8 +516,8 @@ def _solve(question: Question) -> dict[str, Any]:
 
     A number that is not finite becomes None, and a note states it.
 
-    `question` is the point's scene with settings: its `engines` are "fe" (finite elements) and
-    "exact" (half-plane theory), its `uncertainty` "none", "cheap" (from a few more runs) or
+    `question` is the point's scene with settings. Its `engines` are "fe" (finite elements) and
+    "exact" (half-plane theory). Its `uncertainty` is "none", "cheap" (from a few more runs) or
     "budget" (from a whole error budget).
     """
     # the values: theory is solved in `evaluate`
@@ -552,10 +552,10 @@ def _solve(question: Question) -> dict[str, Any]:
 
 
 def _record_of_solution(solution: ContactSolution | None) -> dict[str, Any]:
-    """How a solution came about, as JSON values: convergence, notes, numbers of instants ("steps")
-    and surface points, its last time, the first cycle that is steady, counts and seconds of the
-    work, and the worst residual of each law of contact and equilibrium ("worst"). Empty without a
-    solution.
+    """How a solution came about, as JSON values. They are convergence, notes, numbers of instants
+    ("steps") and surface points, its last time, the first cycle that is steady, counts and seconds
+    of the work. "worst" is the worst residual of each law of contact and equilibrium. Empty without
+    a solution.
     """
     if solution is None:
         return {}
@@ -750,8 +750,8 @@ def _solve_theory(
 
     Without a finite-element solution, and where displacements are prescribed, it is solved on its
     own points and instants of the steady cycle. `question` holds the scene and the names of the
-    values (`figures`): keys of metrics (`METRICS`), which need all fields, or a prefix and the name
-    of one of the `QUANTITIES`, such as "fe.p0".
+    values (`figures`). These are keys of metrics (`METRICS`), which need all fields, or a prefix
+    and the name of one of the `QUANTITIES`, such as "fe.p0".
     """
     import semi_analytic
 
@@ -803,8 +803,8 @@ def _compare(
 
 def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that the finite-element solution states for a metric, or for the edges of contact
-    or stick at the metric's instant over a_ref, whichever is larger; 0 where it states none. a_ref
-    is the half-width by which lengths of the comparison are divided.
+    or stick at the metric's instant over a_ref. The larger one counts; 0 where it states none. Here
+    a_ref is the half-width by which lengths of the comparison are divided.
     """
     fe_solution = comparison.result
     stated_values = [0.0, metric.uncertainty or 0.0]
@@ -823,9 +823,9 @@ def _uncertainty_by_coarser_runs(
     evaluation: Evaluation,
     notes: dict[str, str],
 ) -> Values:
-    """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": the sum of the
-    changes that a coarser mesh, straight load increments and a farther far field make in it. The
-    increments count where theory runs too, and under bulk stress, tilt or a prescribed
+    """Uncertainty of each value of a sweep's point, by its name + ".uncertainty". It is the sum of
+    the changes that a coarser mesh, straight load increments and a farther far field make in the
+    value. The increments count where theory runs too, and under bulk stress, tilt or a prescribed
     displacement; the far field, which is a half-disc of finite radius, counts for half-planes.
 
     The mesh is made twice as coarse at the surface and in the bulk; it contributes 1.64 times the

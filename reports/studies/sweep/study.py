@@ -160,8 +160,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {name: getattr(math, name) for nam
 
 
 def value_of_expression(text: str, names: Mapping[str, Any]) -> float:
-    """The value of an arithmetic expression, a finite number: + - * / **, and the functions of a
-    pocket calculator, in the names of `names`, which have these values, and in pi.
+    """The value of an arithmetic expression, a finite number. It may have + - * / **, the functions
+    of a pocket calculator, pi, and the names in `names`, which stand for their values.
 
     Raises
     ------
@@ -196,9 +196,9 @@ def value_of_expression(text: str, names: Mapping[str, Any]) -> float:
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
-    """The value of a node of a parsed arithmetic expression; InputError for anything but numbers,
-    known `names` (name -> value), operators (`_BINARY`, with two operands) and the functions of a
-    pocket calculator (`_FUNCTIONS`).
+    """The value of a node of a parsed arithmetic expression. Known are numbers, `names` (name ->
+    value), operators (`_BINARY`, with two operands) and the functions of a pocket calculator
+    (`_FUNCTIONS`); InputError for anything else.
     """
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
@@ -401,8 +401,8 @@ def coordinates_in_words(coordinates: Mapping[str, Any]) -> str:
 def _point(
     study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
 ) -> Point:
-    """The point `number` of a study at these coordinates on its axes: the question to be solved,
-    which is the study's scene with the values of the study and its axes, settings of mesh and
+    """The point `number` of a study at these coordinates on its axes, with its question. The
+    question is the study's scene with the values of the study and its axes, settings of mesh and
     solver, and what is kept. `scene_content` is that scene as nested tables, which are changed
     here.
 

@@ -91,9 +91,9 @@ class ThirdSolver:
         return ("quantity", "half-plane theory", "our finite elements", self.code)
 
     def rows(self, comparison: Comparison) -> list[tuple[str, ...]]:
-        """Rows of the table of three solvers, half-plane theory, our finite elements and CalculiX:
-        a few values of each, then errors against theory, then the time of the run; "–" where there
-        is no value.
+        """Rows of the table of three solvers: half-plane theory, our finite elements and CalculiX.
+        They have a few values of each, errors against theory, and the time of the run; "–" where
+        there is no value.
 
         `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
         that of CalculiX with theory, None where it failed.
@@ -467,9 +467,9 @@ def _limits_in_words(deck: Deck) -> list[str]:
     """Sentences on known limits of CalculiX' numbers for this input deck: from its documentation,
     from the deck, and measured (docs/third.md).
 
-    Of the deck, `mean_pressure` is P/(2 a) at the largest load, a the half-width of contact;
-    `stiffness` the pressure per penetration, `stick_slope` the shear per elastic slip, with which
-    CalculiX replaces rigid contact and stick.
+    Of the deck, `mean_pressure` is P/(2 a) at the largest load, a the half-width of contact.
+    `stiffness` is the pressure per penetration, `stick_slope` the shear per elastic slip, with
+    which CalculiX replaces rigid contact and stick.
     """
     friction = deck.scene.friction.coefficient
     path = deck.scene.load.path()

@@ -206,15 +206,15 @@ class Deck:
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body_number: int) -> tuple[Array, Array] | None:
-        """Stress along x over time, (n + 1,) each, on the left and on the right end of the lower
-        (0) or upper (1) body, where it is a block that bulk stress pulls; tension is positive.
+        """Stress along x over time, (n + 1,) each, on the left and on the right end of a block that
+        bulk stress pulls. It is the lower (0) or the upper (1) body; tension is positive.
 
         The base of a lower block on rollers carries no Q: each end then carries Q/2 too, which
         pulls the left end and presses the right one where Q > 0. None for bodies whose ends are not
         pulled, and where the stress is 0 throughout.
 
         `bulk_stress` holds that of the lower and of the upper body, (n + 1,) or None;
-        `tangential_load` (n + 1,) is Q per thickness; a deck body's `ends` are the element sides at
+        `tangential_load` (n + 1,) is Q per thickness. A deck body's `ends` are the element sides at
         the ends of a pulled block.
         """
         deck_body = (self.lower, self.upper)[body_number]
@@ -401,8 +401,8 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
-    """Rough approach [length] of the bodies under the load P (`load`, per thickness): that of a
-    line load on half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
+    """Rough approach [length] of the bodies under the load P (`load`, per thickness). It is that of
+    a line load on half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
 
     A rough value is enough. It is the displacement of the input deck's first step, which makes the
     faces meet, and no instant of the answer belongs to that step.
@@ -561,9 +561,9 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
     """The text of the input file for the finite-element program CalculiX, with comments wrapped to
     the longest line that it reads. Empty lines are left out.
 
-    The template deck.inp is filled in: with the deck (meshes, supports, instants, loads), with
-    functions that write its data lines, and for its first comment with the `command` line that
-    wrote the file and the `versions` of packages.
+    The template deck.inp is filled in with the deck (meshes, supports, instants, loads), and with
+    functions that write its data lines. Its first comment has the `command` line that wrote the
+    file and the `versions` of packages.
     """
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     functions = (amplitudes, equations_of, held_of, number, one_line, rows)
@@ -609,12 +609,12 @@ def rows(values: ArrayLike, per_line: int) -> str:
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
-    """Histories of an input deck, which it calls amplitudes: name -> (n + 1, 2), total time of the
-    deck and value of a load, an end stress, a strain, the tilt or the moment.
+    """Histories of an input deck, which it calls amplitudes: name -> (n + 1, 2), total time and
+    value. They are of a load, an end stress, a strain, the tilt or the moment.
 
-    Strains and tilt are displacements of extra nodes in the deck: they are multiplied by a, the
-    half-width of contact at the largest load, and the moment, the force on such a node, is divided
-    by a.
+    Strains and tilt are displacements of extra nodes in the deck. They are multiplied by a, the
+    half-width of contact at the largest load. The moment, the force on such a node, is divided by
+    a.
     """
     half_width = deck.scales.half_width
     histories = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
@@ -699,9 +699,9 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Lines "node, direction" of an input deck for displacements that are 0: those of held nodes of
-    the lower body, and those directions of the extra nodes for bulk strain and tilt that stand for
-    nothing. Direction 1 is along x, 2 along y.
+    """Lines "node, direction" of an input deck for displacements that are 0. They are for held
+    nodes of the lower body, and for those directions of the extra nodes for bulk strain and tilt
+    that stand for nothing. Direction 1 is along x, 2 along y.
     """
     lines = []
     # constraints of held nodes, as terms (node, direction, factor) that add up to 0
