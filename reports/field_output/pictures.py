@@ -426,10 +426,12 @@ def stress(
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
         whole_name = f"{name}-{instant_number}-whole"
         cells.append(
-            _cell_of_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels)
+            _panels_of_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels)
         )
         cells.append(
-            _cell_of_contact(solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels)
+            _panels_of_contact(
+                solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels
+            )
         )
     return Plate(
         name,
@@ -452,7 +454,7 @@ def stress(
     )
 
 
-def _cell_of_whole_bodies(
+def _panels_of_whole_bodies(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     label: str,
@@ -543,7 +545,7 @@ def outermost(solution: FiniteElementSolution) -> float:
     return float(np.nanmax(np.abs(solution.contact_edges)))
 
 
-def _cell_of_contact(
+def _panels_of_contact(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     largest_stress: float,

@@ -65,7 +65,7 @@ def make_map(name: str, options: Options) -> Answer:
     page = str(folder / "README.md")
     tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
 
-    def parts() -> Iterator[Part]:
+    def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the table of least heights, and the path of the page."""
         title = "height/a from which theory is within 1; 5; 10 %"
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
@@ -79,7 +79,7 @@ def make_map(name: str, options: Options) -> Answer:
         }
         return {"passed": True, "heights": heights, "page": page}
 
-    return Answer(EXIT_WITHIN, parts(), content)
+    return Answer(EXIT_WITHIN, terminal_output(), content)
 
 
 def advise(scene: str, options: Options) -> Answer:
@@ -152,7 +152,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     from reports.comparison.pairs import has_coupled_tractions
     from reports.comparison.verdicts import Verdict
 
-    def parts() -> Iterator[Part]:
+    def terminal_output() -> Iterator[Part]:
         """What the terminal shows of advice on half-plane theory for finite bodies: sentences, a
         table of what the bodies change, and a table of the causes.
 
@@ -190,7 +190,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
         }
 
     code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
-    return Answer(code, parts(), content, advice.scene.name)
+    return Answer(code, terminal_output(), content, advice.scene.name)
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
@@ -205,7 +205,7 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     from reports.advising_by_kernels import advice_in_words
     from reports.comparison.verdicts import Verdict
 
-    def parts() -> Iterator[Part]:
+    def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the sentence and the table."""
         yield advice_in_words(advice)
         yield _sheet_of_changes(advice.scene, advice.changes, "the kernel solve of the bodies")
@@ -218,7 +218,7 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
         }
 
     code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
-    return Answer(code, parts(), content, advice.scene.name)
+    return Answer(code, terminal_output(), content, advice.scene.name)
 
 
 def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_words: str) -> Sheet:

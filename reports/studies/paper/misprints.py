@@ -621,7 +621,7 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         """
         load, _ = formulas.loads(time)  # P and Q
         load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
-        stick_edge_load = formulas.stick_edge_load("EG", time)  # P_c, whose contact has the width c
+        stick_edge_load = formulas.stick_edge_load("EG", time)  # P_c, with half-width c
         # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
         integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
         half_width = case.contact.half_width(load)

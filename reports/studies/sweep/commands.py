@@ -186,7 +186,7 @@ def status(folder: Path, _: Options) -> Answer:
     # by name: title, numbers of points, failures, damaged files, seconds left
     json_content = _content(Store(folder))
 
-    def parts() -> Iterator[Part]:
+    def terminal_output() -> Iterator[Part]:
         """What the terminal shows of a sweep: a table of the numbers of its points, then damaged
         files, failures (at most 20, `_MOST_ROWS`), and the time left. `json_content` has all of it.
         """
@@ -209,7 +209,7 @@ def status(folder: Path, _: Options) -> Answer:
         if seconds_left is not None:
             yield f"about {seconds_left:.0f} s of work left at the rate of the last results"
 
-    return Answer(EXIT_WITHIN, parts(), lambda: json_content)
+    return Answer(EXIT_WITHIN, terminal_output(), lambda: json_content)
 
 
 def report(folder: Path, _: Options) -> Answer:

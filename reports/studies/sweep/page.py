@@ -572,6 +572,7 @@ class _QuantityFigure:
         has_one_colour = value_range <= _ROUNDOFF_SPREAD * largest_size
         if has_one_colour:
             value_range = math.inf
+        # place on the scale of colours, from 0 to 1, (n,)
         colour_share = np.where(mask, (self.value - least_value) / value_range, np.nan)
 
         # rectangles, each with the text that a pointer shows, and values on them

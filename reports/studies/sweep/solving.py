@@ -697,14 +697,13 @@ def evaluate(
     """Compute every value that a point of a sweep asks for, from a finite-element solution (None
     without finite elements) and from half-plane theory, which is solved here.
 
-    Theory is solved on the points and instants of the finite elements; with `polygon` the loads go
-    from instant to instant on straight lines, as theirs do. Theory alone, and that of prescribed
-    displacements, is solved on its own points and instants of the steady cycle.
-
-    `question` has the point's scene, the engines that run, and the names of the values
-    (`figures`): keys of metrics (`METRICS`), which compare both engines, or names such as
-    "fe.peak_pressure" and "error.stroke". Returns the values by name, with what they were taken
-    from, reasons why a value is None, and uncertainties that the solutions state themselves.
+    Theory is solved on the surface points and instants of the finite elements; with `polygon` the
+    loads go from instant to instant on straight lines, as theirs do. Theory alone, and that of
+    prescribed displacements, is solved on its own surface points and instants of the steady cycle.
+    `question` has the point's scene, the engines that run, and the names of the values (`figures`):
+    keys of metrics (`METRICS`), which compare both engines, or names such as "fe.peak_pressure" and
+    "error.stroke". Returns the values by name, with what they were taken from, reasons why a value
+    is None, and uncertainties that the solutions state themselves.
     """
     # solve theory, and compare
     evaluation = Evaluation()
@@ -745,13 +744,13 @@ def _solve_theory(
     question: Question, fe_solution: ContactSolution | None, *, polygon: bool
 ) -> ContactSolution:
     """Solve a point of a sweep by half-plane theory, with the fields (such as "pressure") that the
-    requested values need. It is solved on the points and instants of the finite elements, with
-    `polygon` under loads on straight lines between these instants.
+    requested values need. It is solved on the surface points and instants of the finite elements,
+    with `polygon` under loads on straight lines between these instants.
 
     Without a finite-element solution, and where displacements are prescribed, it is solved on its
-    own points and instants of the steady cycle. `question` holds the scene and the names of the
-    values (`figures`). These are keys of metrics (`METRICS`), which need all fields, or a prefix
-    and the name of one of the `QUANTITIES`, such as "fe.p0".
+    own surface points and instants of the steady cycle. `question` holds the scene and the names of
+    the values (`figures`). These are keys of metrics (`METRICS`), which need all fields, or a
+    prefix and the name of one of the `QUANTITIES`, such as "fe.p0".
     """
     import semi_analytic
 
