@@ -685,10 +685,13 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
 
 
 def _path_data(
-    horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
+    horizontal_places: ArrayLike,
+    vertical_places: ArrayLike,
+    tolerance: float = 0.0,
+    passes: int = 0,
 ) -> str:
-    """The "d" attribute of an SVG path: a line through points given by their coordinates
-    `horizontal` and `vertical` [pixels]. A NaN breaks the line into several.
+    """The "d" attribute of an SVG path: a line through points given by their horizontal and
+    vertical places [pixels]. A NaN breaks the line into several.
 
     Points that repeat the one before to a hundredth are left out; of a line of more than 2000
     points (`_LONGEST_LINE_DRAWN_WHOLE`) so are those that can't be seen. Then points are left out
@@ -707,8 +710,8 @@ def _path_data(
     >>> _path_data([0, np.nan, 2, 2], [0, 1, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
-    x = np.round(np.asarray(horizontal, dtype=float), 2)
-    y = np.round(np.asarray(vertical, dtype=float), 2)
+    x = np.round(np.asarray(horizontal_places, dtype=float), 2)
+    y = np.round(np.asarray(vertical_places, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
 
     # leave out what can't be seen, and what repeats the point before
@@ -760,18 +763,18 @@ def _is_on_chord(
         (n,) True where another line begins: neither this point nor the one before is left out
     """
     # indices of the points that are looked at (`middle`), and of their neighbours
-    before = slice(0, len(x) - 2, 2)
-    middle = slice(1, len(x) - 1, 2)
-    after = slice(2, None, 2)
-    chord_x = x[after] - x[before]
-    chord_y = y[after] - y[before]
-    x_of_middle = x[middle] - x[before]
-    y_of_middle = y[middle] - y[before]
+    points_before = slice(0, len(x) - 2, 2)
+    middle_points = slice(1, len(x) - 1, 2)
+    points_after = slice(2, None, 2)
+    chord_x = x[points_after] - x[points_before]
+    chord_y = y[points_after] - y[points_before]
+    x_of_middle = x[middle_points] - x[points_before]
+    y_of_middle = y[middle_points] - y[points_before]
     # twice the area of the triangle is its height times its base, the chord
     twice_the_area = np.abs(chord_x * y_of_middle - chord_y * x_of_middle)
     is_near = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
     is_on_chord = np.zeros(len(x), dtype=bool)
-    is_on_chord[middle] = is_near & ~is_first[middle] & ~is_first[after]
+    is_on_chord[middle_points] = is_near & ~is_first[middle_points] & ~is_first[points_after]
     return is_on_chord
 
 
@@ -1269,10 +1272,10 @@ def _classes_of(panel: Panel) -> str:
     """The CSS classes of a panel on a page, as one text."""
     if _is_sketch(panel):
         return "sketch"
-    kinds = ["panel", *panel.css.split()]
+    class_names = ["panel", *panel.css.split()]
     if panel.has_equal_scales:
-        kinds.append("equal")
-    return " ".join(kinds)
+        class_names.append("equal")
+    return " ".join(class_names)
 
 
 def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:

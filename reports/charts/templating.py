@@ -171,10 +171,11 @@ class _CompiledOnce(SourceFileLoader):
     written it is compiled in each process.
     """
 
-    def __init__(self, name: str, source: str, compiled: Callable[[], CodeType]) -> None:
+    def __init__(self, name: str, source: str, compile_source: Callable[[], CodeType]) -> None:
+        """Take name and source of a template, and the function that compiles this source."""
         super().__init__(name, str(_TEMPLATES / f"{name}.py"))
         self.source = source.encode()
-        self.compiled = compiled
+        self.compile_source = compile_source
 
     def get_data(self, path: str) -> bytes:
         """The source of the template; of another path, the file's content."""
@@ -186,7 +187,8 @@ class _CompiledOnce(SourceFileLoader):
         return {"mtime": zlib.crc32(self.source + compiled_by), "size": len(self.source)}
 
     def source_to_code(self, *_: Any, **_options: Any) -> CodeType:  # type: ignore[override]
-        return self.compiled()
+        """The compiled template; called where no stored code fits."""
+        return self.compile_source()
 
 
 class CompiledTemplates(ChoiceLoader):

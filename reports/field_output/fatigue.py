@@ -339,6 +339,6 @@ def principal(stress: Array) -> Array:
     [3.0, 2.0, 1.0]
     """
     xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
-    mean = (xx + yy) / 2
+    mean_stress = (xx + yy) / 2
     radius = np.hypot((xx - yy) / 2, xy)
-    return -np.sort(-np.stack([mean + radius, mean - radius, zz], axis=-1), axis=-1)
+    return -np.sort(-np.stack([mean_stress + radius, mean_stress - radius, zz], axis=-1), axis=-1)

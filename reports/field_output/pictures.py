@@ -424,9 +424,9 @@ def stress(
     # two cells of the figure, which are panels one under the other, for each instant
     cells: list[Cell] = []
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
-        whole_name = f"{name}-{instant_number}-whole"
+        panel_name = f"{name}-{instant_number}-whole"
         cells.append(
-            _panels_of_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels)
+            _panels_of_whole_bodies(solution, snapshot, instant.label, scales, panel_name, pixels)
         )
         cells.append(
             _panels_of_contact(
@@ -522,9 +522,9 @@ def _panels_of_whole_bodies(
     )
     note = f"{loads_in_words}; displacements × {number(factor)}, drawn apart"
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
-    undeformed = Segments(np.concatenate(outlines), "curve undeformed")
+    undeformed_outlines = Segments(np.concatenate(outlines), "curve undeformed")
     panel = rendered(
-        name, (left_x, right_x, bottom_y, top_y), skins, pixels, panel_words, [undeformed]
+        name, (left_x, right_x, bottom_y, top_y), skins, pixels, panel_words, [undeformed_outlines]
     )
     colours = colour_scale(
         f"{name}-colours",

@@ -251,16 +251,16 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
     return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)
 
 
-def _shared_content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
+def _shared_content(advice: Advice | KernelAdvice, method: str, sentence: str) -> dict[str, Any]:
     """The JSON content that both kinds of advice on a scene share. It states how the advice was
-    found (`by`), whether half-plane theory is within the limit, the verdict in one word, the
+    found (`method`), whether half-plane theory is within the limit, the verdict in one word, the
     `sentence` of the advice, and the limit. For each quantity it has theory's value and the
     relative change that the bodies make.
     """
     from reports.comparison.verdicts import Verdict
 
     return {
-        "by": by,
+        "by": method,
         "passed": advice.verdict is Verdict.WITHIN,
         "sentence": sentence,
         "limit": advice.limit,

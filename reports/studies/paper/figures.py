@@ -403,11 +403,11 @@ def _slip_bands_to_limit(
     """
     # _SLIP_LOOKS: look in the style sheet and label of a band, by the direction of slip
     for slip_state, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
-        slips = state == slip_state
-        if slips.any():
+        is_slipping = state == slip_state
+        if is_slipping.any():
             css, label = _SLIP_LOOKS[sign]
-            zero_line = np.where(slips, 0.0, np.nan)
-            limit_line = np.where(slips, sign * friction_limit, np.nan)
+            zero_line = np.where(is_slipping, 0.0, np.nan)
+            limit_line = np.where(is_slipping, sign * friction_limit, np.nan)
             yield Band(x, zero_line, limit_line, css, label)
 
 
@@ -437,9 +437,9 @@ class Zones:
         abscissa `x` (n,). `label_end` is added to its label in the legend.
         """
         for sign, (css, label) in _SLIP_LOOKS.items():
-            slips = self.direction == sign
-            lower_line = np.where(slips, self.stick_edge, np.nan)
-            upper_line = np.where(slips, self.contact_edge, np.nan)
+            is_slipping = self.direction == sign
+            lower_line = np.where(is_slipping, self.stick_edge, np.nan)
+            upper_line = np.where(is_slipping, self.contact_edge, np.nan)
             yield Band(x, lower_line, upper_line, css, label + label_end)
 
     def at_instants(self, is_kept: NDArray[np.bool_]) -> Zones:
@@ -744,10 +744,10 @@ def _displacement_line(
         (SurfaceState.SLIP_FORWARD, "forward"),
         (SurfaceState.SLIP_REVERSE, "reverse"),
     ):
-        slips = states == slip_state
-        if slips.any():
+        is_slipping = states == slip_state
+        if is_slipping.any():
             # so that curves meet, with an instant more at either end
-            displacement_in_slip = np.where(_with_neighbours(slips), displacement, np.nan)
+            displacement_in_slip = np.where(_with_neighbours(is_slipping), displacement, np.nan)
             yield _line(angles, displacement_in_slip, "", f"{direction} broad-line")
     is_open = states == SurfaceState.OPEN
     yield _line(angles, np.where(is_open, np.nan, displacement), "", css)

@@ -804,8 +804,9 @@ class _PartsOfWork:
         case = self.formulas.case
         radius = case.scene.profile.model_dump()["radius"]
         half_width = case.contact.half_width(self.formulas.loads(time)[0])
-        square = np.maximum(np.square(half_width) - self.x * self.x, 0.0)
-        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.engine_density
+        difference_of_squares = np.maximum(np.square(half_width) - self.x * self.x, 0.0)
+        factor_of_root = case.friction**2 / (math.pi * radius)
+        return factor_of_root * np.sqrt(difference_of_squares) / self.engine_density
 
     def mended(self, phase: str) -> float:
         """Part of W(x) in a phase of slip by the mended equations, over half-plane theory's W(x):
@@ -889,9 +890,9 @@ def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
     sum_in_metres = sum(parts_of_work.with_multiplier_as_c(phase, 1e-3) for phase in _PHASES)
     # how long the point slips, and how long the printed arccosh is a real number
     slip_time = sum(formulas.integral_while_slipping(phase, x, np.ones_like) for phase in _PHASES)
-    real_time = sum(map(parts_of_work.time_with_real_arccosh, _PHASES))
+    time_with_real_arccosh = sum(map(parts_of_work.time_with_real_arccosh, _PHASES))
     numbers_of_arccosh = {
-        "share of time with a real arccosh": real_time / slip_time,
+        "share of time with a real arccosh": time_with_real_arccosh / slip_time,
         "in millimetres": sum_in_millimetres,
         "in metres": sum_in_metres,
     }

@@ -877,10 +877,10 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     for profile_name, sweep in zip(_PROFILE_NAMES, paper.sweeps, strict=True):
         fractions[f"{profile_name}, near"] = float(sweep.peak_fraction[0, 0])
         fractions[f"{profile_name}, far"] = float(sweep.peak_fraction[0, -1])
-    as_stated = all(0.6 < fraction < 0.65 for fraction in fractions.values())
-    nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions.values())
+    is_as_stated = all(0.6 < fraction < 0.65 for fraction in fractions.values())
+    is_nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions.values())
     statements["place of the peak, all loads"] = (
-        verdict_of_condition(as_stated, nearly_as_stated),
+        verdict_of_condition(is_as_stated, is_nearly_as_stated),
         fractions,
     )
     return statements

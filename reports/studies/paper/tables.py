@@ -108,9 +108,11 @@ def verdict_of_condition(holds: bool, nearly: bool = False) -> Verdict:
     return Verdict.REFINED if nearly else Verdict.CONTRADICTED
 
 
-def verdict_of_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
-    """Verdict on a number that the paper prints (`printed`) by the value that is `computed`:
-    "confirmed" if this rounds to `printed` at `digits` decimals, "refined" if the relative
+def verdict_of_number(
+    computed_value: float, printed_value: float, digits: int, slack: float = 0.02
+) -> Verdict:
+    """Verdict on a number that the paper prints, `printed_value`, by the computed one. It is
+    "confirmed" if this rounds to the printed one at `digits` decimals, "refined" if the relative
     difference is at most `slack`, else "contradicted".
 
     >>> (
@@ -120,10 +122,10 @@ def verdict_of_number(computed: float, printed: float, digits: int, slack: float
     ... )
     ('confirmed', 'refined', 'contradicted')
     """
-    rounds_to_printed = round(computed, digits) == printed
+    rounds_to_printed = round(computed_value, digits) == printed_value
     # confirmed if the first holds, refined if `nearly` does
     return verdict_of_condition(
-        rounds_to_printed, nearly=abs(computed - printed) <= slack * abs(printed)
+        rounds_to_printed, nearly=abs(computed_value - printed_value) <= slack * abs(printed_value)
     )
 
 

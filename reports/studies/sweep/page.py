@@ -677,8 +677,8 @@ def heat_map(
     cells_up = _borders_around_places(y_axis, coordinates[1])
     for row in np.flatnonzero(np.isfinite(colour_share)).tolist():
         fill = colours_of([colour_share[row]])[0]
-        hatched = bool(is_hatched[row])
-        marks.append(Block(cells_across[row], cells_up[row], "", tooltips[row], fill, hatched))
+        has_hatching = bool(is_hatched[row])
+        marks.append(Block(cells_across[row], cells_up[row], "", tooltips[row], fill, has_hatching))
     return marks
 
 

@@ -283,8 +283,12 @@ def _without_unused_keys(study: Mapping[str, Any]) -> dict[str, Any]:
     return kept_study
 
 
-def _without(keys: Mapping[str, Any], unused: Mapping[str, Any]) -> dict[str, Any]:
+def _without(keys: Mapping[str, Any], value_of_unused_key: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of a stored study without those that are no longer used, where these have the value
-    that means nothing.
+    that means nothing (`value_of_unused_key`).
     """
-    return {key: value for key, value in keys.items() if key not in unused or value != unused[key]}
+    return {
+        key: value
+        for key, value in keys.items()
+        if key not in value_of_unused_key or value != value_of_unused_key[key]
+    }

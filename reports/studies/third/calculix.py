@@ -417,11 +417,11 @@ class Attempt:
     time_reached: float  # time reached, or that of its start where it was not accepted
 
 
-def attempts_in(sta: Path) -> list[Attempt]:
+def attempts_in(status_file: Path) -> list[Attempt]:
     """The attempts to solve increments in CalculiX' status file (.sta) so far; a line that is
     half-written is left out.
     """
-    text = sta.read_text(encoding="utf-8", errors="replace") if sta.exists() else ""
+    text = status_file.read_text(encoding="utf-8", errors="replace") if status_file.exists() else ""
     # step, increment, attempt (with U where it was not accepted), iterations, time reached, ...
     line_matches = (
         re.match(r"\s*\d+\s+\d+\s+\d+(U?)\s+(\d+)\s+(\S+)\s+\S+\s+\S+\s*$", line)

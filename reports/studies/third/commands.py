@@ -17,15 +17,15 @@ def require() -> None:
     find_calculix()
 
 
-def answer(job: Job, result: ContactSolution) -> ThirdSolver:
+def answer(job: Job, fe_solution: ContactSolution) -> ThirdSolver:
     """CalculiX' answer to the scene of a job; the mesh of its deck is made for the length scales of
-    contact that our finite elements had (`result`).
+    contact that our finite elements had (`fe_solution`).
     """
     return solve_with_calculix(
         job.scene,
         DeckSettings(**job.options.values_given(("steps_per_cycle",))),
         stages=job.stages,
-        scales=getattr(result, "scales", None),
+        scales=getattr(fe_solution, "scales", None),
         command=job.command("run"),
     )
 

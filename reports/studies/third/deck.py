@@ -603,9 +603,13 @@ def number(value: float) -> str:
 
 def rows(values: ArrayLike, per_line: int) -> str:
     """Data lines of an array of any shape, with `per_line` integers or numbers each."""
-    flat = np.ravel(values)
-    words = [str(v) if flat.dtype.kind == "i" else number(v) for v in flat.tolist()]
-    return "\n".join(", ".join(words[k : k + per_line]) for k in range(0, len(words), per_line))
+    flat_values = np.ravel(values)
+    number_texts = [
+        str(v) if flat_values.dtype.kind == "i" else number(v) for v in flat_values.tolist()
+    ]
+    return "\n".join(
+        ", ".join(number_texts[k : k + per_line]) for k in range(0, len(number_texts), per_line)
+    )
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
