@@ -675,6 +675,7 @@ def creeping_zone(
     range_factor
         of that small part: larger than 1 counts more nodes as creeping
     """
+    # _LARGEST_CREEP: largest range of slip that counts as creep, over the largest of all nodes
     largest_creep = _LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED
     is_creeping = _is_creeping(slip, is_closed, range_factor * largest_creep)
     if not is_creeping.any():
@@ -899,6 +900,7 @@ def record_of(
         return read_only_copy(np.concatenate([[0.0], reduced_values]), dtype)
 
     # Energies and works; that of the layer only where there is one.
+    # _ENERGY_NAMES: names of the energies, works and step error among the values of an increment
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.values_of_increments(name) for name in energy_names}
 

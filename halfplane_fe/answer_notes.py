@@ -71,6 +71,7 @@ def notes_of_answer(
     scales = task.scales
     notes = []
     # Runs repeated on the compliance as meshed, as the corrected one did not converge.
+    # REPEATED_RUNS: name of the count of runs repeated on faces as they are meshed
     if problem.work_counts[REPEATED_RUNS] and run.failure is None:
         notes.append(_NOTE_REPEATED)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
@@ -151,6 +152,7 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
     """
     n_dropped = len(run.states) - len(run.stored_indices)
     if n_dropped:
+        # MOST_COMPLETE_STATES: 4000
         yield (
             f"{n_dropped} of {len(run.states)} instants of this long path are left out of the"
             f" answer, its files and figures (at most {MOST_COMPLETE_STATES} are kept, the rows of"
@@ -184,6 +186,7 @@ def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
 
     # No steady cycle.
     if run.steady_from is None:
+        # LARGEST_CHANGE_OF_REPEAT: 5e-4
         yield (
             f"no revolution repeats: the last of {len(works)} ends {last_change:.1e} of the largest"
             f" nodal force away from its start (up to {LARGEST_CHANGE_OF_REPEAT:g} counts as the"
@@ -288,6 +291,7 @@ def _skipped_at_bodies(
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
+    # CACHED: name of the count of bodies taken from the cache
     n_cached = problem.work_counts[CACHED]
     if n_cached:
         skipped["condensations, cached"] = (
@@ -301,10 +305,12 @@ def _skipped_at_bodies(
         )
     if not problem.has_shear:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
+    # CORRECTED_FACES: name of the count of runs on faces without the mesh's error
     if not problem.work_counts[CORRECTED_FACES]:
         reason = (
             "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
+        # REPEATED_RUNS: name of the count of runs repeated on faces as they are meshed
         if problem.work_counts[REPEATED_RUNS]:
             reason = "the contact did not converge without it"
         skipped["the mesh's part of N - T"] = (1, reason)

@@ -103,6 +103,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
 
     # W of the run and of the coarse run. With bulk stress or tilt a cycle is compared with the
     # coarse run's of the same number: they only approach the steady state.
+    # COARSE_CYCLES: largest number of cycles of the coarse run
     cycle_works = (
         run.nodal_work_by_cycle[:COARSE_CYCLES] if scene.unsymmetric else run.nodal_work_by_cycle
     )
@@ -125,12 +126,15 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     # between the first node that starts to slide and the last. Between unlike bodies half of the
     # bound "step_error" counts: nodes that start to slide change the pressure too.
     if task.kinks_bound_step_error:
+        # _BENT_IN_RECORDS: share of the work by kinks that counts as uncertain in records of loads
         step_uncertainty = (
             _BENT_IN_RECORDS * run.values_of_increments("kink_work")[first_increment:].sum()
         )
     elif edges_are_known and bodies_are_alike(scene):
+        # _BENT: share of the work by kinks that counts as uncertain
         step_uncertainty = _BENT * run.values_of_increments("kink_work")[first_increment:].sum()
     else:
+        # _OF_BOUND: share of the bound that counts where edges are placed
         share = _OF_BOUND if edges_are_known else 1.0
         step_uncertainty = share * run.values_of_increments("step_error")[first_increment:].sum()
 
@@ -234,6 +238,7 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     # For both senses of slip: the increment in which a node first reaches the end of its slip.
     time = arrays["time"][cycle]
     slip = arrays["slip"][cycle]
+    # _SAME_SLIP: share of the range of slip that is round-off
     tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
     shares = []
     for sense in (1, -1):
@@ -250,6 +255,7 @@ def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
 
     `arrays` has the loads by name, (n_steps,) each; `cycle` are the steps of the cycle.
     """
+    # _IMPOSED: names of both bulk stresses and tilt
     varying_names = [name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][cycle])]
     if not varying_names:
         return False
@@ -257,6 +263,7 @@ def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
     loads = np.stack([arrays[name][cycle] / np.max(np.abs(arrays[name])) for name in names])
     loads_from_mean = loads - loads.mean(axis=1, keepdims=True)
     largest_value, second_value, *_ = np.linalg.svd(loads_from_mean, compute_uv=False)
+    # _IN_PHASE: least share of a second direction that is not round-off
     return bool(second_value > _IN_PHASE * largest_value)
 
 
@@ -306,6 +313,7 @@ def value_uncertainties(
         from_coarse_run = _from_coarse_run(values, coarse_values)
         if not task.has_errors_of_low_order:
             refinement = task.scales.element / task.element
+            # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
             from_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse_run, refinement)
         # without an estimate by its neighbours there is none
         density_error = max(density_error, float(np.nan_to_num(from_coarse_run)))
@@ -320,6 +328,7 @@ def value_uncertainties(
     )
     step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
+    # _OF_BOTH_EDGES: share of the mean uncertainty of both edges that the half-width has
     estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
     zone = permanent_stick_zone(run).in_unit(task.scales.half_width)
     estimates["permanent_stick_half_width"] = _of_permanent_stick(
@@ -379,6 +388,7 @@ def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
     """
     under_load = _under_load(scene, arrays)
     loads = arrays["normal_load"][under_load]
+    # _SAME_LOAD: share of the largest P within which P is constant
     if not len(loads) or np.ptp(loads) > _SAME_LOAD * loads.max():
         return 1.0
 
@@ -530,6 +540,7 @@ def _of_permanent_stick(
     if not is_sharp:
         slip = arrays["slip"][in_cycle]
         is_closed = arrays["state"][in_cycle] != OPEN
+        # _CREEP_OF_MESH: factor on the range of slip that counts as creep
         creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
         creep_beyond_end = np.fmax((creeping_edges - zone_ends) * outwards, 0.0)
         spacing = _spacing_at_edges(arrays["x"], zone_ends[None])

@@ -254,6 +254,7 @@ class Edge:
         # notation: v_k, v_l values at both nodes; d distance of the edge's places at them, over
         # the element
         """
+        # _V_OF_BOTH: sum of the excess at a corner and at a mid-side node; _V: their difference
         v_of_corner = (_V_OF_BOTH - _V) / 2
         v_of_mid_side = (_V_OF_BOTH + _V) / 2
         v_of_node, v_of_next = (
@@ -608,6 +609,7 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
     nodes = last_node - edge.side * np.arange(len(even_loads) + 1)
     loads = np.array([_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()])
     ratios = (loads[1:] - loads[0]) / (edge.load_between * even_loads)
+    # _LEAST_SHARE: least ratio, so that its logarithm is finite
     return np.asarray(np.log(np.maximum(ratios, _LEAST_SHARE)))
 
 
@@ -830,8 +832,10 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     slip_range = np.ptp(slip, axis=0)
     is_closed = np.stack([state.is_closed for state in states])
     largest_range = np.max(slip_range, where=is_closed.any(axis=0), initial=0.0)
+    # _STUCK: share of the largest range of slip below which a node sticks
     sticks_all_along = is_closed.all(axis=0) & (slip_range <= _STUCK * largest_range)
     stick_zone = np.flatnonzero(sticks_all_along)
+    # _ZONE: three nodes, fewest of a zone
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return no_excess
 
@@ -971,6 +975,7 @@ def _at_stick_edge(
     states_at_turns: dict[int, InterfaceState] = {}
     turn_times: list[float] = []
     for sign in (1, -1):
+        # _TURNED: share of its range of slip within which a node has turned round
         is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
         turning_steps = np.flatnonzero((signs == sign) & is_at_turn)
         if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
@@ -998,6 +1003,7 @@ def _at_stick_edge(
         ).astype(np.int8)
         is_sliding = slip_sign(nodal_states) == sign
         sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
+        # _ZONE: three nodes, fewest of a zone
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
 
@@ -1011,6 +1017,7 @@ def _at_stick_edge(
         rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
         unevenness = _unevenness(edge, last_stuck, forces_to_limit_of_both, rates_to_limit)
         places.append(_place_put_right(edge, last_stuck, unevenness))
+        # _AT_TURNS: share of the uncertainty of single edges that remains at turning points
         share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck, unevenness))
         uncertainties.append(edge.spacing * min(share, 1.0))
 
@@ -1030,6 +1037,7 @@ def _at_stick_edge(
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
         excess_work -= work_of_unit_excess * excess_at_place
+        # _RMS: root mean square of the dimensionless excess over all places of an edge
         rms += abs(work_of_unit_excess) * _RMS
     return _StickEdgeAtTurns(
         excess=_ExcessWork(excess_work, rms),
@@ -1125,6 +1133,7 @@ def _at_contact_edge(
         unit_works_at_nodes[node] = unit_works_at_nodes.get(node, 0.0) + abs(work_of_unit_excess)
     # All along from node to node the excess has mean zero. What counts is the place at which the
     # edge stays while most slip happens.
+    # _RMS: root mean square of the dimensionless excess over all places of an edge
     return _ExcessWork(excess_work, max(unit_works_at_nodes.values(), default=0.0) * _RMS)
 
 

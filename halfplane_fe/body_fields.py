@@ -220,6 +220,7 @@ def _fields_of_bodies(
         tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
     bodies = []
+    # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         displacement, stress = _displacement_and_stress(
             solution, steps, tractions_at_steps, body_number
@@ -301,6 +302,7 @@ def _displacement_and_stress(
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
 
     # Bulk stress of a half-plane is added; in other bodies the elements have it in them.
+    # _BODY_NAMES: "lower", "upper"
     if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[body_number]), HalfPlane):
         displacement = (
             displacement + displacement_by_unit_stress(material, *places)[..., None] * bulk_stress
@@ -344,6 +346,7 @@ def _nearest_step(caller: str, solution: FiniteElementSolution, instant: float) 
     """
     start = float(solution.time[0])
     end = float(solution.time[-1])
+    # _ROUNDING_OF_TIME: 1e-9
     if not start - _ROUNDING_OF_TIME <= instant <= end + _ROUNDING_OF_TIME:
         raise InputError(
             f"{caller}: instant {instant:.6g} lies outside the solved time, {start:.6g} to"
@@ -440,6 +443,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     ):
         start_of_growth -= 1
     nodal_tractions = _nodal_tractions(solution, step)  # of the nodes that touch
+    # N_DISTORTED_NODES: three nodes at each edge of contact, which the mesh distorts
     if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
         return np.zeros(2)
 
@@ -562,6 +566,7 @@ def _added_edge_tension(
     has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_stresses)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
+    # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         # To a half-plane only the bulk stress adds.
         if isinstance(getattr(bodies, name), HalfPlane):
@@ -631,6 +636,7 @@ def _flat_body_kernels(scene: Scene, body_number: int, largest_x: float) -> Body
     None where no kernels are derived: for a curved face, a path with bulk stress, free sides on
     rollers, or a body so thin that the kernels need a polynomial of too high a degree.
     """
+    # _BODY_NAMES: "lower", "upper"
     name = _BODY_NAMES[body_number]
     # Distance from a force at which a half-plane's surface has no displacement.
     datum_length = max(scene.profile.datum_length, largest_x)
@@ -775,11 +781,13 @@ def _size_fit(
         (n_steps,) of this body [stress]
     """
     half_width = max(step_tractions.half_width for step_tractions in tractions_at_steps)
+    # _BODY_NAMES: "lower", "upper"
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     if _distance_of_fit(shape, half_width) is None:
         return None
 
     # Fit the stress by the size at the sampled steps, to nodes beside the contact.
+    # _N_SAMPLED_STEPS: twelve
     evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
     sampled_indices = sorted(set(evenly_spread.tolist()))  # positions in `steps`
     sampled_steps = [steps[k] for k in sampled_indices]
@@ -860,6 +868,7 @@ def stress(
     """
     # Refuse what has no answer; bring times and places into arrays.
     _require_meshes("stress", solution)
+    # _BODY_NAMES: "lower", "upper"
     if body not in _BODY_NAMES:
         raise InputError(f"stress: body is lower or upper, not {body!r}")
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
@@ -977,6 +986,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         return None
 
     # Two halves of a cycle may mirror each other but for round-off: the first instant is taken.
+    # _ROUND_OFF: relative difference by round-off, 1e-9
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
     candidate, body_number, edge_number = (int(index) for index in largest_index)
@@ -1002,6 +1012,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         largest_tension - tension_before_reversal,
     )
     edges = tractions_at_steps[candidate].edges  # left and right edge of contact
+    # _BODY_NAMES: "lower", "upper"
     return LargestTension(
         value=largest_tension,
         uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
@@ -1027,12 +1038,14 @@ def why_tension_is_unknown(solution: ContactSolution) -> str | None:
     if not isinstance(solution, FiniteElementSolution):
         return None
     half_width = float(solution.contact_half_width[solution.last_cycle].max())
+    # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         shape = getattr(solution.scene.bodies, name)
         if isinstance(shape, HalfPlane) or _distance_of_fit(shape, half_width) is not None:
             continue
         if _kernels_of_thin_body(solution, body_number) is None:
             reason = _why_no_kernels(shape, solution.scene)
+            # _LEAST_ROOM: fewest half-widths from the middle of the contact to a side or support
             return (
                 f"the {name} body ends within {_LEAST_ROOM:.2g} half-widths of the contact's middle"
                 f" and {reason}"
@@ -1085,6 +1098,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
         added_tension = _interpolated_added_tension(
             solution, {step: nodal_tractions[step] for step in nodal_tension}
         )
+    # _LARGEST_RATIO_TO_NODAL: largest tension by fits over that by nodal tractions, 1.3
     upper_bounds = {
         step: _LARGEST_RATIO_TO_NODAL * tension + float(added_tension[step].max())
         for step, tension in nodal_tension.items()
@@ -1102,6 +1116,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
 
     # Instants that are alike but for round-off are all candidates, or none.
+    # _ROUND_OFF: relative difference by round-off, 1e-9
     least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
     return [step for step in cycle if estimates.get(step, -math.inf) >= least_estimate]
 
@@ -1260,6 +1275,7 @@ def _nodal_fields(
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
+    # _BODY_NAMES: "lower", "upper"
     forces = body_forces(*solution.condensed_bodies, pressure, shear)[_BODY_NAMES[body_number]]
 
     # Displacement of all nodes (n_dofs, k) under them. Mixed elements have a part of the mean
@@ -1332,6 +1348,7 @@ def _near_contact(
         nodes touch
     """
     # Distance from the middle of the contact up to which stress is that of the tractions.
+    # _BODY_NAMES: "lower", "upper"
     shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     half_widths = [
         step_tractions.half_width
@@ -1361,7 +1378,9 @@ def _near_contact(
     # nodes deeper than 0.15 half-widths or further than 1.2 half-widths from the middle.
     size_effect = None
     if not isinstance(shape, HalfPlane):
+        # _ACCURATE_DISTANCE: 1.2 half-widths from the middle
         is_beside = (np.abs(x) > _ACCURATE_DISTANCE * half_width) & (y < 0)
+        # _ACCURATE_DEPTH: 0.15 half-widths below the face
         is_accurate = (y < -_ACCURATE_DEPTH * half_width) | is_beside
         x_fitted = x[is_accurate]
         y_fitted = y[is_accurate]
@@ -1441,6 +1460,7 @@ def _joined_stress(
         traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
 
     # Weight of that stress: 1 inside, falling to 0 across the blending zone.
+    # _BLENDING_SHARE: width of the blending zone over its outer radius, 0.2
     blending_width = _BLENDING_SHARE * near_contact.largest_distance
     s = np.clip((near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
     has_tractions = np.array(

@@ -72,6 +72,7 @@ class CondensedBodies:
             if cached_fields is not None:
                 self._cached.move_to_end(key)
         if cached_fields is not None:
+            # CACHED: name of the count of bodies taken from the cache
             work_counts[CACHED] += 1
             return CondensedBody(body=body, **cached_fields)
 

@@ -149,9 +149,11 @@ class InterfaceState:
         """
         values = self.values.copy()
         for name, part in parts.items():
+            # _RIGID_NAMES: "approach", "shift", "tilt", the first three values
             if name in _RIGID_NAMES:
                 values[_RIGID_NAMES.index(name)] = part
             else:
+                # _NODAL_NAMES: "slip", "pressure", "shear", "gap"
                 nodal_values(values)[_NODAL_NAMES.index(name)] = part
         states = self.node_states if node_states is None else read_only_copy(node_states, np.int8)
         return replace(self, values=read_only_copy(values), node_states=states)
@@ -343,6 +345,8 @@ class ContactProblem:
         # at which the upper body rests without load where the moment is given.
         stresses_and_tilt = np.zeros(3)
         if len(loads) > 2:
+            # _BULK_STRESSES: places of both bulk stresses among the five loads; _TILT_OR_MOMENT:
+            # the last place
             stresses_and_tilt[:2] = loads[_BULK_STRESSES]
             stresses_and_tilt[2] = (
                 self._resting_tilt(x_of_load) if self.has_given_moment else loads[_TILT_OR_MOMENT]
@@ -361,6 +365,7 @@ class ContactProblem:
         no_force = np.zeros_like(self.initial_gap)
         rigid_motion = [approach, shift, stresses_and_tilt[2]]
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
+        # ROUNDING: round-off of scaled forces and displacements, 1e-11
         states = np.where(gap <= ROUNDING, STICK, OPEN)
         load_or_position = approach if self.actuators.prescribe_approach else 0.0
         loads_at_rest = (load_or_position, shift, *loads[2:])
@@ -498,6 +503,7 @@ class ContactProblem:
 
         moment = None  # the tilt is given, or there is none
         if self.has_given_moment and len(loads) > 2:
+            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             moment = loads[_TILT_OR_MOMENT]
         change_of_loads = np.subtract(loads, start.loads)
         # values and states of the nodes with their number of Newton steps; None without convergence
@@ -569,6 +575,7 @@ class ContactProblem:
         values: Array = start.values + change_by_states + np.subtract(loads, start.loads) @ rates
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.has_given_moment and len(loads) > 2:
+            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
             values += missing_moment * rates[_TILT_OR_MOMENT]
         return values
@@ -624,6 +631,7 @@ class ContactProblem:
                 raise SingularSet("one node alone holds no moment")
             # The last factor turns the row of the tilt into that of the moment.
             load_factors = [*moments_by_load, moment_by_tilt - 1]
+            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             rates_by_load = (
                 rates_by_load
                 - np.outer(load_factors, rates_by_load[_TILT_OR_MOMENT]) / moment_by_tilt
@@ -751,6 +759,7 @@ class ContactProblem:
         stresses_and_tilt = replace(start, loads=loads).stresses_and_tilt
         resultants = start.resultants or loads[:2]  # P and Q
         if len(loads) > 2 and not self.has_given_moment:
+            # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
@@ -761,6 +770,7 @@ class ContactProblem:
                     gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
             gap_offset, slip_offset = self.gap_and_slip_by(stresses_and_tilt)
+            # ROUNDING: round-off of scaled forces and displacements, 1e-11
             pressure, approach, is_closed = pressure_at_known_shear(
                 systems,
                 gap_without_pressure + gap_offset,
@@ -819,6 +829,7 @@ class ContactProblem:
         slip_increment = slip - start.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap
+        # ROUNDING: round-off of scaled forces and displacements, 1e-11
         friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
         closed_states = np.full_like(states, STICK)
         if self.has_shear:
@@ -882,6 +893,7 @@ class ContactProblem:
         """
         # P minus the part of it that the shear carries on curved faces
         load_of_pressure = loads[0] - float(self.interface.face_normals[0] @ shear)
+        # _TILT_OR_MOMENT: place of tilt or moment among the five loads
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
@@ -889,6 +901,7 @@ class ContactProblem:
             per unit of tilt.
             """
             gap_offset, _ = self.gap_and_slip_by(np.array([*stresses_and_tilt[:2], tilt]))
+            # ROUNDING: round-off of scaled forces and displacements, 1e-11
             pressure, _, _ = pressure_at_known_shear(
                 self._systems,
                 gap_without_pressure + gap_offset,

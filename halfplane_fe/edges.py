@@ -346,6 +346,7 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         half = _half(side, in_contact, sticks if answer.anywhere else None)
         last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
         has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking < n_in_half)
+        # _FITTED: numbers of nodes of two fits, seven and four
         rows = np.flatnonzero(has_slip_zone & (n_sticking > _FITTED[0]))
         if not len(rows):
             continue
@@ -416,6 +417,7 @@ def _stick_uncertainty(
     )
 
     # Fitted edges; up to about half a node distance from the edge by states is usual.
+    # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing
     beyond_usual = np.maximum(by_states - _BY_STATES * spacing, 0.0)
     of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + beyond_usual
     uncertainty = np.where(edges == stick.by_states, of_unfitted_edge, of_fitted_edge)
@@ -483,6 +485,8 @@ def left_of_growth(put_right: Array, is_thick: bool = True) -> Array:
     is_thick
         whether the bodies are half-planes or thick ones with flat faces
     """
+    # _LEFT_OF_LACKED: share of the correction that may be wrong; _LEFT_OF_THIN: the same of thin
+    # bodies
     share_left = _LEFT_OF_LACKED if is_thick else _LEFT_OF_THIN
     return np.asarray(share_left * np.abs(put_right))
 
@@ -574,6 +578,7 @@ def uncertainty_at_jumps(
     uncertainty = np.zeros(edges.places.shape)
     is_next_increment = np.diff(step_index) == 1
     middle = _middle_of_zone(edges.places)  # (k,)
+    # _ON_ITS_WAY: share of the spacing up to which an edge is known well
     is_on_its_way = edges.uncertainty < _ON_ITS_WAY * spacing
     for column, outwards in enumerate((-1, 1)):  # left and right edges
         # Moves from instant to instant, (k - 1,), positive outwards; those that are jumps.
@@ -582,6 +587,7 @@ def uncertainty_at_jumps(
         has_slip_zone = edges.places[:-1, column] != contact[:-1, column]
         slip_starts = (moves < 0) & ~has_slip_zone
         slip_ends = (moves > 0) & has_slip_zone
+        # _JUMP_AT_START: fewest nodes of a jump where slip starts or ends; _JUMP: elsewhere
         least_jump = np.where(slip_starts | slip_ends, _JUMP_AT_START, _JUMP) * spacing
         jumps = np.where(np.abs(moves) > least_jump, np.abs(moves), 0.0)
 
@@ -773,6 +779,7 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _St
     """
     # distance of two nodes: an element of order 2
     element = x_out[last_node] - x_out[last_node - 2]
+    # _FITTED: numbers of nodes of two fits, seven and four
     line, line_of_fewer = (
         _line_through_squares(x_out, to_limit, last_node, count) for count in _FITTED
     )

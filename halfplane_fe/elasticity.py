@@ -164,6 +164,7 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     mesh = body.mesh
     order = order_of(mesh)
     supports = body.supports
+    # _LARGEST_NU_LINEAR: largest Poisson's ratio of linear elements, 0.45
     if order == 1 and material.poisson_ratio > _LARGEST_NU_LINEAR:
         raise InputError(
             f"mesh: order = 1 with a Poisson ratio of {material.poisson_ratio:g} is refused: linear"

@@ -328,6 +328,7 @@ def _without_idle_onsets(
     `slip` (...) is that in the increment, scaled: up to 1e-11 times f (1 at most) a node has not
     moved. `friction` is the coefficient f.
     """
+    # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
     is_idle_onset = _is_slip_onset(states_before, states_after) & ~has_moved
     return np.where(is_idle_onset, states_before, states_after)
@@ -557,6 +558,7 @@ def _states_with_rates(increments: _Increments) -> States:
     such states have no rates.
     """
     is_onset = _is_slip_onset(increments.states_before, increments.states_after)
+    # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
     states_if_sliding = np.where(
         has_just_touched, increments.states_after, increments.states_before

@@ -254,6 +254,7 @@ def _power_sums(series: Array, w: Complex) -> Complex:
     n_terms = series.shape[1]
     exponents = np.arange(1, n_terms + 1)
     with np.errstate(divide="ignore"):
+        # _NEGLIGIBLE_TERM: size of w^k below which terms are left out, 1e-10
         terms_to_negligible = math.log(_NEGLIGIBLE_TERM) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
         terms_needed = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
 
@@ -568,6 +569,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     spacing = float(np.median(np.diff(nodal_tractions.x)))  # of the nodes
     spacing_ratio = spacing / usual_tractions.half_width
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
+    # _LEAST_TENSION_ERROR: fitted share of f p0 and the root of the relative spacing
     least_uncertainty = _LEAST_TENSION_ERROR * math.sqrt(spacing_ratio) * largest_coulomb_limit
 
     # Change by four other fits: fewer nodes, other numbers of nodes left out, a higher degree.
@@ -647,6 +649,7 @@ def tension_change_by_unseen_slip(
         may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
 
     # Pressure K sqrt(w) on either side.
+    # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     inner_node = min(N_DISTORTED_NODES, len(x) // 2)
     distances_inside = np.array(
         [x[inner_node] - smooth_tractions.edges[0], smooth_tractions.edges[1] - x[-1 - inner_node]]
@@ -735,6 +738,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
         # notation: u, t, b distances from the middle over the half-width: of a place, of its mirror
         # image if the jump lies on the left, and of the jump (b > 0)
         """
+        # _DISTANCE_AT_EDGE: least distance from an edge over the half-width, 1e-9
         u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
         root = np.sqrt(1 - u**2)
         pressure_over_root = np.zeros_like(u)
@@ -753,6 +757,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
 
     # Mean of the smooth part over the nodes, but for the three outermost ones on either side.
     smooth_part = 0.0
+    # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     if len(nodal_tractions.x) > 3 * N_DISTORTED_NODES:
         inner_x = nodal_tractions.x[N_DISTORTED_NODES:-N_DISTORTED_NODES]
         squared_root = (inner_x - left) * (right - inner_x)
@@ -798,6 +803,7 @@ def _fitted_edges(x: Array, p: Array, fit: EdgeFit) -> tuple[_FittedEdge, _Fitte
     mirrored_p = p[::-1]
     left_edge = _fitted_edge(x, p, fit)
     # A pressure that is its own mirror image has one fit for both edges.
+    # _SAME_PRESSURE: round-off, 1e-13
     is_mirrored = np.array_equal(mirrored_x, x) and bool(
         np.max(np.abs(mirrored_p - p)) <= _SAME_PRESSURE * np.max(p)
     )
@@ -842,6 +848,7 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     n_nodes = min(n_nodes, len(x) // 2 - fit.nodes_left_out)
 
     while n_nodes >= _FEWEST_FITTED_NODES:
+        # _DEGREE_BY_NODES: fewest nodes and degree, highest first
         degree = fit.further_degrees + next(
             usual_degree
             for fewest_nodes, usual_degree in _DEGREE_BY_NODES

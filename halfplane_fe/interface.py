@@ -277,6 +277,7 @@ def _displacements_by_stress_and_tilt(
     one by a unit of tilt [length].
     """
     stretch_of_lower = np.broadcast_to(lower.displacement_by_stress, (2, len(lower.x)))
+    # _REFLECTION: signs of x and y, 1 and -1
     stretch_of_upper = (
         np.broadcast_to(upper.displacement_by_stress, (2, len(upper.x))) * _REFLECTION[:, None]
     )
@@ -328,6 +329,7 @@ def without_mesh_error(interface: Interface, scene: Scene) -> Interface | None:
         return None
     # signed distance (n, n) of two nodes over the element size; the band is 8.5 of these wide
     distances_in_elements = _distances_in_elements(interface.x)
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_elements)
 
@@ -354,6 +356,7 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     the half-width of their faces and the depth of material below.
     """
     spacing = np.diff(interface.x)
+    # _ELEMENTS_TO_MEAN_END: 10.5 elements
     n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
     room_beside = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (
@@ -381,6 +384,7 @@ def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elemen
         (n, n) signed distance of two nodes over the size of the elements there
     """
     # T near the diagonal: N minus the smooth part of N - T.
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
     is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
     smooth_difference = _smooth_compliance(
         interface.normal_compliance - interface.tangential_compliance,
@@ -423,6 +427,7 @@ def _distances_in_elements(x: Array) -> Array:
     distance = np.subtract.outer(x, x)
     largest_size_beside = np.maximum(size_on_right, size_on_left)
     # The size that counts at a node falls linearly with the distance from a large element.
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
     size_at_node = np.max(
         largest_size_beside - np.abs(distance) / _ELEMENTS_WITH_MESH_ERROR, axis=1
     )
@@ -451,6 +456,7 @@ def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) ->
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
     # With their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
     row_samples, column_samples = np.nonzero(  # positions among the sample nodes
         distances_in_elements[np.ix_(sample_nodes, sample_nodes)] > _ELEMENTS_WITH_MESH_ERROR
     )
@@ -478,6 +484,7 @@ def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Arra
     Where the row or the column has no such entries, the other counts alone. `distances_in_elements`
     (n, n) is the distance of two nodes over the size of the elements.
     """
+    # _ELEMENTS_WITH_MESH_ERROR: 8.5 elements, over which the mesh error of a compliance dies out
     is_counted = (distances_in_elements > _ELEMENTS_WITH_MESH_ERROR) & (
         distances_in_elements <= _ELEMENTS_TO_MEAN_END
     )
@@ -629,6 +636,7 @@ def condensed_pair(
     work_counts
         counts of condensations and factorisations, added to here
     """
+    # BODY_CACHE: cache of condensed bodies in this process
     lower = BODY_CACHE.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
     if scene.material.alike and bodies[1] is bodies[0]:
         return lower, lower

@@ -677,17 +677,21 @@ def body_kernels(
     degree = _degree_of_kernels(name, shape, reach)
     n_forces = degree // 2 + 2
     if curvature_jumps:
+        # _DEGREE_AT_JUMP: 28; _N_FORCES_AT_JUMP: 24
         degree = max(degree, _DEGREE_AT_JUMP)
         n_forces = max(n_forces, _N_FORCES_AT_JUMP)
+    # _N_ELEMENTS_AT_JUMP: 160; _N_ELEMENTS: 48, over the distance to the nearest end of the body
     n_elements = _N_ELEMENTS_AT_JUMP if curvature_jumps else _N_ELEMENTS
 
     # A fine mesh, and one with elements twice as large: unit forces at n_forces places x >= 0.
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
         size_by_body = nearest_end(shape) / n_elements
+        # _FEWEST_ELEMENTS: 12
         size_by_reach = reach * _N_ELEMENTS / _FEWEST_ELEMENTS / n_elements
         element_size = size_factor * min(size_by_body, size_by_reach)
         grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
+        # _SIZE_GROWTH: growth of the element size per distance, 0.1
         body = build(
             name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH)
         )

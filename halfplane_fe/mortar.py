@@ -127,6 +127,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     ]
     middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
     half_length = np.diff(segment_ends)[:, None] / 2
+    # _POINTS: five Gauss points from -1 to 1; _WEIGHTS: their weights
     x = middle + half_length * _POINTS
 
     # Line half-way between the faces at these points, (s, m): its slope, normal and tangent.

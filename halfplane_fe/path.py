@@ -322,6 +322,7 @@ def areas_between_path_and_chords(segment: LoadSegment, times: Array) -> Array |
     start = times[:-1, None]
     end = times[1:, None]
     half_duration = (end - start) / 2
+    # _POINTS: eight Gauss points from -1 to 1; _WEIGHTS: their weights
     instants = (start + end) / 2 + half_duration * _POINTS
     weights = _WEIGHTS * (end - start) / 2
 

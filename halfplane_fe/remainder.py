@@ -336,6 +336,7 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
     )
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
     # where a force may stand.
+    # _N_GAUSS_POINTS: nine
     n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
 
     # Element sides on the outline: nodes, shape functions at Gauss points, tangents times weights.
@@ -575,9 +576,12 @@ def face_kernels(
     half_length = _FITTED_REACH * nearest_end(shape)
     if size_factor > 1:
         half_length *= _FACTOR_OF_WIDER_FACE
+    # _N_ELEMENTS: 16
     size = size_factor * half_length / _N_ELEMENTS  # of the elements on that part of the face
     grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
+    # _SIZE_GROWTH: growth of the element size per distance, 0.1
     body = build(name, shape, profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH))
+    # _FORCE_PLACES: 0, 0.5 and 1
     x_of_forces = half_length * np.array(_FORCE_PLACES)
     return remainder_kernels(body, material, x_of_forces, datum_length)
 
@@ -673,6 +677,7 @@ def _body_numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbe
     """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
+        # OF_HALF_PLANE: numbers that are all zero
         return OF_HALF_PLANE
     require_known_effects(name, shape, scene)
     material = getattr(scene.material, name)

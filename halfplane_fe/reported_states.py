@@ -149,6 +149,7 @@ def visible_states(
 
         # Slip of each increment, and distance since a node last stopped or turned round, (k, n).
         slip = _slip_of_increments(states, block)
+        # _ROUNDING: 1e-9
         slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
         travels = slip_since_stop(slip, travel_before)
         travel_before = travels[-1]
@@ -281,6 +282,7 @@ def shear_grows_within_cone(
         n_closed = len(closed_nodes)
         if is_half:
             n_closed = 2 * n_closed - int(0 in closed_nodes)  # node 0 has no image
+        # _NODES_AT_EDGE: positions 2 to 5 from the edge inwards
         if n_closed < 2 * _NODES_AT_EDGE.stop:
             continue
         nodes_at_edges = closed_nodes[::-1][_NODES_AT_EDGE]

@@ -243,7 +243,9 @@ def resolution_notes(
         )
 
     # A profile near a wedge.
+    # _MOST_HALVINGS: 16
     exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
+    # _LEAST_POWER_OF_PEAK: 1.25
     if exponent < _LEAST_POWER_OF_PEAK:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at"
@@ -255,6 +257,7 @@ def resolution_notes(
     # so many elements.
     for flank in flanks(profile, elements_in_least * element_size, element_size):
         factor_on_size = flank.equivalent_hertz_elements / n_elements_without_note
+        # _NOTED_ERROR: error that is worth a note, 0.05
         if expected_errors.shear_error(flank.equivalent_hertz_elements) > _NOTED_ERROR:
             yield (
                 f"the contact ends {max(flank.width_in_elements, 0.0):.2g} elements,"
@@ -349,7 +352,9 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
     elements_in_slip = revolution.widest_slip_zone() / element_size
     largest_half_width = float(np.max(revolution.contact_half_width, initial=element_size))
     # friction work of a mesh on which nothing should slip, over A f^2 P^2
+    # _DISSIPATION_BY_MESH: times the square of the element size over the half-width
     dissipation_by_mesh = _DISSIPATION_BY_MESH * (element_size / largest_half_width) ** 2
+    # a slip zone of less than two elements, and an error of more than 5 %, are worth a note
     if not dissipation > 0:
         yield (
             f"no node slips: a slip zone narrower than an element, {element_size:.3g} at the edges,"

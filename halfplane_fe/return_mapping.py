@@ -173,6 +173,7 @@ class ReturnMapping:
             least_compliance = Layer(1 / normal_penalty, 1 / tangential_penalty)
             yield least_compliance
         for penalty_number in range(1, _MOST_PENALTIES):
+            # _PENALTY_RATIO: a tenth
             factor = _PENALTY_RATIO**-penalty_number
             yield Layer(
                 least_compliance.normal_compliance * factor,
@@ -266,6 +267,7 @@ class _Iteration:
             self.penalty_compliance.normal_compliance.any()
             or self.penalty_compliance.tangential_compliance.any()
         )
+        # _MOST_UPDATES: 2000
         while self.multiplier_updates < _MOST_UPDATES:
             mapped_tractions = self._inner_loop(most_steps)
             if mapped_tractions is None:
@@ -499,6 +501,7 @@ class _Iteration:
         mapped_tractions = self._mapped_tractions()
         is_touching = np.abs(self._pressure) <= tolerance
         is_touching &= np.abs(self._gap) <= tolerance * compliance.normal_compliance
+        # _TOUCHING_PRESSURE: a positive number of the size of round-off, 1e-11
         trial_pressure = np.where(
             is_touching,
             np.where(was_open, 0.0, _TOUCHING_PRESSURE),

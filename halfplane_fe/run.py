@@ -115,6 +115,7 @@ def trend(values: Sequence[float]) -> Trend:
         return Trend("unclear", float("nan"), float("nan"))
     differences = np.diff(values).tolist()
     last_difference = differences[-1]
+    # _ROUNDING_OF_VALUES: 1e-12
     if k * abs(last_difference) <= _ROUNDING_OF_VALUES * max(map(abs, values)):
         return Trend("steady", 0.0, values[-1])
 
@@ -156,6 +157,7 @@ def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     (True, False)
     """
     last_drift = abs(drifts[-1])
+    # _DRIFT_RATIO_OF_RATCHETING: 3
     largest_vanishing_drift = _DRIFT_RATIO_OF_RATCHETING * abs(trend(drifts).change_to_limit)
     return last_drift > _LEAST_DRIFT * travel and last_drift > largest_vanishing_drift
 
@@ -300,6 +302,7 @@ class PathRun:
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
         # Where the last revolution is steady to round-off, the next ones drift as much as it does.
+        # _ROUNDING_OF_CHANGE: 1e-9
         if self.force_change_by_cycle[-1] <= _ROUNDING_OF_CHANGE:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]

@@ -168,6 +168,7 @@ def largest_load(scene: Scene) -> float:
     within one [force per thickness, or length].
     """
     segments = tuple(prescribed_path(scene).segments(1))  # initial loading and one cycle
+    # NORMAL_LOAD: weights 1 and 0 of P and Q
     return max(
         float(
             np.max(
@@ -270,6 +271,7 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         lower_end = first_logarithm - half_range
         upper_end = first_logarithm + half_range
         if excess_approach(lower_end) < 0 < excess_approach(upper_end):
+            # _TOLERANCE_OF_LOGARITHM: a hundredth
             logarithm = scipy.optimize.brentq(
                 excess_approach, lower_end, upper_end, xtol=_TOLERANCE_OF_LOGARITHM
             )
@@ -317,6 +319,7 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
     # contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
     pair = _CoarsePair(scene, load, modulus, work_counts)
     face_half_width = _fitting_size(pair)
+    # _COARSE_STEPS_OF_RECORD: increments of a revolution, 16; _COARSE_STEPS: 48
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
@@ -374,6 +377,7 @@ def _scales_of_run(
             problem, run.states[rows_of_cycles], surface_states == STICK, anywhere=scene.unsymmetric
         )
     # Rounded down, so that no last digit of the coarse run moves the mesh.
+    # _ROUNDING_PARTS: 100
     innermost_edge = (
         np.floor(_ROUNDING_PARTS * innermost_edge / half_width) / _ROUNDING_PARTS * half_width
     )
@@ -381,6 +385,7 @@ def _scales_of_run(
     first_kink = min(scene.profile.kinks, default=np.inf)
 
     # In the scene's units; `values` are what a finer run is compared with.
+    # _N_ELEMENTS: 24
     return Scales(
         half_width=face_half_width * half_width,
         inner=min(face_half_width * innermost_edge, first_kink),
@@ -426,6 +431,7 @@ class RoomForContact:
         """A sentence on how large the contact is on faces of a width (`room`: half of it), how far
         from x = 0 it reaches, and how it was estimated.
         """
+        # _STEPS_OF_ESTIMATE: twelve increments
         return (
             f"The bodies have room for the contact: it has the half-width"
             f" {self.scales.half_width:.3g} at the largest load and reaches |x| = {self.reach:.3g}"
@@ -465,6 +471,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
     face_half_width = _size_near_contact(pair)
     while True:
         try:
+            # _STEPS_OF_ESTIMATE: twelve increments
             problem, run = _coarse_run(pair, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
             if face_half_width == pair.room:
@@ -475,6 +482,7 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
                 return RoomForContact(scales.reach, least_face_half_width(scene), scales)
             if face_half_width == pair.room:
                 raise _past_the_end(scene)
+        # _FAR_ENLARGEMENT: 2
         face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.room)
 
 
@@ -493,6 +501,7 @@ def _size_near_contact(pair: _CoarsePair) -> float:
         contact_fraction = _contact_fraction(pair, face_half_width)
         if contact_fraction == 1 and face_half_width == pair.room:
             raise _past_the_end(pair.scene)
+        # _CONTACT_FRACTIONS: 0.6 and 0.85; _FAR_ENLARGEMENT: 2
         if _CONTACT_FRACTIONS[0] / _FAR_ENLARGEMENT <= contact_fraction < 1:
             break
         face_half_width = min(contact_fraction * face_half_width * _FAR_ENLARGEMENT, pair.room)
@@ -524,6 +533,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     }
 
     # Numbers of the extreme rows of each column.
+    # _LEAST_LOAD_RATIO: 1e-6
     safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())  # P, not near 0
     columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_load, *further_columns.values()]
     row_numbers = {0, len(rows) - 1}
@@ -707,6 +717,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     for _ in range(400):
         # half-width of the contact over that of the part of the face
         contact_fraction = _contact_fraction(pair, face_half_width)
+        # _CONTACT_FRACTIONS: 0.6 and 0.85
         if _CONTACT_FRACTIONS[0] <= contact_fraction <= _CONTACT_FRACTIONS[1]:
             return face_half_width
 

@@ -484,8 +484,10 @@ def _solve_path(
             break
 
     if interface is faces.corrected_interface:
+        # CORRECTED_FACES: name of the count of runs without the mesh's error
         work_counts[CORRECTED_FACES] += 1
     elif faces.corrected_interface is not None:
+        # REPEATED_RUNS: name of the count of runs repeated with it
         work_counts[REPEATED_RUNS] += 1
     return problem, run_at_all_nodes(run, interface) if is_half else run
 

@@ -256,6 +256,7 @@ def _end_by_turn_of_slip(
         return end
     weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
     end_of_stroke = _instant_of_most_slip(start, loads_at, end, weighted_slip_by_loads)
+    # _N_INSTANTS_OF_STROKE: nine
     first_instant_tried = start.time + (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
     return end_of_stroke if end_of_stroke > first_instant_tried else end
 
@@ -673,6 +674,7 @@ def _with_touching_nodes_sliding(start: InterfaceState) -> States:
     without pressure: each slides as a sliding neighbour does. Where no node would stick then, all
     are as in `start`. States are numbers: 0 open, 1 stick, above that slip.
     """
+    # ROUNDING: round-off of scaled forces and displacements, 1e-11
     has_just_touched = (start.node_states == STICK) & (start.pressure <= ROUNDING)
     if not has_just_touched.any():
         return start.node_states
@@ -739,6 +741,7 @@ def _time_of_event(
         meets_event, np.where(solved.is_closed, solved.pressure, solved.gap), 0.0
     )
     node = int(np.argmax(np.abs(distances_to_event)))
+    # _ROUNDING_OF_EVENT: 1e-14
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
         return solved.time
 
@@ -764,6 +767,7 @@ def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> t
     """Share of an increment at which the first of the nodes in a mask goes from a positive value to
     a negative one, linearly, and its number; 1 and -1 where none does. Arrays are (n,).
     """
+    # ROUNDING: round-off of scaled forces and displacements, 1e-11
     falling_nodes = (nodes & (values_before > ROUNDING) & (values_after < -ROUNDING)).nonzero()[0]
     if not len(falling_nodes):
         return 1.0, -1
@@ -797,6 +801,7 @@ def _states_before_event(
     which they have moved.
     """
     slip_increment = solved.slip - start.slip
+    # ROUNDING: round-off of scaled forces and displacements, 1e-11
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
     states_on_the_way = np.where(start.is_closed, states_of_closed, OPEN)

@@ -76,6 +76,7 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
         # Nodes beyond the end, outwards from the first one that slides.
         next_right = int(np.searchsorted(x, ends_by_states[column]))
         first_sliding = next_right if side > 0 else next_right - 1
+        # _FIRST_NODES: positions 1, 2 and 3 at which the lines begin; _ON_LINE: three nodes of each
         nodes_beyond = first_sliding + side * np.arange(_FIRST_NODES[-1] + _ON_LINE)
         if nodes_beyond.min() < 1 or nodes_beyond.max() > len(x) - 2:
             continue
@@ -96,6 +97,7 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
         if abs(place - ends_by_states[column]) <= _SAME_END * spacing:
             places[column] = place
             difference_of_lines = abs(end_of_last - end_of_first)
+            # _BY_LINES: fitted shares
             uncertainty[column] = _BY_LINES * difference_of_lines + _BY_SPACING * spacing
     return Edges(places, uncertainty)
 

@@ -236,6 +236,7 @@ def _equation_bits(row_states: States) -> NDArray[np.int8]:
     either sense. An open node has both bits of slip: with p = 0, q = (+-f) p is q = 0.
     """
     n = len(row_states) // 2
+    # _NORMAL_EQUATION_BITS: bits by the number of a state
     return np.concatenate(
         [_NORMAL_EQUATION_BITS.take(row_states[:n]), _TANGENTIAL_EQUATION_BITS.take(row_states[n:])]
     )
@@ -1079,6 +1080,7 @@ class Systems:
         n_cases = base.n_cases + len(cases)
         if n_cases > len(base.responses):  # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
+            # _SPARE_ROOM: 1.5
             base.responses = np.empty((int(_SPARE_ROOM * n_cases), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
         base.responses[base.n_cases : n_cases] = responses

@@ -84,6 +84,7 @@ def surface_grading(
     a = scales.half_width
     inner_end = scales.inner - 0.06 * a
     outer_end = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
+    # _LEAST_RADIUS_RATIO: 1.5
     grading = SurfaceGrading(
         inner=inner_end if inner_end > 4 * mesh.element_size * a else 0.0,
         outer=outer_end,

@@ -106,9 +106,11 @@ class Rule:
         >>> rule.uncertainty(value=1.0, difference=0.0, refinement=1.2)
         nan
         """
+        # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
         if 1 / _LEAST_REFINEMENT < refinement < _LEAST_REFINEMENT:
             return math.nan
         error = difference * Place(refinement, self.order).share_left()
+        # _ROUND_OFF: relative round-off
         return self.factor * error + _ROUND_OFF * value
 
 
@@ -192,9 +194,11 @@ def density_uncertainty(x: Array, density: Array) -> float:
         return math.nan
     stands_off = np.pad(_off_neighbours(x, density), 1)  # 0 at the ends
     at_peak = stands_off[peak]
+    # _ALONE: share of the largest value by which it stands alone
     if abs(at_peak) > _ALONE * density[peak]:
         return math.nan
     beside_peak = (stands_off[peak - 1] + stands_off[peak + 1]) / 2
+    # _BY_NEIGHBOURS: fitted share; _BY_STANDING_OUT: another
     return float(_BY_NEIGHBOURS * abs(at_peak) + _BY_STANDING_OUT * abs(at_peak - beside_peak))
 
 
@@ -231,6 +235,7 @@ def norm_uncertainties(
     shares_of_q = [0.0]
     instants = np.flatnonzero(counts)
     # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
+    # _AT_ONCE: number of instants of a block
     for start in range(0, len(instants), _AT_ONCE):
         rows = instants[start : start + _AT_ONCE]
         norm_of_p = _norm(x, pressure[rows])
@@ -241,6 +246,7 @@ def norm_uncertainties(
             shares_of_q.append(float(share_of_q.max()) / friction)
     if not len(instants):
         return {"pressure": math.nan, "shear": math.nan}
+    # _PRESSURE_BY_NEIGHBOURS: fitted shares, of p and of q
     return {
         "pressure": _PRESSURE_BY_NEIGHBOURS * max(shares_of_p),
         "shear": _SHEAR_BY_NEIGHBOURS * max(shares_of_q),
@@ -373,6 +379,7 @@ def run_values(
     largest_slip = float(slip_range.max())
     slip_with_neighbours = float(range_of_slip(slip, _with_neighbours(is_closed)).max())
     slip_between_instants = slip_with_neighbours - largest_slip
+    # _ROUND_OFF: relative round-off
     if largest_slip <= _ROUND_OFF * float(np.max(np.abs(slip))):
         largest_slip = 0.0
 
@@ -489,12 +496,15 @@ def slip_uncertainty(
     plain
         linear elements or a penalty layer: the difference from the coarse run counts in full
     """
+    # _LEAST_WORK_OF_SLIP: W below which next to nothing slips
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
     # the way to the edge, in distances of nodes, with fitted shares
     nodes_missing = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
     by_nodes = nodes_missing * values.slip_to_next_nodes
+    # _SLIP_BETWEEN_INSTANTS: fitted share
     by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
+    # _ROUND_OFF: relative round-off
     estimate = math.hypot(by_nodes, by_increments) + _ROUND_OFF * values.largest_slip
     if not plain:
         return estimate
@@ -617,19 +627,24 @@ def uncertainty(
     """
     element_size = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     refinement = coarse / element_size
+    # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
 
     # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
+    # _OF_DIFFERENCE: fitted share
     share_left = _OF_DIFFERENCE / (refinement**2 - 1)  # of an error of order 2
     if plain:
         share_left = max(share_left, 1.0)
+    # _OF_WORK: fitted share of W by the element size; _GROWN: by the growth of elements
     by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
     if scatter:
+        # _OF_SCATTER: fitted share
         by_edges = _OF_SCATTER * scatter
     elif dissipation < _FALSE_WORK * element_size**2:
         by_edges = dissipation  # all of it may be an error of the mesh
     else:
+        # _OF_UNKNOWN_EDGES: fitted share of (h/a)^2
         by_edges = by_elements if scatter == 0 else _OF_UNKNOWN_EDGES * element_size**2
     return difference * share_left + by_elements + by_edges
 
@@ -658,6 +673,7 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     """
     if profile.kind != "flat_rounded":
         return 0.0
+    # _BY_FLANK: fitted share
     shares = [
         _BY_FLANK / flank.equivalent_hertz_elements**2
         for flank in flanks(profile, half_width, element)
@@ -733,6 +749,7 @@ def scatter_of_nodes(pressure: Array, node: int) -> float:
     >>> scatter_of_nodes(np.array([5.0, 5, 5, 5, 5, 6, 5, 5, 5, 5, 5]), node=5)
     1.0
     """
+    # _BESIDE_LARGEST_PRESSURE: nodes on either side
     n_beside = _BESIDE_LARGEST_PRESSURE + 2
     pressure_around = pressure[max(node - n_beside, 0) : node + n_beside + 1]
     fourth_differences = np.diff(pressure_around, n=4)
@@ -793,13 +810,16 @@ def peak_uncertainty(
         place = Place(coarse / fine.tip_size, power - 1)
     else:
         place = Place(coarse / fine.tip_size, 2.0)
+        # _PEAK_WITHIN_TIP: fitted share of p0
         within_tip = _PEAK_WITHIN_TIP
+    # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
     if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
 
     # Error of the run over the difference, 1/|r^p - 1|; further terms by edges and growth, over p0.
     share = max(place.share_left(), 1.0 if plain else 0.0)
     relative_size = fine.edge_size / peak.half_width
+    # _PEAK_BY_EDGES: fitted share
     of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
     of_growth = _PEAK_GROWN * growth**4
     return (

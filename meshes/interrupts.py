@@ -25,6 +25,7 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
     Needed around gmsh, whose one global state has to be left in order, and around changes of files
     of which no half may be left.
     """
+    # _SIGNAL_NAMES: "SIGINT", "SIGTERM", "SIGHUP"
     signal_numbers = [
         number for name in _SIGNAL_NAMES if (number := getattr(signal, name, None)) is not None
     ]

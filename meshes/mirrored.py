@@ -176,6 +176,7 @@ def mirrored_mesh(
     # straight sides is checked: it raises where it is not valid.
     corners_of_elements = elements[: whole_mesh.corners_per_element]
     n_corners = int(corners_of_elements.max()) + 1
+    # _MESH_CLASSES: class of scikit-fem by the number of nodes of an element
     straight_mesh = _MESH_CLASSES[whole_mesh.corners_per_element](
         points[:, :n_corners].copy(), corners_of_elements.copy()
     )
