@@ -485,8 +485,8 @@ def _zones(case: Case, slip_events: Sequence[tuple[float, int]], count: int = 91
     solution = case.solve(time=unique_times)
     contact_edge = solution.contact_half_width[unique_indices] / case.unit_length
     stick_edge = solution.stick_half_width[unique_indices] / case.unit_length
-    # Each event stands there twice: as the end of the phase before, with the engine's stick edge,
-    # and as the start of the next phase, when all sticks.
+    # Each event stands there twice: as the end of the phase before, with theory's stick edge, and
+    # as the start of the next phase, when all sticks.
     stick_edge[::count] = contact_edge[::count]
     directions = [direction for _, direction in slip_events[:-1]]
     return Zones(time, contact_edge, stick_edge, np.repeat(directions, count))

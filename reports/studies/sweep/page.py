@@ -455,7 +455,8 @@ class _QuantityFigure:
 
     def chart_axis(self, column: str, *, for_cells: bool = False) -> ChartAxis:
         """The axis of a chart for an axis of a sweep, whose values stand in this `column` of its
-        table. Ticks stand at the values themselves where these are few and apart.
+        table. On a logarithmic axis, and with `for_cells`, ticks stand at the values themselves
+        where these are few and apart.
 
         With `for_cells` it goes half an interval beyond the outer values: in a map each value is
         the middle of a cell.
