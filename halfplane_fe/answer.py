@@ -534,12 +534,12 @@ def _permanent_stick(
         (k, 2) stick edges of the stored instants, scaled
     """
     no_edges = np.full(2, np.nan)
-    nowhere = Edges(no_edges, no_edges)
+    no_ends = Edges(no_edges, no_edges)
     time = np.array([state.time for state in run.states])
     load = np.array([state.normal_load for state in run.states])
     is_in_cycle = is_loaded_in_last_cycle(scene, time, load)
     if not is_in_cycle.any():  # no cycle, or the very first increment failed
-        return nowhere
+        return no_ends
 
     # Intersection of all stick zones of the last cycle.
     x = problem.interface.x
@@ -561,7 +561,7 @@ def _permanent_stick(
     slip = np.array([run.states[k].slip for k in np.flatnonzero(is_in_cycle)])
     creeping_edges = creeping_zone(scene, x, slip, is_closed)
     slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
-    by_slip = ends_by_slip(x, slip_range, creeping_edges)
+    slip_ends = ends_by_slip(x, slip_range, creeping_edges)
 
     # Nodes that only creep belong to the zone.
     if not permanent_stick_ends_sharply(scene, problem):
@@ -569,9 +569,9 @@ def _permanent_stick(
         right_end = np.fmax(permanent_zone[1], creeping_edges[1])
         permanent_zone = np.array([left_end, right_end])
     elif np.isfinite(permanent_zone).all():
-        by_slip = _with_creeping_ends(x, by_slip, creeping_edges, permanent_zone)
-    places = np.where(np.isfinite(by_slip.places), by_slip.places, permanent_zone)
-    return Edges(places, by_slip.uncertainty)
+        slip_ends = _with_creeping_ends(x, slip_ends, creeping_edges, permanent_zone)
+    places = np.where(np.isfinite(slip_ends.places), slip_ends.places, permanent_zone)
+    return Edges(places, slip_ends.uncertainty)
 
 
 def _with_creeping_ends(
@@ -680,9 +680,9 @@ def creeping_zone(
     is_creeping = _is_creeping(slip, is_closed, range_factor * largest_creep)
     if not is_creeping.any():
         return np.full(2, np.nan)
-    ever_closed = np.any(is_closed, axis=0)
+    is_ever_closed = np.any(is_closed, axis=0)
     # (1, 2): one "instant", at which nodes that creep count as sticking
-    zones = _zones_by_nodes(x, is_creeping[None], ever_closed[None], scene.unsymmetric)
+    zones = _zones_by_nodes(x, is_creeping[None], is_ever_closed[None], scene.unsymmetric)
     return np.asarray(zones[0])
 
 

@@ -113,13 +113,15 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     zone_ends = arrays["permanent_stick_edges"]  # (2,) x of its left and right end
     if np.isnan(zone_ends).any():
         return
-    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])  # (n_steps,)
+    is_in_cycle = is_loaded_in_last_cycle(
+        scene, arrays["time"], arrays["normal_load"]
+    )  # (n_steps,)
 
     # Instants whose stick zone does not reach the ends of the zone. Left edges change sign, so that
     # "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
-    outward_edges = arrays["stick_edges"][in_cycle] * outwards
-    farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][in_cycle]
+    outward_edges = arrays["stick_edges"][is_in_cycle] * outwards
+    farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][is_in_cycle]
     # NaN edges of instants at which nothing sticks compare as False.
     reaches_ends = np.all(farthest_edges >= zone_ends * outwards, axis=1)
     n_narrower = int(np.sum(~reaches_ends))
@@ -128,7 +130,7 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
 
     # Range of slip of the nodes in the zone.
     x = arrays["x"]
-    slip_range = np.ptp(arrays["slip"][in_cycle], axis=0)
+    slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)
     between_edges = "No node between them slips"
     if largest_creep:

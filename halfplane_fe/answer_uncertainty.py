@@ -169,12 +169,12 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     if run.failure is not None:
         return math.nan
     change_to_limit = float(np.nan_to_num(abs(run.trend.change_to_limit)))
-    by_flanks = _share_of_flanks(task, run, arrays)
+    share_by_flanks = _share_of_flanks(task, run, arrays)
     # (n,) W(x) times the length of each node
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
     work = max(float(work_of_nodes.sum()), 1e-300)
-    by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
-    relative_uncertainty = by_flanks + by_turns
+    share_by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
+    relative_uncertainty = share_by_flanks + share_by_turns
     cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
     return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
 
@@ -194,18 +194,18 @@ def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> flo
         fields and series of the solution by name
     """
     scene = task.scene
-    under_load = np.flatnonzero(_under_load(scene, arrays))
-    if scene.profile.kind != "flat_rounded" or not len(under_load):
+    loaded_rows = np.flatnonzero(_under_load(scene, arrays))
+    if scene.profile.kind != "flat_rounded" or not len(loaded_rows):
         return 0.0
     # work of the increments between stored instants
     works = np.add.reduceat(run.values_of_increments("dissipation"), run.stored_indices[:-1])
-    work_at_instants = np.maximum(np.append(0.0, works)[under_load], 0.0)
+    work_at_instants = np.maximum(np.append(0.0, works)[loaded_rows], 0.0)
     if not work_at_instants.any():
         return 0.0
     element_size = task.element * task.scales.half_width
     shares = [
         share_of_flanks(scene.profile, half_width, element_size)
-        for half_width in arrays["contact_half_width"][under_load].tolist()
+        for half_width in arrays["contact_half_width"][loaded_rows].tolist()
     ]
     return float(np.average(shares, weights=work_at_instants))
 
@@ -318,8 +318,8 @@ def value_uncertainties(
         # without an estimate by its neighbours there is none
         density_error = max(density_error, float(np.nan_to_num(from_coarse_run)))
         node = int(np.argmax(arrays["dissipation_density"]))
-        by_turns = _shares_of_turns(scene, arrays)[node]
-        density_error += float(arrays["dissipation_density"][node] * by_turns)
+        share_by_turns = _shares_of_turns(scene, arrays)[node]
+        density_error += float(arrays["dissipation_density"][node] * share_by_turns)
         estimates["largest_dissipation_density"] = density_error
 
     # Largest pressure, half-width of the largest contact, half-width of permanent stick.
@@ -386,22 +386,22 @@ def _nodes_to_edge(scene: Scene, arrays: Mapping[str, Any]) -> float:
     `arrays` has the series of the solution by name: loads (n_steps,), states and slip (n_steps, n),
     contact edges (n_steps, 2).
     """
-    under_load = _under_load(scene, arrays)
-    loads = arrays["normal_load"][under_load]
+    is_under_load = _under_load(scene, arrays)
+    loads = arrays["normal_load"][is_under_load]
     # _SAME_LOAD: share of the largest P within which P is constant
     if not len(loads) or np.ptp(loads) > _SAME_LOAD * loads.max():
         return 1.0
 
     # Node with the largest range of slip while it touches.
-    touches = arrays["state"][under_load] != OPEN
-    node = int(np.argmax(range_of_slip(arrays["slip"][under_load], touches)))
+    is_touching = arrays["state"][is_under_load] != OPEN
+    node = int(np.argmax(range_of_slip(arrays["slip"][is_under_load], is_touching)))
     x = arrays["x"]
     outwards = 1 if x[node] > 0 else -1
     if not 0 <= node + outwards < len(x):
         return 1.0
 
     # Contact edge on its side at the instants at which it touches.
-    edges = arrays["contact_edges"][under_load][touches[:, node], (outwards + 1) // 2]
+    edges = arrays["contact_edges"][is_under_load][is_touching[:, node], (outwards + 1) // 2]
     farthest_distance = float(np.max(outwards * (edges - x[node]), initial=0.0))
     return min(farthest_distance / abs(float(x[node + outwards] - x[node])), 1.0)
 
@@ -468,9 +468,9 @@ def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
     """Which stored instants are in the last cycle and under load, a mask (n_steps,); of a path that
     does not repeat those of all the path under load.
     """
-    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
-    if in_cycle.any():
-        return in_cycle
+    is_in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    if is_in_cycle.any():
+        return is_in_cycle
     return np.asarray(arrays["normal_load"] > 0)
 
 
@@ -521,25 +521,25 @@ def _of_permanent_stick(
         return math.nan
 
     # Innermost stick edges of the last cycle, and their bounds e - u and e + u.
-    in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
-    in_cycle &= np.isfinite(arrays["stick_half_width"])
+    is_in_cycle = is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    is_in_cycle &= np.isfinite(arrays["stick_half_width"])
     zone_ends = arrays["permanent_stick_edges"]
     # Left edges change sign, so that "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
-    stick_edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, zone_ends * outwards)
-    edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
+    stick_edges = np.maximum(arrays["stick_edges"][is_in_cycle] * outwards, zone_ends * outwards)
+    edge_uncertainty = arrays["stick_edge_uncertainty"][is_in_cycle]
     innermost_edge = stick_edges.min(axis=0)
     innermost_inner_bound = (stick_edges - edge_uncertainty).min(axis=0)
     innermost_outer_bound = (stick_edges + edge_uncertainty).min(axis=0)
-    by_stick_zones = np.maximum(
+    uncertainty_by_zones = np.maximum(
         innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge
     )
-    end_uncertainty = zone.uncertainty(zone_ends, by_stick_zones)
+    end_uncertainty = zone.uncertainty(zone_ends, uncertainty_by_zones)
 
     # Creep that the mesh may add.
     if not is_sharp:
-        slip = arrays["slip"][in_cycle]
-        is_closed = arrays["state"][in_cycle] != OPEN
+        slip = arrays["slip"][is_in_cycle]
+        is_closed = arrays["state"][is_in_cycle] != OPEN
         # _CREEP_OF_MESH: factor on the range of slip that counts as creep
         creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
         creep_beyond_end = np.fmax((creeping_edges - zone_ends) * outwards, 0.0)
@@ -548,10 +548,12 @@ def _of_permanent_stick(
         end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
 
     # Ends by slip, and what the correction for growing elements may leave.
-    by_slip = arrays["permanent_stick_uncertainty"]
-    end_uncertainty = np.where(np.isfinite(by_slip), by_slip, end_uncertainty)
-    by_growth = left_of_growth(arrays["permanent_stick_held_back"])
-    return float(np.mean(end_uncertainty + by_growth))
+    uncertainty_by_slip = arrays["permanent_stick_uncertainty"]
+    end_uncertainty = np.where(
+        np.isfinite(uncertainty_by_slip), uncertainty_by_slip, end_uncertainty
+    )
+    uncertainty_by_growth = left_of_growth(arrays["permanent_stick_held_back"])
+    return float(np.mean(end_uncertainty + uncertainty_by_growth))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:

@@ -423,13 +423,17 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
                 continue
 
             # Place by pressure, gap and their rates; uncertainty as a share of the node distance.
-            by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[0])  # cached
-            edge = Edge.of_contact(problem, side, last_closed, state, by_load)
+            rates_by_load = nodal_values(
+                problem.rates(state.node_states, len(state.loads))[0]
+            )  # cached
+            edge = Edge.of_contact(problem, side, last_closed, state, rates_by_load)
             if edge.is_moved:
-                _, pressure_rates, _, _ = by_load
+                _, pressure_rates, _, _ = rates_by_load
                 unevenness = _unevenness(edge, last_closed, state.pressure, pressure_rates)
-                at_nodes, by_unevenness = _shares_of_spacing(edge, last_closed, unevenness)
-                share = at_nodes + by_unevenness
+                share_at_nodes, share_by_unevenness = _shares_of_spacing(
+                    edge, last_closed, unevenness
+                )
+                share = share_at_nodes + share_by_unevenness
                 edges.put(row, last_closed, edge, unevenness, share)
     return edges
 
@@ -455,7 +459,7 @@ def stick_by_load(
     edges = EdgesByLoad.nowhere(len(travels))
     if not problem.has_shear:
         return edges
-    for row, (before, state, travel) in enumerate(
+    for row, (state_before, state, travel) in enumerate(
         zip(states[:-1], states[1:], travels, strict=True)
     ):
         for side in (-1, 1):  # left and right of x = 0
@@ -464,10 +468,12 @@ def stick_by_load(
             if not n_passed or not _is_quadratic(problem, last_stuck + side):
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
-            if edge.is_moved and _comes_to_limit(problem, before, state, edge):
-                at_nodes, by_unevenness = _shares_of_spacing(edge, last_stuck, unevenness)
-                by_late_start = _share_by_late_start(edge, unevenness)
-                share = at_nodes + max(by_unevenness, by_late_start)
+            if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
+                share_at_nodes, share_by_unevenness = _shares_of_spacing(
+                    edge, last_stuck, unevenness
+                )
+                share_by_late_start = _share_by_late_start(edge, unevenness)
+                share = share_at_nodes + max(share_by_unevenness, share_by_late_start)
                 share += _BY_FEW_NODES / n_passed**2
                 edges.put(row, last_stuck, edge, unevenness, share)
     return edges
@@ -481,7 +487,7 @@ def _is_quadratic(problem: ContactProblem, node: int) -> bool:
         return False
     if _has_equal_elements(problem, node):
         return True
-    kinds = {_is_corner(problem.interface, beside) for beside in (node - 1, node + 1)}
+    kinds = {_is_corner(problem.interface, neighbour) for neighbour in (node - 1, node + 1)}
     return kinds == {not _is_corner(problem.interface, node)}
 
 
@@ -544,10 +550,10 @@ def _behind_slip_zone(
     if len(nodes_inwards[stick_zone]) < _STICK_ZONE or is_sliding[stick_zone].any():
         return -1, 0
 
-    farthest = first_sliding + int(
+    farthest_position = first_sliding + int(
         np.argmax(np.abs(travel[nodes_inwards[first_sliding:first_stuck]]))
     )
-    return int(nodes_inwards[first_stuck]), first_stuck - farthest
+    return int(nodes_inwards[first_stuck]), first_stuck - farthest_position
 
 
 def _placed_by_load(
@@ -572,13 +578,13 @@ def _placed_by_load(
     node = last_stuck + side  # the first sliding one
     sense = int(slip_sign(state.node_states[node]))
     # by Q, (4, n): slip, pressure, shear and gap
-    by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
-    _, pressure_rates, shear_rates, _ = by_load
+    rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
+    _, pressure_rates, shear_rates, _ = rates_by_load
     # f p - s q of the nodes (n,), s the sense of slip, and its derivative by Q
     to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
     turn = TurnOfSlip(sense, sense * float(travel[node]), float(to_limit[last_stuck]))
-    edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
+    edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
     return edge, _unevenness(edge, last_stuck, to_limit, rates_to_limit)
 
 
@@ -647,10 +653,10 @@ def _shares_of_spacing(edge: Edge, last_node: int, unevenness: Array) -> tuple[f
     unevenly the load moves it, `unevenness` (3,), 0 where evenly.
     """
     is_corner = _is_corner(edge.interface, last_node)
-    at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
+    share_at_nodes = _BEYOND_CORNER if is_corner else _BEYOND_MID_SIDE
     nodes_from_middle = max(abs(edge.place) / edge.spacing, 1.0)
-    by_few_nodes = _BY_FEW_NODES / nodes_from_middle**2
-    return at_nodes + by_few_nodes, _BY_UNEVENNESS * float(np.max(unevenness**2))
+    share_by_few_nodes = _BY_FEW_NODES / nodes_from_middle**2
+    return share_at_nodes + share_by_few_nodes, _BY_UNEVENNESS * float(np.max(unevenness**2))
 
 
 def _share_by_late_start(edge: Edge, unevenness: Array) -> float:
@@ -739,11 +745,13 @@ class StickZone(NamedTuple):
         meets the last node that sticks, and the first one that slides. `places_by_load` are NaN
         where no load places an end.
         """
-        middle = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
-        is_same = np.abs(edges - middle) <= _SAME_EDGE * self.spacing
-        at_nodes = np.where(self.holds(edges), edges, middle)
-        by_nodes = np.where(np.isfinite(self.places_by_load), self.places_by_load, at_nodes)
-        return np.where(is_same, by_nodes, edges)
+        middle_of_nodes = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
+        is_same = np.abs(edges - middle_of_nodes) <= _SAME_EDGE * self.spacing
+        places_by_nodes = np.where(self.holds(edges), edges, middle_of_nodes)
+        places_by_load_or_nodes = np.where(
+            np.isfinite(self.places_by_load), self.places_by_load, places_by_nodes
+        )
+        return np.where(is_same, places_by_load_or_nodes, edges)
 
     def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
         """Uncertainty (2,) of the ends `edges` (2,) of the permanent stick zone, by the mesh.
@@ -752,20 +760,24 @@ class StickZone(NamedTuple):
         `by_stick_zones` (2,), that of the stick edges of single instants. Between the places at its
         two nodes an end is never less certain than by its larger distance from them.
         """
-        by_nodes = np.maximum(
+        distance_from_nodes = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
         )
-        confined = np.where(self.holds(edges), np.minimum(by_nodes, by_stick_zones), by_stick_zones)
-        return np.where(edges == self.places_by_load, self.uncertainty_by_load, confined)
+        uncertainty_by_nodes = np.where(
+            self.holds(edges), np.minimum(distance_from_nodes, by_stick_zones), by_stick_zones
+        )
+        return np.where(
+            edges == self.places_by_load, self.uncertainty_by_load, uncertainty_by_nodes
+        )
 
     def holds(self, edges: Array) -> Mask:
         """Whether each of two edges lies between the places at the two nodes around that end of the
         zone, (2,).
         """
-        farthest = np.maximum(
+        farthest_distance = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
         )
-        return np.asarray(farthest <= self.spacing)
+        return np.asarray(farthest_distance <= self.spacing)
 
     @property
     def spacing(self) -> Array:
@@ -1009,11 +1021,11 @@ def _at_stick_edge(
 
         # Place of the edge, by the derivatives (4, n) of slip, p, q and gap by Q.
         turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
-        by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
-        edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
+        rates_by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
+        edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
         if not edge.is_moved:
             return None
-        _, pressure_rates, shear_rates, _ = by_load
+        _, pressure_rates, shear_rates, _ = rates_by_load
         rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
         unevenness = _unevenness(edge, last_stuck, forces_to_limit_of_both, rates_to_limit)
         places.append(_place_put_right(edge, last_stuck, unevenness))

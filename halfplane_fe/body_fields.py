@@ -730,9 +730,9 @@ class _SizeFit:
         size_effect = self.size_effect_of(
             _predictors(tractions_on_body, bulk_stress)[:, : len(self.predictor_units)]
         )
-        on_face = np.zeros(2)
+        y_of_face = np.zeros(2)
         tensions = [
-            size_effect.stress(np.array(step_tractions.edges), on_face)[:, 0, k]
+            size_effect.stress(np.array(step_tractions.edges), y_of_face)[:, 0, k]
             for k, step_tractions in enumerate(tractions_on_body)
         ]
         return np.array(tensions)

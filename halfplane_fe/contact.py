@@ -835,22 +835,22 @@ class ContactProblem:
         if self.has_shear:
             closed_states = states_if_closed(shear + r_tangential * slip_increment, friction_limit)
         states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
-        changing = (states_by_law != states).nonzero()[0]
-        if not len(changing):
+        changing_nodes = (states_by_law != states).nonzero()[0]
+        if not len(changing_nodes):
             return states
 
         # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
         # `_shear_scale` is the unit of shear and slip: f of uncoupled bodies, else 1.
-        states_before = states[changing]
+        states_before = states[changing_nodes]
         was_closed = states_before != OPEN
-        has_no_pressure = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
-        just_touches = has_no_pressure & (np.abs(gap[changing]) <= ROUNDING)
-        force_beyond_limit = np.abs(shear[changing]) - friction_limit[changing]
-        has_not_moved = np.abs(slip_increment[changing]) <= ROUNDING * self._shear_scale
+        has_no_pressure = np.abs(pressure[changing_nodes]) <= _ROUNDING_OF_FORCE
+        just_touches = has_no_pressure & (np.abs(gap[changing_nodes]) <= ROUNDING)
+        force_beyond_limit = np.abs(shear[changing_nodes]) - friction_limit[changing_nodes]
+        has_not_moved = np.abs(slip_increment[changing_nodes]) <= ROUNDING * self._shear_scale
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
-        is_closed = np.where(just_touches, was_closed, states_by_law[changing] != OPEN)
-        states_of_closed = np.where(keeps_state, states_before, closed_states[changing])
+        is_closed = np.where(just_touches, was_closed, states_by_law[changing_nodes] != OPEN)
+        states_of_closed = np.where(keeps_state, states_before, closed_states[changing_nodes])
         states_after = np.where(is_closed, states_of_closed, OPEN)
         # A sliding node that turns round sticks first: straight from forward to reverse slip, the
         # iteration cycles between sets of states.
@@ -858,7 +858,7 @@ class ContactProblem:
             (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
         )
         next_states = states.copy()
-        next_states[changing] = np.where(has_turned, STICK, states_after)
+        next_states[changing_nodes] = np.where(has_turned, STICK, states_after)
         return next_states
 
     def _tilt_at_known_shear(

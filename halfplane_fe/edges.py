@@ -149,11 +149,13 @@ def contact_with_uncertainty(answer: NodalAnswer, by_load: EdgesByLoad) -> Edges
         edges that a load places between two nodes (`last_node` (k, 2) is -1 where none does), with
         their uncertainty
     """
-    by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
+    edges_by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
     is_placed = by_load.last_node >= 0
     return Edges(
-        places=np.where(is_placed, by_load.places, by_form),
-        uncertainty=np.where(is_placed, by_load.uncertainty, _contact_uncertainty(answer, by_form)),
+        places=np.where(is_placed, by_load.places, edges_by_form),
+        uncertainty=np.where(
+            is_placed, by_load.uncertainty, _contact_uncertainty(answer, edges_by_form)
+        ),
     )
 
 
@@ -219,8 +221,8 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     edges = np.empty((len(closed), 2))
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
-        p, g, in_contact = side.outwards(pressure, gap, closed)
-        last_node = _last(in_contact)  # (k,) outermost node that touches
+        p, g, is_in_contact = side.outwards(pressure, gap, closed)
+        last_node = _last(is_in_contact)  # (k,) outermost node that touches
         next_node = np.minimum(last_node + 1, len(x) - 1)
         distance = side.x[next_node] - side.x[last_node]
         pressure_of_last = _pick(p, last_node)  # (k,), of each instant at its own node
@@ -230,9 +232,9 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
         has_form = (distance > 0) & (pressure_of_last > 0) & (gap_of_following > 0)
         ratio = gap_of_following[has_form] / (pressure_of_last * distance)[has_form]
         c = (3 * modulus / 4 * ratio) ** 2
-        share = np.where(pressure_of_last > 0, 0.0, 1.0)
-        share[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
-        edges[:, side.column] = side.sign * (side.x[last_node] + distance * (1 - share))
+        t = np.where(pressure_of_last > 0, 0.0, 1.0)
+        t[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
+        edges[:, side.column] = side.sign * (side.x[last_node] + distance * (1 - t))
     edges[~closed.any(axis=1)] = np.nan
     return edges
 
@@ -257,8 +259,8 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
     rows = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
-        side_pressure, in_contact = side.outwards(answer.pressure[rows], answer.is_closed[rows])
-        last_node = _last(in_contact)  # outermost node that touches
+        side_pressure, is_in_contact = side.outwards(answer.pressure[rows], answer.is_closed[rows])
+        last_node = _last(is_in_contact)  # outermost node that touches
         edge = side.sign * contact[rows, side.column]
         # no zero counts as farther away than the innermost of the five nodes
         farthest_zero = side.x[last_node - _EXTRAPOLATED]
@@ -300,11 +302,11 @@ def stick_edges(
     a_side_has_no_stick = np.zeros(len(is_closed), dtype=bool)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
-        sticks_outwards, in_contact = side.outwards(stick, is_closed)
+        is_stuck, is_in_contact = side.outwards(stick, is_closed)
         # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
-        nodes_of_side = _half(side, in_contact, sticks_outwards if anywhere else None)
+        nodes_of_side = _half(side, is_in_contact, is_stuck if anywhere else None)
         # last node of the stick zone, and numbers of nodes of that zone and of the side, (k,)
-        last_node, n_sticking, n_of_side = _last_sticking(sticks_outwards, nodes_of_side)
+        last_node, n_sticking, n_of_side = _last_sticking(is_stuck, nodes_of_side)
         a_side_has_no_stick |= (n_sticking == 0) & (n_of_side > 0)
         next_node = np.minimum(last_node + 1, len(x) - 1)
         edge_between_nodes = side.sign * (side.x[last_node] + side.x[next_node]) / 2
@@ -336,15 +338,17 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         Ends (k, 2), NaN where nothing sticks; root mean square by which the squares stand off the
         straight line, over its slope, 0 where there is no fit; the ends by states.
     """
-    by_states = stick_edges(answer.x, answer.sticks, answer.is_closed, contact, answer.anywhere)
-    edges = by_states.copy()
+    edges_by_states = stick_edges(
+        answer.x, answer.sticks, answer.is_closed, contact, answer.anywhere
+    )
+    edges = edges_by_states.copy()
     misfit = np.zeros_like(edges)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
-        sticks, in_contact = side.outwards(answer.sticks, answer.is_closed)
-        half = _half(side, in_contact, sticks if answer.anywhere else None)
-        last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
+        is_stuck, is_in_contact = side.outwards(answer.sticks, answer.is_closed)
+        is_in_half = _half(side, is_in_contact, is_stuck if answer.anywhere else None)
+        last_node, n_sticking, n_in_half = _last_sticking(is_stuck, is_in_half)
         has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking < n_in_half)
         # _FITTED: numbers of nodes of two fits, seven and four
         rows = np.flatnonzero(has_slip_zone & (n_sticking > _FITTED[0]))
@@ -354,13 +358,13 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         # f p - s q, s the sense of slip beyond the edge; its square falls to zero there.
         pressure, shear = side.outwards(answer.pressure[rows], answer.shear[rows])
         sense_beyond_edge = np.sign(_pick(shear, last_node[rows] + 1))[:, None]
-        force = force_to_limit(pressure, shear, sense_beyond_edge, friction)
-        fit = _fitted_stick_edge(side.x, force, last_node[rows])
+        force_to_coulomb_limit = force_to_limit(pressure, shear, sense_beyond_edge, friction)
+        fit = _fitted_stick_edge(side.x, force_to_coulomb_limit, last_node[rows])
         # nothing sticks beyond the contact: a fit gone wrong
         is_accepted = fit.agrees & (fit.edge <= side.sign * contact[rows, side.column])
         edges[rows[is_accepted], side.column] = side.sign * fit.edge[is_accepted]
         misfit[rows[is_accepted], side.column] = fit.misfit[is_accepted]
-    return StickEdges(edges, misfit, by_states)
+    return StickEdges(edges, misfit, edges_by_states)
 
 
 def _stick_uncertainty(
@@ -391,8 +395,10 @@ def _stick_uncertainty(
     # Distance of each edge from those by the states, as reported and by the law.
     x = answer.x
     edges = stick.places
-    by_law = stick_edges(x, answer.sticks_by_law, answer.is_closed, contact.places, answer.anywhere)
-    by_states = np.fmax(np.abs(stick.by_states - edges), np.abs(by_law - edges))
+    edges_by_law = stick_edges(
+        x, answer.sticks_by_law, answer.is_closed, contact.places, answer.anywhere
+    )
+    distance_from_states = np.fmax(np.abs(stick.by_states - edges), np.abs(edges_by_law - edges))
 
     # Distance of the nodes around the edge.
     next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
@@ -403,22 +409,22 @@ def _stick_uncertainty(
     # Number of touching nodes beyond the edge, on its side of the middle.
     n_beyond = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
-        in_contact, sticks = side.outwards(answer.is_closed, answer.sticks)
-        half = _half(side, in_contact, sticks if answer.anywhere else None)
+        is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.sticks)
+        is_in_half = _half(side, is_in_contact, is_stuck if answer.anywhere else None)
         is_beyond = side.x > side.sign * edges[:, [side.column]]
-        n_beyond[:, side.column] = np.count_nonzero(half & is_beyond, axis=1)
+        n_beyond[:, side.column] = np.count_nonzero(is_in_half & is_beyond, axis=1)
 
     # Edges by states, where a slip zone of up to four nodes may be none at all.
-    by_states_alone = spacing + by_states
+    uncertainty_by_states = spacing + distance_from_states
     of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
     is_narrow = n_beyond <= _UNRESOLVED
     of_unfitted_edge = np.where(
-        is_narrow, np.maximum(by_states_alone, of_narrow_slip_zone), by_states_alone
+        is_narrow, np.maximum(uncertainty_by_states, of_narrow_slip_zone), uncertainty_by_states
     )
 
     # Fitted edges; up to about half a node distance from the edge by states is usual.
     # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing
-    beyond_usual = np.maximum(by_states - _BY_STATES * spacing, 0.0)
+    beyond_usual = np.maximum(distance_from_states - _BY_STATES * spacing, 0.0)
     of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + beyond_usual
     uncertainty = np.where(edges == stick.by_states, of_unfitted_edge, of_fitted_edge)
 
@@ -608,8 +614,8 @@ def _middle_of_zone(edges: Array) -> Array:
     rows_with_zone = np.flatnonzero(np.isfinite(middle))
     if not len(rows_with_zone):
         return middle
-    nearest = np.searchsorted(rows_with_zone, np.arange(len(middle)), side="right") - 1
-    return np.asarray(middle[rows_with_zone[np.maximum(nearest, 0)]])
+    nearest_position = np.searchsorted(rows_with_zone, np.arange(len(middle)), side="right") - 1
+    return np.asarray(middle[rows_with_zone[np.maximum(nearest_position, 0)]])
 
 
 class _Side(NamedTuple):
@@ -690,14 +696,16 @@ def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
     tie. Where the zone has no nodes the last of them is without meaning. `stick` and `half` (k, n)
     are the nodes that stick and those in contact on the side.
     """
-    rank_of_sticking = np.cumsum(stick & half, axis=1, dtype=np.int32)
-    rank = np.cumsum(half, axis=1, dtype=np.int32)
+    n_sticking_up_to = np.cumsum(stick & half, axis=1, dtype=np.int32)
+    n_nodes_up_to = np.cumsum(half, axis=1, dtype=np.int32)
     # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
     # for all.
-    n_misplaced = np.where(half, rank - 2 * rank_of_sticking, half.shape[1] + 1)
+    n_misplaced = np.where(half, n_nodes_up_to - 2 * n_sticking_up_to, half.shape[1] + 1)
     last_node: Indices = half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
-    n_stick: Indices = np.where(_pick(n_misplaced, last_node) <= 0, _pick(rank, last_node), 0)
-    return last_node, n_stick, rank[:, -1].astype(np.int64)
+    n_sticking_nodes: Indices = np.where(
+        _pick(n_misplaced, last_node) <= 0, _pick(n_nodes_up_to, last_node), 0
+    )
+    return last_node, n_sticking_nodes, n_nodes_up_to[:, -1].astype(np.int64)
 
 
 def _spacing(x: Array, node: Indices) -> Array:

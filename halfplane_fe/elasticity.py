@@ -196,9 +196,9 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         if support == "rollers" and "guided" not in supports.values():
             # Nothing else keeps the body from drifting along x. This support carries nothing: there
             # is no tangential load, or the ends hold it.
-            along_x = boundary_dofs[name][0]
-            middle = np.argmin(np.abs(mesh.p[0, along_x // 2]))
-            held_dofs.append(along_x[[middle]])
+            dofs_along_x = boundary_dofs[name][0]
+            middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
+            held_dofs.append(dofs_along_x[[middle]])
 
     # The tension on the ends is added last, since its forces need the system.
     system = System(
@@ -458,14 +458,16 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
         return np.arange(mesh.nelements), (_Subspace(all_dofs, all_dofs, np.ones(len(all_dofs))),)
 
     # Sign of the mirror image's displacement or pressure: opposite for u_x if symmetric.
-    on_right = mesh.p[0, system.node_of_dof] >= 0
+    is_on_right = mesh.p[0, system.node_of_dof] >= 0
     signs_if_symmetric = np.ones(len(all_dofs))
     signs_if_symmetric[: 2 * mesh.p.shape[1] : 2] = -1.0  # u_x
     subspaces = []
     for image_sign in (signs_if_symmetric, -signs_if_symmetric):
-        pair_factor = np.sqrt(0.5) * np.where(on_right, 1.0, image_sign)
+        pair_factor = np.sqrt(0.5) * np.where(is_on_right, 1.0, image_sign)
         factor_of_dof = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
-        leading_dofs = np.flatnonzero(on_right & (factor_of_dof != 0))  # those of x < 0 follow them
+        leading_dofs = np.flatnonzero(
+            is_on_right & (factor_of_dof != 0)
+        )  # those of x < 0 follow them
         column_of_dof = np.zeros_like(all_dofs)
         column_of_dof[leading_dofs] = np.arange(len(leading_dofs))
         column_of_dof[mirror_images[leading_dofs]] = np.arange(len(leading_dofs))
@@ -596,17 +598,17 @@ class _Elimination(NamedTuple):
         is a record of the stiffness, n_inner, these sparse factors and the Cholesky factor of S.
         """
         n_rows = stiffness.shape[0]
-        remaining = slice(n_inner, None)
+        remaining_dofs = slice(n_inner, None)
         unit_columns = sparse.eye_array(n_rows, n_rows - n_inner, k=-n_inner, format="csc")
         factors = factorise(
             sparse.hstack([stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
         )
         # L_ti D L_ti^T
         eliminated_stiffness = _weighted_outer_product(
-            factors.L[remaining, :n_inner], factors.U.diagonal()[:n_inner]
+            factors.L[remaining_dofs, :n_inner], factors.U.diagonal()[:n_inner]
         )
         schur_cholesky = cholesky(
-            stiffness[remaining, remaining].toarray() - eliminated_stiffness, lower=True
+            stiffness[remaining_dofs, remaining_dofs].toarray() - eliminated_stiffness, lower=True
         )
         return cls(stiffness, n_inner, factors, schur_cholesky)
 

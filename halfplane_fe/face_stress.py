@@ -726,9 +726,9 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     left, right = nodal_tractions.contact_edges
     middle = (left + right) / 2
     half_width = (right - left) / 2
-    jumps = nodal_tractions.curvature_jumps
-    inner_jumps = jumps[np.abs(jumps[:, 0] - middle) < half_width]
-    if not len(inner_jumps):
+    curvature_jumps = nodal_tractions.curvature_jumps
+    inner_curvature_jumps = curvature_jumps[np.abs(curvature_jumps[:, 0] - middle) < half_width]
+    if not len(inner_curvature_jumps):
         return np.ones_like
 
     def pressure_of_jumps(x: Array) -> Array:
@@ -742,7 +742,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
         u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
         root = np.sqrt(1 - u**2)
         pressure_over_root = np.zeros_like(u)
-        for place, modulus_times_jump in inner_jumps.tolist():
+        for place, modulus_times_jump in inner_curvature_jumps.tolist():
             # A jump on the left is the mirror image of one on the right, of opposite sign.
             side = 1.0 if place > middle else -1.0
             b = side * (place - middle) / half_width

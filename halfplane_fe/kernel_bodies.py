@@ -432,10 +432,10 @@ class KernelPair:
         nodes, `modulus` is E* [stress].
         """
         compliance_error = 0.0
-        for fine, coarse in zip(
+        for fine_compliance, coarse_compliance in zip(
             self.added_compliances(x, "fine"), self.added_compliances(x, "coarse"), strict=True
         ):
-            compliance_difference = fine - coarse
+            compliance_difference = fine_compliance - coarse_compliance
             compliance_error += float(np.ptp(compliance_difference)) / 2
         return _WORK_CHANGE_PER_KERNEL_CHANGE * compliance_error * modulus
 
@@ -451,19 +451,19 @@ class KernelPair:
         forces, minus those of a half-plane; None for a half-plane.
         """
         zeros = np.zeros((len(x), len(x)))
-        normal = zeros
-        tangential = zeros
+        normal_compliance = zeros
+        tangential_compliance = zeros
         coupling = zeros
         for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
             if body is None:
                 continue
             kernels: FaceKernels = getattr(body, mesh)
             displacements = kernels.kernels_at(x, x)  # by unit forces at all nodes
-            normal = normal + displacements.inward_by_pressure
-            tangential = tangential + displacements.along_by_shear
+            normal_compliance = normal_compliance + displacements.inward_by_pressure
+            tangential_compliance = tangential_compliance + displacements.along_by_shear
             if self.lower is not self.upper:
                 coupling = coupling + sign * displacements.along_by_pressure
-        return normal, tangential, coupling
+        return normal_compliance, tangential_compliance, coupling
 
 
 def _slope_of(face: Face, x: Array) -> Array:
@@ -515,13 +515,13 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     if coupling_along_axes is None:
         coupling_along_axes = np.zeros_like(compliance_x)
     # weight_xy[i, j] is n_x at node i times n_y at node j
-    normal = (
+    normal_compliance = (
         weight_yy * compliance_y
         + weight_xx * compliance_x
         + weight_xy * coupling_along_axes
         + weight_yx * coupling_along_axes.T
     )
-    tangential = (
+    tangential_compliance = (
         weight_yy * compliance_x
         + weight_xx * compliance_y
         - weight_yx * coupling_along_axes
@@ -538,8 +538,8 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
         face_lengths=read_only_copy(along_axes.face_lengths / n_y),
         face_normals=read_only_copy(np.stack([n_x, n_y])),
         gap=read_only_copy((depth_of_lower + depth_of_upper) * n_y),
-        normal_compliance=read_only_copy(normal),
-        tangential_compliance=read_only_copy(tangential),
+        normal_compliance=read_only_copy(normal_compliance),
+        tangential_compliance=read_only_copy(tangential_compliance),
         coupling=read_only_copy(coupling) if coupling.any() else None,
     )
 

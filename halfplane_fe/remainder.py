@@ -341,16 +341,16 @@ def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
 
     # Element sides on the outline: nodes, shape functions at Gauss points, tangents times weights.
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
-    along_x, along_y = elements.tangents
+    tangent_x, tangent_y = elements.tangents
     # outward, times the length that each Gauss point stands for
-    normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])
+    normals_by_length = np.stack([tangent_y.ravel(), -tangent_x.ravel()])
     x, y = elements.places.reshape(2, -1)
 
     def traction(at_x: Array, at_y: Array, x_of_forces: Array) -> Array:
         """Tractions at points by unit forces on the surface, times the length of each point."""
         return surface_force_traction(at_x, at_y, normals_by_length, x_of_forces)
 
-    tractions = _half_plane_field(traction, x, y, forces).reshape(2, *along_x.shape, -1)
+    tractions = _half_plane_field(traction, x, y, forces).reshape(2, *tangent_x.shape, -1)
 
     # Consistent nodal forces: tractions times shape functions.
     nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
@@ -368,9 +368,9 @@ def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
     """
     start_vertices, end_vertices = mesh.facets[:, facets]
     inner_points = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
-    edge_vectors = mesh.p[:, end_vertices] - mesh.p[:, start_vertices]
+    side_vectors = mesh.p[:, end_vertices] - mesh.p[:, start_vertices]
     inward_vectors = inner_points - mesh.p[:, start_vertices]
-    is_body_on_right = edge_vectors[0] * inward_vectors[1] - edge_vectors[1] * inward_vectors[0] < 0
+    is_body_on_right = side_vectors[0] * inward_vectors[1] - side_vectors[1] * inward_vectors[0] < 0
     first_node = np.where(is_body_on_right, end_vertices, start_vertices)
     last_node = np.where(is_body_on_right, start_vertices, end_vertices)
     return np.stack([first_node, mesh.nvertices + facets, last_node], axis=1).astype(np.int64)

@@ -277,8 +277,8 @@ def shear_grows_within_cone(
         then one edge tells of both
     """
     sticks_in_full = np.zeros(len(states), dtype=bool)
-    for instant, (before, after) in enumerate(itertools.pairwise(states), start=1):
-        closed_nodes = np.flatnonzero(before.is_closed & after.is_closed)
+    for instant, (state_before, state_after) in enumerate(itertools.pairwise(states), start=1):
+        closed_nodes = np.flatnonzero(state_before.is_closed & state_after.is_closed)
         n_closed = len(closed_nodes)
         if is_half:
             n_closed = 2 * n_closed - int(0 in closed_nodes)  # node 0 has no image
@@ -288,8 +288,8 @@ def shear_grows_within_cone(
         nodes_at_edges = closed_nodes[::-1][_NODES_AT_EDGE]
         if not is_half:
             nodes_at_edges = np.append(closed_nodes[_NODES_AT_EDGE], nodes_at_edges)
-        rise_of_pressure = (after.pressure - before.pressure)[nodes_at_edges]
-        change_of_shear = np.abs(after.shear - before.shear)[nodes_at_edges]
+        rise_of_pressure = (state_after.pressure - state_before.pressure)[nodes_at_edges]
+        change_of_shear = np.abs(state_after.shear - state_before.shear)[nodes_at_edges]
         is_within = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
         sticks_in_full[instant] = is_within.all()
     return sticks_in_full

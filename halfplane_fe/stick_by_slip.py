@@ -85,9 +85,10 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
         distances = side * (x[nodes_beyond] - middle)
         ends_of_lines = [
             _end_of_zone(
-                distances[first : first + _ON_LINE], slip_range[nodes_beyond][first:][:_ON_LINE]
+                distances[first_position : first_position + _ON_LINE],
+                slip_range[nodes_beyond][first_position:][:_ON_LINE],
             )
-            for first in _FIRST_NODES
+            for first_position in _FIRST_NODES
         ]
         end_of_first, end_of_second, end_of_last = ends_of_lines
         place = middle + side * end_of_second

@@ -579,8 +579,10 @@ class Systems:
             return False
         n_touching = int(np.count_nonzero(states))
         n_sticking = int(np.count_nonzero(states == STICK))
-        touching = states[:n_touching]
-        return bool(n_sticking and touching.all() and (touching[:n_sticking] == STICK).all())
+        touching_states = states[:n_touching]
+        return bool(
+            n_sticking and touching_states.all() and (touching_states[:n_sticking] == STICK).all()
+        )
 
     def _values_of_nested(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None

@@ -236,8 +236,8 @@ def norm_uncertainties(
     instants = np.flatnonzero(counts)
     # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
     # _AT_ONCE: number of instants of a block
-    for start in range(0, len(instants), _AT_ONCE):
-        rows = instants[start : start + _AT_ONCE]
+    for first_row in range(0, len(instants), _AT_ONCE):
+        rows = instants[first_row : first_row + _AT_ONCE]
         norm_of_p = _norm(x, pressure[rows])
         share_of_p = _norm(x[1:-1], _off_neighbours(x, pressure[rows])) / norm_of_p
         shares_of_p.append(float(share_of_p.max()))
@@ -282,10 +282,10 @@ def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: 
     >>> of_small_contacts(np.array([3.0]), np.array([0.1]), np.array([0.2]), modulus=3.0)
     0.02
     """
-    touches = half_width > 0
-    relative_size = np.minimum(elements[touches] / half_width[touches], 1.0)
-    by_load = np.abs(load[touches]) / modulus * relative_size**2
-    return _BY_SMALL_CONTACT * float(by_load.max(initial=0.0))
+    is_touching = half_width > 0
+    relative_size = np.minimum(elements[is_touching] / half_width[is_touching], 1.0)
+    displacements = np.abs(load[is_touching]) / modulus * relative_size**2
+    return _BY_SMALL_CONTACT * float(displacements.max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -501,11 +501,11 @@ def slip_uncertainty(
         return math.nan
     # the way to the edge, in distances of nodes, with fitted shares
     nodes_missing = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
-    by_nodes = nodes_missing * values.slip_to_next_nodes
+    slip_by_nodes = nodes_missing * values.slip_to_next_nodes
     # _SLIP_BETWEEN_INSTANTS: fitted share
-    by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
+    slip_by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
     # _ROUND_OFF: relative round-off
-    estimate = math.hypot(by_nodes, by_increments) + _ROUND_OFF * values.largest_slip
+    estimate = math.hypot(slip_by_nodes, slip_by_increments) + _ROUND_OFF * values.largest_slip
     if not plain:
         return estimate
     if coarse_values is None or not values.is_comparable(coarse_values):
@@ -529,9 +529,9 @@ def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, I
     """
     tolerance = _SAME_INSTANT * max(float(instants[-1]), 1.0)
     next_instants = np.searchsorted(other_instants, instants - tolerance)
-    nearest = np.minimum(next_instants, len(other_instants) - 1)
-    is_common = np.abs(other_instants[nearest] - instants) <= tolerance
-    return np.flatnonzero(is_common), nearest[is_common]
+    nearest_rows = np.minimum(next_instants, len(other_instants) - 1)
+    is_common = np.abs(other_instants[nearest_rows] - instants) <= tolerance
+    return np.flatnonzero(is_common), nearest_rows[is_common]
 
 
 # Shares of the mesh in the uncertainty of W, fitted to seeds 284 to 286, 293, 321 and 401 to 405 of
@@ -803,7 +803,7 @@ def peak_uncertainty(
 
     # Where the difference is made: ratio of the element sizes there, and order p of the error.
     power = tip_power(profile, coarse)  # n
-    within_tip = 0.0
+    share_within_tip = 0.0
     if power >= SMOOTH_TIP:  # no tip
         place = Place(coarse / fine.edge_size, 1.0 if math.isfinite(depth) else 2.0)
     elif tip_power(profile, fine.tip_size) < SMOOTH_TIP:
@@ -811,7 +811,7 @@ def peak_uncertainty(
     else:
         place = Place(coarse / fine.tip_size, 2.0)
         # _PEAK_WITHIN_TIP: fitted share of p0
-        within_tip = _PEAK_WITHIN_TIP
+        share_within_tip = _PEAK_WITHIN_TIP
     # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
     if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
@@ -820,13 +820,13 @@ def peak_uncertainty(
     share = max(place.share_left(), 1.0 if plain else 0.0)
     relative_size = fine.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
-    of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
-    of_growth = _PEAK_GROWN * growth**4
+    share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
+    share_by_growth = _PEAK_GROWN * growth**4
     return (
         _SAFETY * peak.difference * share
         + _PEAK_BY_NEIGHBOURS * peak.stands_off
         + _PEAK_BY_SCATTER * peak.scatter
-        + (of_edges + of_growth + within_tip) * peak.value
+        + (share_by_edges + share_by_growth + share_within_tip) * peak.value
     )
 
 
