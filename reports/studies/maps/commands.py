@@ -28,7 +28,7 @@ def make_map(name: str, options: Options) -> Answer:
     show from which height of the bodies on half-plane theory holds.
 
     `name` is that of a kind of bodies, with one map each, or "all". Of the `options`, `out` is the
-    folder, `pages` stands for pages alone without computing, `remake` for all points anew. Returns
+    folder, `pages` stands for pages alone without computing, `remake` for all points again. Returns
     exit code 0, a table for the terminal, and the content of the JSON output.
     """
     from reports.folder import replace_text
