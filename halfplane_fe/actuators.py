@@ -54,7 +54,9 @@ LOADS_ARE_GIVEN = Actuators()
 
 
 def prescribed_path(scene: Scene) -> LoadPath:
-    """The path of the loads, or of the movements in their place."""
+    """Load path of a scene: of P and Q, or of the movements that actuators prescribe in the place
+    of one or both.
+    """
     return scene.load.path_of_actuators() if scene.load.is_driven else scene.load.path()
 
 
@@ -86,14 +88,17 @@ def actuators_of(scene: Scene, datum: float) -> Actuators:
 
 def compliance_beyond(scene: Scene, ratio: float) -> float:
     """Compliance of the half-planes of a scene between their datum and `ratio` times that distance
-    from the contact [1 / stress]: (2/pi) (1 - nu^2)/E ln(ratio) each. Other bodies stand on
-    supports, and add nothing.
+    from the contact [1 / stress]: (2/pi) (1 - nu^2)/E ln(ratio) each. The datum is where their
+    surface counts as unmoved. Other bodies stand on supports, and add nothing.
     """
     return 2 / math.pi * _sum_of_compliances(scene, half_planes_alone=True) * math.log(ratio)
 
 
 def _sum_of_compliances(scene: Scene, *, half_planes_alone: bool) -> float:
-    """Sum of (1 - nu^2)/E of both bodies, or of the half-planes among them [1 / stress]."""
+    """Sum of (1 - nu^2)/E of both bodies, or of the half-planes among them [1 / stress].
+
+    # notation: E Young's modulus, nu Poisson's ratio of each body
+    """
     bodies = (
         (scene.bodies.lower, scene.material.lower),
         (scene.bodies.upper, scene.material.upper),

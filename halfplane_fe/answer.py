@@ -201,8 +201,8 @@ def _edges_put_right(
 
 
 def _is_thick(task: Task) -> bool:
-    """Whether growing elements hold edges back as on half-planes: of half-planes and thick bodies
-    with flat faces.
+    """Whether elements that grow with the distance from the contact shift its edges as they do on
+    half-planes: on these, and on bodies with flat faces that are three half-widths thick or more.
     """
     bodies = task.scene.bodies
     has_cylinder = "cylinder" in {bodies.lower.kind, bodies.upper.kind}

@@ -484,7 +484,9 @@ def _from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> floa
 
 
 def _spacing_at_edges(x: Array, edges: Array) -> Array:
-    """(k,) distance of the nodes around contact edges (k, 2), the larger of both sides [length]."""
+    """Distance of the two nodes around a contact edge at k instants, (k,), the larger of the left
+    and the right edge [length]; `edges` (k, 2), nodes at x (n,).
+    """
     node_after = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)
     return np.asarray(np.max(x[node_after] - x[node_after - 1], axis=1))
 

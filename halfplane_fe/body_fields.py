@@ -738,7 +738,10 @@ class _SizeFit:
         return np.array(tensions)
 
     def size_effect_of(self, predictors: Array) -> SizeEffect:
-        """Size effect at n_steps instants, by predictors (n_steps, n_predictors)."""
+        """Stress that the finite size of a body adds at n_steps instants, as a fitted series whose
+        coefficients are linear in the predictors (n_steps, n_predictors): moments of the tractions
+        on the body, then its bulk stress.
+        """
         return replace(
             self.size_effect,
             coefficients=(predictors / self.predictor_units @ self.regression_matrix).T,
@@ -746,7 +749,9 @@ class _SizeFit:
 
 
 def _predictors(tractions_on_body: Sequence[Tractions], bulk_stress: Array) -> Array:
-    """Predictors (n_steps, 7) of the size effect: six moments of the tractions, the bulk stress."""
+    """Predictors (n_steps, 7) of the stress that the finite size of a body adds: six moments of the
+    tractions on it, int p x^k dx and int q x^k dx for k = 0, 1, 2, and its bulk stress (n_steps,).
+    """
     moments = np.array([step_tractions.moments() for step_tractions in tractions_on_body])
     return np.column_stack([moments, bulk_stress])
 
@@ -1410,7 +1415,9 @@ def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
 
 
 def _tractions_on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
-    """Tractions on the lower (0) or upper (1) body in its own frame, from those on the lower."""
+    """Tractions on the lower (0) or upper (1) body in its own frame, from those on the lower: the
+    shear on the upper one has the opposite sign.
+    """
     return replace(tractions_on_lower, shear=_sign_of_y(body_number) * tractions_on_lower.shear)
 
 

@@ -99,7 +99,7 @@ class CondensedBodies:
 
 
 def _nbytes(values: dict[str, Any]) -> int:
-    """Bytes of the arrays among some fields."""
+    """Bytes of all arrays among the values of a dictionary."""
     return sum(value.nbytes for value in values.values() if isinstance(value, np.ndarray))
 
 

@@ -60,8 +60,8 @@ _TILT_OR_MOMENT = 4
 
 
 def nodal_values(values: Array) -> Array:
-    """(4, ..., n) slip, pressure, shear and gap of the nodes, from (..., 3 + 4 n) values of
-    interface states: a view.
+    """Slip, pressure, shear and gap of n nodes, (4, ..., n), from the values (..., 3 + 4 n) of
+    interface states: a view. Before these stand approach, tangential displacement and tilt.
     """
     if values.ndim == 1:
         return values[3:].reshape(4, -1)
@@ -71,12 +71,16 @@ def nodal_values(values: Array) -> Array:
 
 
 def _motion_property(number: int) -> property:
-    """Property of a state: approach (0), U (1) or tilt (2) of the upper body."""
+    """Property of an interface state: approach (0), tangential displacement (1) or tilt (2) of the
+    upper body, by its place among the values.
+    """
     return property(lambda state: float(state.values[number]))
 
 
 def _nodal_property(number: int) -> property:
-    """Property of a state: slip (0), pressure (1), shear (2) or gap (3) of the nodes, (n,)."""
+    """Property of an interface state: slip (0), pressure (1), shear (2) or gap (3) of the n nodes,
+    (n,), which stand behind three values of the rigid motion.
+    """
     return property(lambda state: state.values[3:].reshape(-1, len(state.node_states))[number])
 
 
@@ -114,17 +118,21 @@ class InterfaceState:
 
     @property
     def normal_load(self) -> float:
-        """P."""
+        """Normal load P: as given, or the resultant of the nodal forces where an actuator moves the
+        body.
+        """
         return self.loads[0] if self.resultants is None else self.resultants[0]
 
     @property
     def tangential_load(self) -> float:
-        """Q."""
+        """Tangential load Q: as given, or the resultant of the nodal forces where an actuator moves
+        the body.
+        """
         return self.loads[1] if self.resultants is None else self.resultants[1]
 
     @property
     def is_complete(self) -> bool:
-        """Whether forces and gap are still there, see `run.PathRun`."""
+        """Whether the state still has nodal forces and gap, which long runs drop to save memory."""
         return len(self.values) > 3 + len(self.node_states)
 
     @property

@@ -188,18 +188,23 @@ class _Thinning:
     stride_of_ends: int = 1
 
     def keeps_state(self, index: int) -> bool:
-        """Whether the state of this index keeps its pressure, shear and gap by the strides."""
+        """Whether the state of this index keeps pressure, shear and gap of its nodes: every
+        `stride`-th state does, and of states at ends of stretches every `stride_of_ends`-th, by
+        their number in `end_number_of_state`.
+        """
         if index in self.end_number_of_state:
             return self.end_number_of_state[index] % self.stride_of_ends == 0
         return index % self.stride == 0
 
     def can_double_a_stride(self, n_states: int) -> bool:
-        """Whether a stride can be doubled: whether states beside the first are kept."""
+        """Whether a stride can be doubled, so that fewer states keep their forces: whether states
+        beside the first one of `n_states` keep them by one of the strides.
+        """
         return max(self.stride, self.stride_of_ends) < n_states
 
     def double_a_stride(self) -> None:
-        """Keep half as many ends of stretches, or half as many of the states between them: at most
-        three quarters of the stored states are ends.
+        """Keep forces of half as many states: of those at ends of stretches, or of those between
+        ends. At most three quarters of the states that keep them are ends.
         """
         if 4 * len(self.end_number_of_state) > 3 * MOST_COMPLETE_STATES * self.stride_of_ends:
             self.stride_of_ends *= 2
@@ -274,14 +279,19 @@ class PathRun:
     _first_of_stretch: int = 0
 
     def values_of_increments(self, name: str) -> Array:
-        """One energy or admissibility check of all increments, (n_steps,); scaled."""
+        """Values of one energy or admissibility check, by its name, of all increments, (n_steps,);
+        scaled.
+        """
         if not self.increment_records:
             return np.zeros(0)
         return np.concatenate([record[name] for record in self.increment_records])
 
     @property
     def trend(self) -> Trend:
-        """How the friction work of the revolutions goes on, and the limit that it tends to."""
+        """Trend of the friction work W of the revolutions: steady, geometric or algebraic, with its
+        limit, and the change to it. Steady too where the last revolution changed no nodal force by
+        more than round-off.
+        """
         if self.force_change_by_cycle and self.force_change_by_cycle[-1] <= _ROUNDING_OF_CHANGE:
             return Trend("steady", 0.0, float(self.nodal_work_by_cycle[-1].sum()))
         return trend([float(work.sum()) for work in self.nodal_work_by_cycle])
@@ -721,8 +731,9 @@ class _Follower:
         self._report_progress(n_stretches, n_stretches, title)
 
     def _step_tolerance(self, duration: float) -> StepTolerance:
-        """Step error that is tolerated per unit of time: a share of the friction work of a
-        revolution, over the `duration` of what is to be solved; scaled.
+        """Tolerance of the step error of an increment: its largest value per unit of time, and
+        whether kinks bound the error. The former is a share of the friction work of a revolution,
+        over the `duration` of the part of the path that is to be solved; scaled.
         """
         reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
         return StepTolerance(
@@ -800,13 +811,15 @@ class _Batch:
             self.curved_segment = curved_segment
 
     def add(self, increment: Increment) -> None:
-        """Add a solved increment; a full batch is moved into the run."""
+        """Add a solved increment to the batch; a full one, of 32, is moved into the run."""
         self.increments.append(increment)
         if len(self.increments) == _INCREMENTS_PER_BATCH:
             self.move_to_run()
 
     def end_stretch(self) -> None:
-        """End a stretch at the last state."""
+        """End a stretch (part of the load path between turning points) at the last state: its index
+        is stored.
+        """
         self.ends_of_stretches.append(len(self.run.states) - 1 + len(self.increments))
 
     def move_to_run(self) -> None:

@@ -202,7 +202,9 @@ def is_plain_record(scene: Scene) -> bool:
 
 
 def on_half(scene: Scene, faces: Interface) -> bool:
-    """Whether faces and loads are their own mirror image, so that one half is solved for both."""
+    """Whether faces and loads of a scene are their own mirror image in x = 0, so that one half of
+    the nodes is solved for both. `faces` is the contact compliance.
+    """
     return not scene.unsymmetric and is_mirrored(faces, has_tangential_load(scene))
 
 
@@ -760,7 +762,7 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:
     """Half-width of the contact at the largest load over that of the part of the face that may
-    touch (`size` [length]); 1 where all its nodes touch.
+    touch (`size` [length]); 1 where all its nodes touch. `pair` are the bodies on a coarse mesh.
     """
     problem, pressed_state = _pressed(pair, size)
     if pressed_state.is_closed.all():

@@ -113,7 +113,9 @@ class SolverSettings:
         return normal_stiffness, tangential_stiffness
 
     def with_stiffnesses(self) -> SolverSettings:
-        """These settings with both stiffnesses written out."""
+        """These settings with both stiffnesses written out, where they were left to the method's
+        default.
+        """
         normal_stiffness, tangential_stiffness = self.stiffnesses
         return replace(
             self, normal_stiffness=normal_stiffness, tangential_stiffness=tangential_stiffness

@@ -398,7 +398,9 @@ class _FaceCompliances(NamedTuple):
     corrected_interface: Interface | None
 
     def with_kernels(self, kernels: KernelPair) -> _FaceCompliances:
-        """These, of half-planes, with the compliance that the size of the bodies adds."""
+        """Contact compliances of half-planes, as meshed and without the mesh's error, with the
+        compliance that the finite size of the bodies adds to both.
+        """
         corrected_interface = (
             None
             if self.corrected_interface is None
@@ -500,7 +502,9 @@ class _Stopwatch:
         self._last = clock.perf_counter()
 
     def end_stage(self, stage: str) -> None:
-        """End a stage: store the time since the stage before it ended."""
+        """End a stage of the solution: store under its name the time since the stage before it
+        ended [s].
+        """
         now = clock.perf_counter()
         self.seconds[stage] = now - self._last
         self._last = now
@@ -675,7 +679,7 @@ def _first_of_last_cycle(run: PathRun) -> int | None:
 
 
 def versions() -> dict[str, str]:
-    """Versions of everything that the numbers depend on."""
+    """Versions of Python and of the packages that the numbers depend on, by name."""
     packages = ("halfplane", "numpy", "scipy", "scikit-fem", "gmsh", "meshio")
     return {"python": platform.python_version()} | {name: _version(name) for name in packages}
 

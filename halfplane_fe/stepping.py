@@ -273,7 +273,7 @@ def _instant_of_most_slip(
     """
 
     def weighted_slip(time: float) -> float:
-        """The sum at an instant, minus that at the start."""
+        """Weighted sum of nodal slips at an instant, minus that at the start."""
         return float(np.subtract(loads_at(time), start.loads) @ weighted_slip_by_loads)
 
     times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
@@ -571,11 +571,15 @@ class _Trial:
         return event, solved_state
 
     def _predicted_event(self, states: States) -> tuple[Event, float]:
-        """Event and its instant, if the nodes have these `states` (n,) on the way."""
+        """First event (touch, release or regular end of the increment) and its instant, if the
+        nodes have these `states` (n,) on the way.
+        """
         return next_event(self.problem, self.start_state, self.loads_at, self.latest_end, states)
 
     def _equilibrium(self, time: float, expected_states: States) -> InterfaceState:
-        """State of the interface at an instant; `expected_states` of the nodes are tried first."""
+        """State of the interface in equilibrium at an instant; `expected_states` (n,) of the nodes
+        are tried first. Its iterations are counted.
+        """
         state, iterations = self.problem.equilibrium(
             self.start_state, time, self.loads_at(time), expected_states
         )
@@ -811,15 +815,18 @@ def _states_before_event(
 
 
 def _is_at_event(state: InterfaceState) -> Mask:
-    """Whether each node is at an event, (n,): it has neither gap nor force but for rounding."""
+    """Whether each node is at an event, a touch or release, (n,): it has neither gap nor pressure,
+    up to 1e-9 in scaled variables.
+    """
     return (np.abs(state.gap) <= _TOLERANCE_OF_EVENT) & (
         np.abs(state.pressure) <= _TOLERANCE_OF_EVENT
     )
 
 
 def state_after_event(state: InterfaceState, event: Event) -> InterfaceState:
-    """The state of the interface after an event: nodes that are at a touch stick from here on,
-    those at a release are open. After "regular" it is the same `state`.
+    """The state of the interface after an event: nodes without gap and pressure stick from here on
+    if the event is a "touch", and are open if it is a "release". After "regular" it is the same
+    `state`.
     """
     if event == "regular":
         return state

@@ -130,7 +130,9 @@ def _end_of_zone(distances: Array, slip_range: Array) -> float:
 
 
 def _zero(x: Array, values: Array) -> float:
-    """Zero of the straight line of least squares through values at x; NaN of a level line."""
+    """Place at which the straight line of least squares through values at places x is zero; NaN of
+    a level line.
+    """
     from_mean = x - x.mean()
     slope = float(from_mean @ values / (from_mean @ from_mean))
     return float(x.mean() - values.mean() / slope) if slope else float("nan")

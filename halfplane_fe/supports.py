@@ -82,7 +82,9 @@ def check_supports(scene: Scene) -> None:
 
 
 def has_tangential_load(scene: Scene) -> bool:
-    """Whether a tangential load other than 0 is on the path, or a movement in its place."""
+    """Whether the load path of a scene has a tangential load other than 0, or a tangential movement
+    in its place, at any of 25 instants of a segment or more.
+    """
     return any(
         np.any(segment.loads(sampled_times(segment, _N_INSTANTS))[1] != 0)
         for segment in prescribed_path(scene).segments(1)

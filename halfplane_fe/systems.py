@@ -203,7 +203,7 @@ class _Base:
 
     @property
     def nbytes(self) -> int:
-        """Bytes of its large arrays: factors and responses."""
+        """Bytes of the large arrays of the base: factors of its equations and cached responses."""
         bytes_of_equations = 0 if self.equations is None else self.equations.nbytes
         return bytes_of_equations + self.responses.nbytes
 

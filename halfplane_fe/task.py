@@ -35,14 +35,17 @@ class Task:
 
     @property
     def kinks_bound_step_error(self) -> bool:
-        """Whether what kinks in increments add stands for the whole error of the steps: in records
-        of like bodies, without bulk stress, tilt or layer.
+        """Whether the friction work by kinks of pressure and slip, where nodes start to slide,
+        bounds the error of the increments: in records of like bodies, without bulk stress, tilt or
+        penalty layer, with quadratic elements.
         """
         return is_plain_record(self.scene) and not self.has_errors_of_low_order
 
     @property
     def element(self) -> float:
-        """Size at the edges of contact and stick, of the coarser side, over the half-width."""
+        """Size of the elements at the edges of contact and stick, of the body with the larger ones,
+        over the contact half-width.
+        """
         return self.mesh.edge_element_size * max(self.mesh.upper_ratio, 1.0)
 
     @property
@@ -52,12 +55,15 @@ class Task:
 
     @property
     def work_unit(self) -> float:
-        """What dissipation is scaled by [energy / thickness]."""
+        """Unit of scaled friction work, P^2/E* with P the largest load [energy / thickness]."""
         return self.scales.load**2 / self.scales.modulus
 
     @property
     def friction_unit(self) -> float:
-        """A f^2 P^2 over `work_unit`, P the largest load."""
+        """A f^2 P^2 over the unit P^2/E* of scaled work: 2 f^2.
+
+        # notation: A = 2/E*, f coefficient of friction, P largest load
+        """
         return 2 * self.scene.friction.coefficient**2
 
 

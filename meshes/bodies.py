@@ -102,15 +102,15 @@ class MeshSettings:
 
     @classmethod
     def coarse(cls) -> MeshSettings:
-        """For a first look: a fifth of a second; shear of partial slip to about 1 % in L2
-        (benchmarks/finite_elements.py).
+        """Settings of a coarse mesh, for a first look: a fifth of a second; shear of partial slip
+        to about 1 % in L2 (benchmarks/finite_elements.py).
         """
         return cls(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
 
     @classmethod
     def fine(cls) -> MeshSettings:
-        """For a figure to rely on: twenty seconds; dissipation of the paper's cycle to 1e-4
-        (benchmarks/finite_elements.py).
+        """Settings of a fine mesh, for a number to rely on: twenty seconds; dissipation of the
+        paper's cycle to 1e-4 (benchmarks/finite_elements.py).
         """
         return cls(edge_element_size=1 / 640, growth=0.12)
 
@@ -156,7 +156,9 @@ class SurfaceGrading:
 
     @property
     def tip_size(self) -> float:
-        """Size of the elements at x = 0 [length]."""
+        """Size of the elements at x = 0 after they are halved towards a tip of the profile
+        [length].
+        """
         return self.size_at_middle / 2**self.halvings
 
     def grading_for_gmsh(self, cells: Cells) -> SurfaceGrading:

@@ -123,7 +123,7 @@ class _MeshArrays:
 
     @property
     def corners_per_element(self) -> int:
-        """3 of triangles, 4 of quadrilaterals."""
+        """Number of corners of an element: 3 of triangles, 4 of quadrilaterals."""
         return 3 if self.elements.shape[1] in (3, 6) else 4
 
 

@@ -291,8 +291,8 @@ class _Outline:
 
     @property
     def sharp_corners(self) -> list[tuple[float, float]]:
-        """Where the strain is infinite: in the corner of a free side, or face, and a fixed base,
-        and in the re-entrant corner of a step.
+        """Corners (x, y) of the outline in which the strain is infinite: of a free side, or face,
+        and a fixed base, and the re-entrant corner of a step.
         """
         corners = [self._side_end] if self._has_sharp_base_corner else []
         return corners + sorted(self._step_corners)[:1]
