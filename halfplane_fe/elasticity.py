@@ -89,7 +89,9 @@ class System:
 
     @cached_property
     def basis(self) -> skfem.Basis:
-        """Finite-element basis of the displacement u."""
+        """Finite-element basis of the displacement u: two components of a Lagrange element of the
+        mesh's order, 1 or 2.
+        """
         return skfem.Basis(
             self.mesh,
             skfem.ElementVector(scalar_element(self.mesh, self.order)),
@@ -379,7 +381,7 @@ class CondensedBody:
 
     @property
     def order(self) -> int:
-        """Order of the elements, 1 or 2."""
+        """Order of the body's elements, 1 or 2."""
         return order_of(self.body.mesh)
 
 
@@ -501,7 +503,7 @@ def _mirror_images(system: System) -> Indices | None:
     ]
 
     def sorted_columns(numbers: Indices) -> Indices:
-        """The columns of a table, each sorted, in one order."""
+        """Columns of a table of numbers, each sorted, the columns in lexicographic order."""
         rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
@@ -614,12 +616,17 @@ class _Elimination(NamedTuple):
 
     @property
     def inverse_of_schur(self) -> Array:
-        """Displacement (t, t) of the degrees of freedom that remain by unit forces on them."""
+        """Displacement (t, t) of the t degrees of freedom that are not eliminated by unit forces on
+        them: inverse of the Schur complement, from its Cholesky factor.
+        """
         lower_triangle = np.tril(dpotri(self.schur_cholesky, lower=1)[0])
         return lower_triangle + np.tril(lower_triangle, -1).T
 
     def displacements(self, loads: Array) -> Array:
-        """Displacement (n, k) of all degrees of freedom under `loads` (n, k), one column a case."""
+        """Displacement (n, k) of all degrees of freedom under `loads` (n, k), one column a case: of
+        those that are not eliminated by the Cholesky factor of their Schur complement, then of the
+        eliminated ones, which come first, by sparse factors.
+        """
         n_inner = self.n_inner
         remaining = slice(n_inner, None)
         # Of the degrees of freedom that remain this gives the load that is left to them.

@@ -176,7 +176,7 @@ class Tractions:
 
     def edge_tension(self) -> Array:
         """Tension s_xx of the lower body at the left and right edge of contact, (2,) [stress]:
-        2 sum B_k and 2 sum (-1)^k B_k.
+        2 sum B_k and 2 sum (-1)^k B_k, B_k the coefficients of the sine series of shear (`shear`).
         """
         return np.array(
             [2 * self.shear.sum(), 2 * self.shear[1::2].sum() - 2 * self.shear[::2].sum()]
@@ -316,7 +316,9 @@ class NodalTractions:
     has_unlike_materials: bool = False
 
     def has_slip_zones(self, *, of_nodes: int) -> bool:
-        """Whether there is a stick zone between two slip zones of at least so many nodes each."""
+        """Whether there is a stick zone between two slip zones of at least `of_nodes` nodes each,
+        among the touching nodes at `x`, ascending; in full slip the stick edges are NaN.
+        """
         return (
             len(self.x) > of_nodes
             and math.isfinite(self.stick_edges[0])
@@ -353,11 +355,15 @@ class SampledTractions:
     has_unfitted_edges: bool
 
     def edge_tension(self) -> Array:
-        """Tension s_xx of the lower body at the left and right edge of contact, (2,) [stress]."""
+        """Tension s_xx of the lower body at the left and right edge of contact, (2,) [stress], by
+        the smooth shear and what that lacks of the load Q.
+        """
         return self._tension(self.shear + self.missing_shear)
 
     def tension_by_missing_shear(self) -> float:
-        """Larger change of the tension s_xx at the two edges by the missing shear [stress]."""
+        """Larger change of the tension s_xx at the two edges of contact by the shear that is added
+        to the smooth one, whose resultant lacked a part of the load Q [stress].
+        """
         return float(np.abs(self._tension(self.missing_shear)).max())
 
     def _tension(self, shear: Array) -> Array:
@@ -376,7 +382,9 @@ class SampledTractions:
         return 2 / len(shear) * np.array([np.sum(shear / tangent), -np.sum(shear * tangent)])
 
     def sine_series(self) -> Tractions:
-        """Pressure and shear, with the missing part, as sine series."""
+        """Pressure p and shear q as sine series of the angle across the contact; q with the part
+        that its smooth fit lacked of the load Q.
+        """
         return Tractions(
             self.edges,
             pressure=_sine_series(self.pressure),

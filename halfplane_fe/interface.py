@@ -88,7 +88,7 @@ class Interface:
 
     @property
     def is_flat(self) -> bool:
-        """Whether the normal is (0, 1) everywhere."""
+        """Whether the faces are flat: their unit normal is (0, 1) at every node."""
         return not self.face_normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
@@ -531,7 +531,7 @@ def body_forces(
 
 
 def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
-    """Whether both faces are flat and have their nodes opposite each other."""
+    """Whether both faces are flat and have nodes opposite each other, to 1e-9 of the width."""
     flat = not (lower.y.any() or upper.y.any())
     return (
         flat
@@ -550,17 +550,23 @@ def _mortar_operators(lower: CondensedBody, upper: CondensedBody) -> Mortar:
 
 
 def _flattened(operator: Array) -> Array:
-    """A mortar operator (2, n, 2, m) as a matrix (2 n, 2 m)."""
+    """A mortar operator (2, n, 2, m), from displacements of m nodes to means at n of them, as a
+    matrix (2 n, 2 m).
+    """
     return operator.reshape(2 * operator.shape[1], -1)
 
 
 def _square_matrix(compliance: Array) -> Array:
-    """A compliance (2, n, 2, n) as a matrix (2 n, 2 n)."""
+    """A compliance (2, n, 2, n), displacements along two axes by forces along them, as a matrix
+    (2 n, 2 n).
+    """
     return compliance.reshape(2 * compliance.shape[1], -1)
 
 
 def _in_common_frame(compliance: Array) -> Array:
-    """Compliance (2, n, 2, n) of the upper body, turned from its own frame into the common one."""
+    """Compliance (2, n, 2, n) of the upper body in the common frame, from that in its own frame,
+    whose y has the opposite sense.
+    """
     return compliance * _REFLECTION[:, None, None, None] * _REFLECTION[:, None]
 
 

@@ -195,7 +195,9 @@ def _divided_differences(
 
 
 def slope_of_arc(x: Array, radius: float, flat_half_length: float) -> Array:
-    """Slope dd/dx of the depth d of a face whose arcs begin at the ends of a flat (`arc_depth`)."""
+    """Slope dd/dx at places x of the depth d of a face that is a flat |x| < `flat_half_length`
+    between two arcs of a radius.
+    """
     distance = np.maximum(np.abs(x) - flat_half_length, 0.0)
     return np.asarray(np.sign(x) * distance / np.sqrt(radius**2 - distance**2))
 
@@ -467,7 +469,9 @@ class KernelPair:
 
 
 def _slope_of(face: Face, x: Array) -> Array:
-    """Slope (n,) of the depth of a face along x; 0 of a flat one."""
+    """Slope (n,) of the depth of a face at places x (n,); 0 of a flat one. `face.arc` is (half the
+    length of the flat between two arcs, their radius), None without arcs.
+    """
     if face.is_flat or face.arc is None:
         return np.zeros_like(x)
     flat_half_length, radius = face.arc

@@ -126,7 +126,9 @@ class _Images(NamedTuple):
 
 
 def _images(faces: Interface) -> _Images:
-    """Mirror images of all nodes of a contact compliance, among those with x >= 0."""
+    """How values at all n nodes of a contact follow from those at the nodes with x >= 0: index of
+    each node or its image among these, share of its force, and sign of its shear and slip.
+    """
     nodes_from_middle = np.arange(len(faces.x)) - len(faces.x) // 2
     has_odd_shear = faces.coupling is not None
     return _Images(
@@ -188,7 +190,9 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def state_at_all_nodes(state: InterfaceState) -> InterfaceState:
-        """The state at all nodes; without forces and gap where a long run has dropped them."""
+        """The contact state at all nodes, from that on one half; without forces and gap where a
+        long run has dropped them.
+        """
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.node_of_half)
         values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False

@@ -66,7 +66,9 @@ class Stretch:
 
 
 def has_bulk_stress(path: LoadPath) -> bool:
-    """Whether a body of the path has a bulk stress, be it 0 at times."""
+    """Whether a load path has a bulk stress, a uniform stress along x in a body; it may be 0 at
+    times.
+    """
     return path.initial_loading[0].bulk is not None
 
 
@@ -80,7 +82,9 @@ class _Load(NamedTuple):
     combination: Combination
 
     def value_at(self, time: float) -> float:
-        """The load at an instant."""
+        """The load at an instant, a linear combination of the two loads that its segment stores; 0
+        without a segment.
+        """
         if self.segment is None:
             return 0.0
         pair = self.segment.loads(time)
@@ -90,7 +94,9 @@ class _Load(NamedTuple):
 
 
 def _loads_of_segment(segment: LoadSegment) -> tuple[_Load, ...]:
-    """The two or five loads along a segment of the path."""
+    """Loads along a segment of the load path, each as a linear combination of two stored loads: P
+    and Q; with bulk stress or tilt also the bulk stresses of both bodies, and tilt or moment.
+    """
     normal_load = _Load(segment, NORMAL_LOAD)
     tangential_load = _Load(segment, TANGENTIAL_LOAD)
     if segment.bulk is None and segment.tilt_and_moment is None:
@@ -99,7 +105,9 @@ def _loads_of_segment(segment: LoadSegment) -> tuple[_Load, ...]:
 
 
 def _bulk_and_tilt_loads(segment: LoadSegment) -> tuple[_Load, _Load, _Load]:
-    """Bulk stress of the lower and of the upper body, and tilt or moment."""
+    """Bulk stress of the lower and of the upper body, and tilt or moment, along a segment of the
+    load path: each as a linear combination of two loads that a segment of its own stores.
+    """
     bulk_lower = _Load(segment.bulk, NORMAL_LOAD)
     bulk_upper = _Load(segment.bulk, TANGENTIAL_LOAD)
     # Of tilt and moment one is 0 throughout.
@@ -108,7 +116,7 @@ def _bulk_and_tilt_loads(segment: LoadSegment) -> tuple[_Load, _Load, _Load]:
 
 
 def is_straight(segment: LoadSegment) -> bool:
-    """Whether all loads of a segment are linear in time."""
+    """Whether all loads of a segment of the load path are linear in time."""
     return all(
         load.segment is None or load.segment.is_straight for load in _loads_of_segment(segment)
     )
@@ -125,8 +133,9 @@ def loads_of(segment: LoadSegment, time: float) -> tuple[float, ...]:
 
 
 def scaled_loads(segment: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
-    """The two or five loads of a segment at an instant, each over its unit; there may be more units
-    than loads.
+    """Loads of a segment of the load path at an instant, each over its unit: P and Q; with bulk
+    stress or tilt also the bulk stresses of both bodies, and tilt or moment. There may be more
+    units than loads.
     """
     return tuple(load / unit for load, unit in zip(loads_of(segment, time), units, strict=False))
 

@@ -533,17 +533,17 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
 
 
 def even_exponents(degree: int) -> list[tuple[int, int]]:
-    """(i, j) of x^i s^j with even sums i + j up to the degree."""
+    """Exponents (i, j) of all products x^i s^j with even sums i + j up to the degree."""
     return _exponents(range(0, degree + 1, 2))
 
 
 def odd_exponents(degree: int) -> list[tuple[int, int]]:
-    """(i, j) of x^i s^j with odd sums i + j below the degree."""
+    """Exponents (i, j) of all products x^i s^j with odd sums i + j below the degree."""
     return _exponents(range(1, degree, 2))
 
 
 def _exponents(totals: Iterable[int]) -> list[tuple[int, int]]:
-    """(i, j) of x^i s^j with each of the sums i + j."""
+    """Exponents (i, j) of all products x^i s^j whose sum i + j is one of the `totals`."""
     exponents = []
     for total in totals:
         exponents += [(i, total - i) for i in range(total + 1)]

@@ -317,7 +317,9 @@ def _gap_and_slip_from_middle(
     has_stick_zone = is_stick.any(axis=1, keepdims=True)
 
     def from_middle(per_unit: Array) -> Array:
-        """(k, n) gap or slip minus its value at the middle; `per_unit` (n, 3)."""
+        """Change of gap or slip of n nodes in k increments, (k, n), minus its value at the middle
+        of the stick zone; `per_unit` (n, 3) is that by a unit of both bulk stresses and of tilt.
+        """
         change = stress_and_tilt_changes @ per_unit.T
         middle_value = np.take_along_axis(change, end_nodes, axis=1).mean(axis=1, keepdims=True)
         return np.asarray((change - middle_value) * has_stick_zone)

@@ -287,11 +287,15 @@ class _ExpectedErrors:
     has_shear: bool
 
     def shear_error(self, n_elements: float) -> float:
-        """Expected error of the shear, over f p."""
+        """Expected error of the shear in L2, over f p, in a contact of so many elements from its
+        middle to its edge: inversely proportional to their number.
+        """
         return self.factor * _ERROR_OF_SHEAR / n_elements
 
     def pressure_error(self, n_elements: float) -> float:
-        """Expected error of the pressure, over p."""
+        """Expected error of the pressure in L2, over p, in a contact of so many elements from its
+        middle to its edge: inversely proportional to their number.
+        """
         return self.factor * _ERROR_OF_PRESSURE / n_elements
 
     def needs_note(self, n_elements: float) -> bool:
@@ -302,11 +306,15 @@ class _ExpectedErrors:
         return error > _NOTED_ERROR
 
     def n_elements_without_note(self) -> float:
-        """Number of elements from which on the error of the shear needs no note."""
+        """Number of elements, from the middle of a contact to its edge, from which on the expected
+        error of the shear is at most 0.05 and needs no note.
+        """
         return float(np.ceil(self.factor * _ERROR_OF_SHEAR / _NOTED_ERROR))
 
     def errors_in_words(self, n_elements: float) -> str:
-        """Sentence part on the errors of the tractions to expect."""
+        """Part of a sentence on the expected errors of shear and pressure, in a contact of so many
+        elements from its middle to its edge.
+        """
         shear_error = self.shear_error(n_elements)
         pressure_error = self.pressure_error(n_elements)
         if (shear_error if self.has_shear else pressure_error) > 0.5:

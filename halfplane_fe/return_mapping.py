@@ -461,7 +461,9 @@ class _Iteration:
         self.values += tilt_change * derivatives_by_tilt
 
     def _moment(self, values: Array) -> float:
-        """Moment of the nodal forces in `values` (3 + 4 n,), in the sense of the load M; scaled."""
+        """Moment of the nodal forces among `values` (3 + 4 n,) of the contact, in the sense of the
+        load M; scaled. Pressure and shear stand behind rigid motion (3) and slip (n).
+        """
         _, pressure, shear, _ = values[3:].reshape(4, -1)
         return float(self.problem.interface.moment(pressure, shear))
 

@@ -230,7 +230,8 @@ def norm_uncertainties(
     friction
         f; 0 has no error of q
     """
-    # Norm of the departure of p or q from its neighbours, over the norm of p: per block of instants.
+    # Norm of the departure of p or q from its neighbours, over the norm of p: per block of
+    # instants.
     shares_of_p = [0.0]
     shares_of_q = [0.0]
     instants = np.flatnonzero(counts)
