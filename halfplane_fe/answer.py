@@ -127,6 +127,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }
+    # without bulk stress, tilt and unsymmetric profile
     if not scene.unsymmetric:
         return arrays
     return arrays | _arrays_of_stress_and_tilt(problem, states, scales)
@@ -332,7 +333,8 @@ def _arrays_of_stress_and_tilt(
     """Read-only series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk
     stresses of both bodies, tilt, and the moments of pressure and of shear about x = 0.
 
-    `states` hold the nodal forces p and q in units of `scales.load`.
+    `problem` has places and contact compliance of the n nodes. `states` hold the nodal forces p and
+    q in units of the largest load P (`scales.load`); `scales` also has half-width and E*.
     """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
@@ -397,7 +399,7 @@ def _edges_in_blocks(
     contact_by_load, stick_by_load
         edges of these instants that the loads place between two nodes; `at` picks instants
     scene
-        whether it is symmetric
+        `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
     blocks = []  # of 256 instants each: edges by name
     for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
@@ -449,7 +451,7 @@ def _edges_at_instants(
     contact_by_load, stick_by_load
         edges of these instants that the loads place between two nodes
     scene
-        whether it is symmetric
+        `unsymmetric` with bulk stress, tilt, or a profile that is not its own mirror image
     """
     # Tractions, gap and states of the nodes, (n_steps, n) each.
     face_lengths = problem.interface.face_lengths

@@ -111,6 +111,7 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     coarse_dissipation = task.scales.dissipation / task.work_unit
 
     # Scatter by edges between nodes, where what they add to W was taken off.
+    # `unsymmetric`: bulk stress, tilt, or a profile that is not its own mirror image
     edges_are_known = (
         bool(run.edge_excess_by_cycle)
         and not task.has_errors_of_low_order

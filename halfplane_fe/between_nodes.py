@@ -410,7 +410,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
     states
         the k contact states
     """
-    edges = EdgesByLoad.nowhere(len(states))
+    edges = EdgesByLoad.nowhere(len(states))  # none yet; `put` stores one at an instant
     for row, state in enumerate(states):
         if not state.normal_load > 0:
             continue
@@ -427,7 +427,7 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
                 problem.rates(state.node_states, len(state.loads))[0]
             )  # cached
             edge = Edge.of_contact(problem, side, last_closed, state, rates_by_load)
-            if edge.is_moved:
+            if edge.is_moved:  # a finite load takes it to the next node
                 _, pressure_rates, _, _ = rates_by_load
                 unevenness = _unevenness(edge, last_closed, state.pressure, pressure_rates)
                 share_at_nodes, share_by_unevenness = _shares_of_spacing(
@@ -456,7 +456,7 @@ def stick_by_load(
     travels
         (k, n) distance that each node has slipped since it last stuck or turned round
     """
-    edges = EdgesByLoad.nowhere(len(travels))
+    edges = EdgesByLoad.nowhere(len(travels))  # none yet; `put` stores one at an instant
     if not problem.has_shear:
         return edges
     for row, (state_before, state, travel) in enumerate(
@@ -468,6 +468,7 @@ def stick_by_load(
             if not n_passed or not _is_quadratic(problem, last_stuck + side):
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
+            # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
                 share_at_nodes, share_by_unevenness = _shares_of_spacing(
                     edge, last_stuck, unevenness
@@ -610,7 +611,7 @@ def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) ->
         an edge of contact, f p - s q at one of stick
     """
     even_loads = np.array(_LOADS_BEHIND[_is_corner(edge.interface, last_node)])
-    if not edge.is_moved:
+    if not edge.is_moved:  # no finite load takes it to the next node
         return np.full(len(even_loads), math.inf)
     nodes = last_node - edge.side * np.arange(len(even_loads) + 1)
     loads = np.array([_load_to(max(force[k], 0.0), force_rates[k]) for k in nodes.tolist()])
@@ -990,6 +991,7 @@ def _at_stick_edge(
         # _TURNED: share of its range of slip within which a node has turned round
         is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
         turning_steps = np.flatnonzero((signs == sign) & is_at_turn)
+        # forces of a state that a long run has dropped are not known
         if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
             return None
         states_at_turns[sign] = states[turning_steps[-1]]
@@ -1023,7 +1025,7 @@ def _at_stick_edge(
         turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
         rates_by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
-        if not edge.is_moved:
+        if not edge.is_moved:  # no finite load takes it to the next node
             return None
         _, pressure_rates, shear_rates, _ = rates_by_load
         rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
@@ -1046,6 +1048,7 @@ def _at_stick_edge(
 
         change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
         work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
+        # the latter: load between the nodes over the dimensionless change of rates
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
         excess_work -= work_of_unit_excess * excess_at_place
@@ -1117,6 +1120,7 @@ def _at_contact_edge(
         next_node = node + side
         if not node_slips.any():
             continue
+        # forces of a state that a long run has dropped are not known
         if not start.is_complete or not _has_equal_elements(problem, node):
             return None
         if not 0 <= next_node < len(node_slips):
@@ -1124,7 +1128,7 @@ def _at_contact_edge(
 
         # Way of the edge during the increment, as fractions of that from node to node.
         edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.node_states))
-        if not edge.is_moved:
+        if not edge.is_moved:  # no finite load takes it to the next node
             return None
         fraction_at_start = edge.fraction_passed()
         fraction_at_end = edge.fraction_passed(end.loads[0] - start.loads[0])
@@ -1137,6 +1141,7 @@ def _at_contact_edge(
             pressure_by_load, start.node_states, nodes, OPEN
         )
         work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
+        # the latter: load between the nodes over the dimensionless change of rates
         work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         # Simpson's rule along the increment
         excess_work -= (

@@ -281,8 +281,9 @@ class ContactProblem:
 
     @cached_property
     def _systems(self) -> Systems:
-        """Linear systems for given node states, made when first used: faces that are solved on one
-        half have a problem, and so systems, of their own.
+        """Linear systems of the contact for given states of its nodes (open, stick, slip), made
+        when first used: faces that are solved on one half have a problem, and so systems, of their
+        own.
         """
         return Systems(
             self.interface,
@@ -297,8 +298,9 @@ class ContactProblem:
     def _return_mapping(self) -> ReturnMapping:
         """Solver by return mapping of trial tractions, made when it is first used.
 
-        For the augmented Lagrangian it has a penalty on gap and slip, the two `trial_weights`; in
-        the penalty method the layer of springs between the faces is the penalty.
+        For the augmented Lagrangian it has a penalty on gap and slip at each of the n nodes, by the
+        two `trial_weights`, forces over gap and slip. In the penalty method the layer of springs
+        between the faces is the penalty.
 
         Passed on are the contact compliance (`interface`), friction, layer, counts of work and
         actuators of this contact problem, and the unit of shear forces by which round-off is judged

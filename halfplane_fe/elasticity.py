@@ -453,7 +453,7 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
         mirror image to the last bit: all elements, and one subspace of all displacements.
     """
     mesh = system.mesh
-    all_dofs = np.arange(len(system.node_of_dof))
+    all_dofs = np.arange(len(system.node_of_dof))  # numbers of the degrees of freedom
     mirror_images = _mirror_images(system)  # number of the one at (-x, y) for each; or None
     right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
     if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
@@ -485,7 +485,7 @@ def _mirror_images(system: System) -> Indices | None:
     that belong to the contact, to reactions and to supports.
     """
     # Nodes in order of x and in order of -x are mirror images of each other.
-    places = system.mesh.p
+    places = system.mesh.p  # (2, n_nodes)
     nodes_from_left = np.lexsort((places[1], places[0]))
     nodes_from_right = np.lexsort((places[1], -places[0]))
     if not np.array_equal(
@@ -915,6 +915,7 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
         By unit forces on the contact nodes: forces on the nodes of arc or ends, then tractions and
         displacements of the half-plane at points of the arc.
     """
+    # x of the contact nodes, and places (2, m) of those on the arc or ends
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
     arc_places = system.mesh.p[:, system.node_of_dof[system.reaction_dofs[0]]]
     if system.half_plane_arcs:

@@ -182,7 +182,8 @@ class ReturnMapping:
 
     def _systems_at_penalty(self, penalty_number: int, penalty_compliance: Layer) -> Systems:
         """The linear systems of the contact between faces with the compliance of the layer plus
-        that of a penalty; cached under the number of the penalty, 0 for the stiffest.
+        that of a penalty, each (n,) normal and tangential; cached under the number of the penalty,
+        0 for the stiffest.
         """
         systems = self._systems.get(penalty_number)
         if systems is None:
