@@ -362,8 +362,8 @@ def permanent_stick_ends_sharply(scene: Scene, problem: ContactProblem) -> bool:
 
 
 def _sticks_in_full_by_loads(loads: Array, friction: float) -> Mask:
-    """Instants at which half-planes of like materials stick in full, whatever was before: since the
-    instant before, P has grown, and |dQ| <= f dP. Returns (n,).
+    """Instants at which half-planes of like materials stick in full by the loads, whatever the
+    history, (n,): since the instant before, P has grown, and |dQ| <= f dP.
 
     `loads` is (n, 2) of P and Q, `friction` is f.
     Source: Barber, Davies, Hills (2011).

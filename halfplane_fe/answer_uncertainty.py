@@ -579,7 +579,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     profile = task.scene.profile
     has_scatter = is_coupled or profile.kind == "tabulated"
 
-    # The largest pressure: instant, node, and what tells its error.
+    # The largest pressure: instant, node, and values that its error is estimated from.
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
     largest_pressure = float(pressure[step, node])

@@ -664,9 +664,9 @@ def _share_by_late_start(edge: Edge, unevenness: Array) -> float:
     """How far a stick edge may be beyond its place, over the distance of both nodes, because its
     first sliding node began to slide late: at the start of slip, or where the edge has jumped.
 
-    The slip of that node then tells too little of the way from there. The nodes behind the edge
-    tell the load between both nodes without it; the force to the Coulomb limit tells the way that
-    is left. The least of the three values counts.
+    Its slip then shows less than the way that the edge has come from there. The nodes behind the
+    edge show the load between both nodes without that slip; the force to the Coulomb limit shows
+    the way that is left. The least of the three values counts.
 
     Parameters
     ----------

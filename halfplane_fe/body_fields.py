@@ -1179,7 +1179,7 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     shear = solution.shear[step]
     friction = solution.scene.friction.coefficient
     # A node that just meets or leaves the other face has no pressure but round-off, up to 1e-9 of
-    # the largest: it counts as open, whatever that is.
+    # the largest: it counts as open.
     is_closed = pressure > _NEGLIGIBLE_PRESSURE * np.max(pressure)
     tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):

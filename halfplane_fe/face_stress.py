@@ -502,9 +502,11 @@ def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
     tangent = np.tan(angles / 2)
     tensions = []
     for weighted_shear in (shear / tangent, shear * tangent):
-        between_nodes = np.trapezoid(weighted_shear, angles)
-        to_edges = weighted_shear[0] * angles[0] + weighted_shear[-1] * (math.pi - angles[-1])
-        tensions.append(2 / math.pi * abs(float(between_nodes + to_edges)))
+        integral_between_nodes = np.trapezoid(weighted_shear, angles)
+        integral_to_edges = weighted_shear[0] * angles[0] + weighted_shear[-1] * (
+            math.pi - angles[-1]
+        )
+        tensions.append(2 / math.pi * abs(float(integral_between_nodes + integral_to_edges)))
     return max(tensions)
 
 

@@ -255,7 +255,8 @@ def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
 def shear_grows_within_cone(
     states: Sequence[InterfaceState], friction: float, *, is_half: bool
 ) -> Mask:
-    """Instants at which bodies of like materials stick in full, whatever was before, (m + 1,).
+    """Instants at which bodies of like materials stick in full by the shear at the edges of
+    contact, whatever the history, (m + 1,).
 
     Since the instant before, the shear of nodes at both edges of contact has changed by less than f
     times what their pressure has grown by. At the first instant it is not known: False.
@@ -274,7 +275,7 @@ def shear_grows_within_cone(
         f
     is_half
         whether the states are on the nodes at x >= 0 of a contact that is its own mirror image:
-        then one edge tells of both
+        then one edge is enough
     """
     sticks_in_full = np.zeros(len(states), dtype=bool)
     for instant, (state_before, state_after) in enumerate(itertools.pairwise(states), start=1):

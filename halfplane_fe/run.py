@@ -157,7 +157,7 @@ def is_ratcheting(drifts: Sequence[float], travel: float) -> bool:
     (True, False)
     """
     last_drift = abs(drifts[-1])
-    # _DRIFT_RATIO_OF_RATCHETING: 3
+    # `change_to_limit` of a series: its limit minus its last value; _DRIFT_RATIO_OF_RATCHETING: 3
     largest_vanishing_drift = _DRIFT_RATIO_OF_RATCHETING * abs(trend(drifts).change_to_limit)
     return last_drift > _LEAST_DRIFT * travel and last_drift > largest_vanishing_drift
 

@@ -538,7 +538,7 @@ class _Trial:
         ConvergenceError
             If the active set does not converge.
         """
-        # First prediction, and the solution at the instant that it tells (`self.target`).
+        # First prediction, and the solution at the predicted instant (`self.target`).
         expected_node_states = self.start_state.node_states
         if self.problem.interface.coupling is not None:
             expected_node_states = _with_touching_nodes_sliding(self.start_state)
@@ -598,7 +598,7 @@ def next_event(
     open node touches, or a closed one is released; ("regular", end) where neither happens before.
 
     The gap of an open node, and the force of a closed one, are linear in the loads while the nodes
-    keep their states. So the first of these that would change its sign tells the event; then its
+    keep their states. So the first of these that would change its sign decides about the event. Its
     instant is where P, or that gap or force, has the value of the event along the load path.
     Nothing is predicted where so few nodes hold that the bodies are free to move.
 
