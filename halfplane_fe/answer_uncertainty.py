@@ -308,7 +308,7 @@ def value_uncertainties(
             coarse_values,
             _scaled_work(task, arrays),
             _nodes_to_edge(scene, arrays),
-            plain=task.has_errors_of_low_order,
+            has_low_order=task.has_errors_of_low_order,
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
         from_coarse_run = _from_coarse_run(values, coarse_values)
@@ -362,7 +362,9 @@ def _displacement_uncertainties(
     """
     scales = task.scales
     # ratio of the element sizes; whether errors are of low order
-    meshes = Meshes(refinement=scales.element / task.element, plain=task.has_errors_of_low_order)
+    meshes = Meshes(
+        refinement=scales.element / task.element, has_low_order=task.has_errors_of_low_order
+    )
     estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
     element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
@@ -592,15 +594,15 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         stands_off=largest_off_neighbours(arrays["x"], pressure[step], int(node)),
         scatter=scatter_of_nodes(pressure[step], int(node)) if has_scatter else 0.0,
     )
-    # `fine`: sizes of the elements along the face of the body with the coarser ones
+    # `fine_sizes`: of the elements along the face of the body with the coarser ones
     return peak_uncertainty(
         peak,
         profile,
-        coarse=scales.element * scales.half_width,
-        fine=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
+        coarse_size=scales.element * scales.half_width,
+        fine_sizes=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
         growth=task.mesh.growth,
         depth=least_depth(task.scene),
-        plain=task.has_errors_of_low_order,
+        has_low_order=task.has_errors_of_low_order,
     )
 
 

@@ -428,12 +428,12 @@ class Meshes:
     ----------
     refinement
         r at the edges of contact, of the coarser side
-    plain
+    has_low_order
         linear elements or a penalty layer: the difference counts in full
     """
 
     refinement: float
-    plain: bool
+    has_low_order: bool
 
 
 def displacement_uncertainties(
@@ -452,8 +452,8 @@ def displacement_uncertainties(
         those of the coarse run; None where the bodies are shared, without a coarse run of this
         scene
     meshes
-        the two meshes: `refinement`, element size of the coarse run over that of the run; `plain`,
-        whether the difference counts in full, as of linear elements and penalty layers
+        the two meshes: `refinement`, element size of the coarse run over that of the run, and
+        whether the difference counts in full (`has_low_order`: linear elements, penalty layers)
     has_shear
         whether any shear can arise: then a displacement that is zero in both runs may be too little
         for either
@@ -468,7 +468,7 @@ def displacement_uncertainties(
             continue
         difference = values.difference(name, coarse_values)
         estimate = rule.uncertainty(largest_value, difference, meshes.refinement)
-        estimates[name] = max(estimate, difference) if meshes.plain else estimate
+        estimates[name] = max(estimate, difference) if meshes.has_low_order else estimate
     return estimates
 
 
@@ -478,7 +478,7 @@ def slip_uncertainty(
     scaled_work: float,
     nodes_to_edge: float,
     *,
-    plain: bool,
+    has_low_order: bool,
 ) -> float:
     """Uncertainty of the largest slip by the nodes beside it and by the increments [length]; NaN
     where next to nothing slips, in zones that the elements do not resolve.
@@ -494,7 +494,7 @@ def slip_uncertainty(
     nodes_to_edge
         distance from the node of the largest slip to the edge of contact beyond it, over that of
         the next node; at most 1
-    plain
+    has_low_order
         linear elements or a penalty layer: the difference from the coarse run counts in full
     """
     # _LEAST_WORK_OF_SLIP: W below which next to nothing slips
@@ -507,7 +507,7 @@ def slip_uncertainty(
     slip_by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
     # _ROUND_OFF: relative round-off
     estimate = math.hypot(slip_by_nodes, slip_by_increments) + _ROUND_OFF * values.largest_slip
-    if not plain:
+    if not has_low_order:
         return estimate
     if coarse_values is None or not values.is_comparable(coarse_values):
         return math.nan
@@ -590,10 +590,10 @@ _OF_ONE_NODE = 6
 def uncertainty(
     dissipation: float,
     difference: float,
-    coarse: float,
+    coarse_size: float,
     mesh: MeshSettings,
     scatter: float | None,
-    plain: bool,
+    has_low_order: bool,
 ) -> float:
     """Uncertainty of the friction work W of a load cycle by the mesh, over A f^2 P^2; NaN on a mesh
     hardly finer than that of the coarse run.
@@ -607,7 +607,7 @@ def uncertainty(
     ----------
     dissipation, difference
         W, and its difference from that of the coarse run, over A f^2 P^2
-    coarse
+    coarse_size
         element size of the coarse run, over the half-width
     mesh
         settings: element size at the edges over the half-width, ratio of the upper body's elements,
@@ -615,19 +615,22 @@ def uncertainty(
     scatter
         rms of what edges between nodes add to W, over A f^2 P^2, which was taken off; 0 where
         nothing was, None where nothing is known of it
-    plain
+    has_low_order
         linear elements or a penalty layer, whose errors are not of order 2: the difference
         counts in full
 
     Examples
     --------
     >>> round(
-    ...     uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12
+    ...     uncertainty(
+    ...         0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, has_low_order=False
+    ...     ),
+    ...     12,
     ... )
     0.000118060606
     """
     element_size = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
-    refinement = coarse / element_size
+    refinement = coarse_size / element_size
     # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
     if refinement < _LEAST_REFINEMENT:
         return float("nan")
@@ -635,7 +638,7 @@ def uncertainty(
     # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
     # _OF_DIFFERENCE: fitted share
     share_left = _OF_DIFFERENCE / (refinement**2 - 1)  # of an error of order 2
-    if plain:
+    if has_low_order:
         share_left = max(share_left, 1.0)
     # _OF_WORK: fitted share of W by the element size; _GROWN: by the growth of elements
     by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
@@ -760,12 +763,12 @@ def scatter_of_nodes(pressure: Array, node: int) -> float:
 def peak_uncertainty(
     peak: Peak,
     profile: Profile,
-    coarse: float,
-    fine: SurfaceGrading,
+    coarse_size: float,
+    fine_sizes: SurfaceGrading,
     growth: float,
     *,
     depth: float,
-    plain: bool,
+    has_low_order: bool,
 ) -> float:
     """Uncertainty of the largest pressure p0 of a run, from the difference of two meshes [stress].
 
@@ -787,30 +790,30 @@ def peak_uncertainty(
         much single nodes stray
     profile
         initial gap of the faces
-    coarse
+    coarse_size
         size of the elements of the coarse run [length]
-    fine
+    fine_sizes
         sizes of the run's elements along the surface, at the edges and at a tip of the profile, of
         the body whose elements are larger
     growth
         of their size with the distance from the contact
     depth
         thickness of the thinner body; infinite of half-planes [length]
-    plain
+    has_low_order
         whether the run has linear elements or a penalty layer: the difference counts in full then
     """
     if not (peak.half_width > 0 and peak.to_edge > 0):
         return math.nan  # nothing touches: the first increment failed
 
     # Where the difference is made: ratio of the element sizes there, and order p of the error.
-    power = tip_power(profile, coarse)  # n
+    power = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
     if power >= SMOOTH_TIP:  # no tip
-        place = Place(coarse / fine.edge_size, 1.0 if math.isfinite(depth) else 2.0)
-    elif tip_power(profile, fine.tip_size) < SMOOTH_TIP:
-        place = Place(coarse / fine.tip_size, power - 1)
+        place = Place(coarse_size / fine_sizes.edge_size, 1.0 if math.isfinite(depth) else 2.0)
+    elif tip_power(profile, fine_sizes.tip_size) < SMOOTH_TIP:
+        place = Place(coarse_size / fine_sizes.tip_size, power - 1)
     else:
-        place = Place(coarse / fine.tip_size, 2.0)
+        place = Place(coarse_size / fine_sizes.tip_size, 2.0)
         # _PEAK_WITHIN_TIP: fitted share of p0
         share_within_tip = _PEAK_WITHIN_TIP
     # _LEAST_REFINEMENT: least ratio of the element sizes of both meshes
@@ -818,8 +821,8 @@ def peak_uncertainty(
         return math.nan
 
     # Error of the run over the difference, 1/|r^p - 1|; further terms by edges and growth, over p0.
-    share = max(place.share_left(), 1.0 if plain else 0.0)
-    relative_size = fine.edge_size / peak.half_width
+    share = max(place.share_left(), 1.0 if has_low_order else 0.0)
+    relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
     share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
     share_by_growth = _PEAK_GROWN * growth**4
@@ -832,7 +835,7 @@ def peak_uncertainty(
 
 
 def uncertainty_note(
-    dissipation: float, uncertainty: float, tolerances: Tolerances, coarse: float
+    dissipation: float, uncertainty: float, tolerances: Tolerances, coarse_dissipation: float
 ) -> Iterator[str]:
     """A sentence where the friction work W is uncertain by more than its tolerance, or by an
     unknown amount. Where the scene has no tolerance, that of the project's own checks counts.
@@ -843,7 +846,7 @@ def uncertainty_note(
         W of the last cycle, and its uncertainty, NaN where unknown [energy / thickness]
     tolerances
         of the scene: relative limits by the name of the value
-    coarse
+    coarse_dissipation
         W of the coarse run; NaN without one
     """
     tolerance = tolerances.limit("dissipation") or 0.0
@@ -852,7 +855,7 @@ def uncertainty_note(
         return
     if np.isnan(uncertainty):
         reason = "the coarse run has elements like these"
-        if np.isnan(coarse):
+        if np.isnan(coarse_dissipation):
             reason = "its bodies are shared, without a coarse run of this scene"
         yield f"the dissipation has no uncertainty estimate: {reason}"
     elif uncertainty > tolerance * dissipation and uncertainty > 0:

@@ -161,13 +161,13 @@ def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
         repeats=True,
     )
     for nodes_to_edge, share in ((0.0, 0.06), (0.5, 0.56), (1.0, 1.06)):
-        uncertainty = slip_uncertainty(values, None, 0.01, nodes_to_edge, plain=False)
+        uncertainty = slip_uncertainty(values, None, 0.01, nodes_to_edge, has_low_order=False)
         assert uncertainty == pytest.approx(math.hypot(share * 0.1, 0.8 * 0.02), rel=1e-9)
-    assert math.isnan(slip_uncertainty(values, None, 1e-9, 1.0, plain=False))
+    assert math.isnan(slip_uncertainty(values, None, 1e-9, 1.0, has_low_order=False))
     # Linear elements have errors that nodes do not show: without a coarse run nothing is known.
-    assert math.isnan(slip_uncertainty(values, None, 0.01, 1.0, plain=True))
+    assert math.isnan(slip_uncertainty(values, None, 0.01, 1.0, has_low_order=True))
     coarse_values = replace(values, largest_slip=0.5)
-    assert slip_uncertainty(values, coarse_values, 0.01, 1.0, plain=True) == 0.5
+    assert slip_uncertainty(values, coarse_values, 0.01, 1.0, has_low_order=True) == 0.5
 
 
 def test_slip_is_missed_as_far_as_the_contact_goes_beyond_its_largest_node() -> None:
@@ -244,11 +244,11 @@ def uncertainty_of_peak(peak: Peak) -> float:
     return peak_uncertainty(
         peak,
         load_scene("hertz-paper").profile,
-        coarse=0.1,
-        fine=SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02),
+        coarse_size=0.1,
+        fine_sizes=SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02),
         growth=0.5,
         depth=math.inf,
-        plain=False,
+        has_low_order=False,
     )
 
 
@@ -683,7 +683,7 @@ def test_what_edges_between_nodes_leave_in_the_work() -> None:
 
     def stated(work: float, scatter: float | None) -> float:
         mesh = MeshSettings(edge_element_size=0.01)
-        return uncertainty(work, 0.0, 0.1, mesh, scatter, plain=False)
+        return uncertainty(work, 0.0, 0.1, mesh, scatter, has_low_order=False)
 
     by_elements = 0.8 * 0.1 * 0.01**2
     assert stated(0.1, 1e-3) == pytest.approx(by_elements + 0.4e-3)
