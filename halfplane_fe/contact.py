@@ -813,30 +813,30 @@ class ContactProblem:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
 
-    def _states_by_law(self, solved: InterfaceState, start: InterfaceState) -> States:
+    def _states_by_law(self, solved_state: InterfaceState, start_state: InterfaceState) -> States:
         """States (n,) that the laws of contact and friction give the nodes by trial forces: open,
         stick, slip forward or reverse.
 
-        With gap g and increment s of the slip since `start`, the trial pressure is p - r_n g, the
-        trial shear q + r_t s. A node is closed if the former is positive, and slips if the latter
-        is beyond f times it. Within round-off of either limit a node keeps the state it has: 1e-11
-        of a displacement, 1e-13 of a force, scaled. A node that slid in the one sense and is to
-        slide in the other sticks first.
+        With gap g and increment s of the slip since `start_state`, the trial pressure is p - r_n g,
+        the trial shear q + r_t s. A node is closed if the former is positive, and slips if the
+        latter is beyond f times it. Within round-off of either limit a node keeps the state it has:
+        1e-11 of a displacement, 1e-13 of a force, scaled. A node that slid in the one sense and is
+        to slide in the other sticks first.
 
         # notation: r_n, r_t weights of gap and slip, f coefficient of friction
 
         Parameters
         ----------
-        solved
+        solved_state
             solution of an increment for the node states in it
-        start
+        start_state
             the state before the increment
         """
-        states = solved.node_states
+        states = solved_state.node_states
         # Trial forces. What the equations of these states set to zero is exactly zero: weighted,
         # its round-off would look like a force.
-        slip, pressure, shear, gap = nodal_values(solved.values)
-        slip_increment = slip - start.slip
+        slip, pressure, shear, gap = nodal_values(solved_state.values)
+        slip_increment = slip - start_state.slip
         r_normal, r_tangential = self.trial_weights  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap
         # ROUNDING: round-off of scaled forces and displacements, 1e-11

@@ -692,45 +692,45 @@ def _with_touching_nodes_sliding(start: InterfaceState) -> States:
 
 
 def _misses_event(
-    problem: ContactProblem, start: InterfaceState, solved: InterfaceState, event: Event
+    problem: ContactProblem, start_state: InterfaceState, solved_state: InterfaceState, event: Event
 ) -> bool:
-    """Whether an increment from `start` to the state `solved` misses the predicted `event`: a node
-    touches or lets go before the increment ends, or no node is at the event then.
+    """Whether an increment from `start_state` to `solved_state` misses the predicted `event`: a
+    node touches or lets go before the increment ends, or no node is at the event then.
 
     False of like bodies, where the prediction is exact: their pressure does not depend on shear
     (`interface.coupling` is None). A node is at an event if it has neither gap nor force, to 1e-9.
     """
     if problem.interface.coupling is None:
         return False
-    is_at_event = _is_at_event(solved)
-    is_too_far = ((solved.is_closed != start.is_closed) & ~is_at_event).any()
+    is_at_event = _is_at_event(solved_state)
+    is_too_far = ((solved_state.is_closed != start_state.is_closed) & ~is_at_event).any()
     # Nodes open at the start are met at a touch, closed ones at a release.
-    meets_event = is_at_event & (start.is_closed == (event == "release"))
+    meets_event = is_at_event & (start_state.is_closed == (event == "release"))
     is_too_short = event != "regular" and not meets_event.any()
     return bool(is_too_far or is_too_short)
 
 
 def _time_of_event(
     problem: ContactProblem,
-    start: InterfaceState,
+    start_state: InterfaceState,
     loads_at: LoadsAt,
-    solved: InterfaceState,
+    solved_state: InterfaceState,
     event: Event,
     end: float,
 ) -> float:
     """Instant at which the event of an increment, a touch or release, is met to rounding.
 
-    The state `solved` meets it to 1e-9, since the prediction leaves out that nodes start or end
+    `solved_state` meets it to 1e-9, since the prediction leaves out that nodes start or end
     sliding. Among the nodes at the event, the gap (or force) of the one with the largest is brought
-    to zero by its rate. The instant of `solved` where this is rounding already, or where the end
-    would move by a thousandth of the increment or more.
+    to zero by its rate. The instant of `solved_state` where this is rounding already, or where the
+    end would move by a thousandth of the increment or more.
 
     Parameters
     ----------
     problem
         the contact problem; its `rates` are derivatives of the values of all nodes by the loads at
         given node states, (n_loads, 3 + 4 n)
-    start, solved
+    start_state, solved_state
         states before the increment and at its end
     loads_at
         function of an instant: the scaled loads
@@ -740,31 +740,34 @@ def _time_of_event(
         latest end of the increment
     """
     # Gap or pressure (n,) of the nodes at the event, 0 of all others.
-    meets_event = _is_at_event(solved) & (start.is_closed == (event == "release"))
+    meets_event = _is_at_event(solved_state) & (start_state.is_closed == (event == "release"))
     distances_to_event = np.where(
-        meets_event, np.where(solved.is_closed, solved.pressure, solved.gap), 0.0
+        meets_event, np.where(solved_state.is_closed, solved_state.pressure, solved_state.gap), 0.0
     )
     node = int(np.argmax(np.abs(distances_to_event)))
     # _ROUNDING_OF_EVENT: 1e-14
     if abs(distances_to_event[node]) <= _ROUNDING_OF_EVENT:
-        return solved.time
+        return solved_state.time
 
     # The node with the largest follows the loads at its rate.
     _, pressure_rates, _, gap_rates = nodal_values(
-        problem.rates(solved.node_states, len(solved.loads))
+        problem.rates(solved_state.node_states, len(solved_state.loads))
     )
-    rates_of_node = (pressure_rates if solved.is_closed[node] else gap_rates)[:, node]
+    rates_of_node = (pressure_rates if solved_state.is_closed[node] else gap_rates)[:, node]
 
     def distance_at(time: float) -> float:
         """Gap or force of the node at an instant."""
         return float(
-            distances_to_event[node] + np.subtract(loads_at(time), solved.loads) @ rates_of_node
+            distances_to_event[node]
+            + np.subtract(loads_at(time), solved_state.loads) @ rates_of_node
         )
 
-    duration = solved.time - start.time
-    share_of_increment = duration / (end - start.time)
-    time = time_of_zero(distance_at, start.time, end, share_of_increment, distance_at(start.time))
-    return time if abs(time - solved.time) < _LARGEST_MOVE * duration else solved.time
+    duration = solved_state.time - start_state.time
+    share_of_increment = duration / (end - start_state.time)
+    time = time_of_zero(
+        distance_at, start_state.time, end, share_of_increment, distance_at(start_state.time)
+    )
+    return time if abs(time - solved_state.time) < _LARGEST_MOVE * duration else solved_state.time
 
 
 def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:
@@ -782,35 +785,36 @@ def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> t
     return float(shares[number_of_first]), int(falling_nodes[number_of_first])
 
 
-def states_up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
-    """States (n,) of the nodes at the end of an increment from `start` to `solved`, before its
-    event: nodes that touch or let go at its very end have the state that they had on the way.
+def states_up_to_event(start_state: InterfaceState, solved_state: InterfaceState) -> States:
+    """States (n,) of the nodes at the end of an increment from `start_state` to `solved_state`,
+    before its event: nodes that touch or let go at its very end have the state that they had on the
+    way.
 
     Within round-off the law of contact calls such a node open or closed. A node that lets go at the
     end has slid through the increment: counted as open, its friction work would be lost.
     """
-    has_changed = _is_at_event(solved) & (solved.is_closed != start.is_closed)
+    has_changed = _is_at_event(solved_state) & (solved_state.is_closed != start_state.is_closed)
     return (
-        _states_before_event(start, solved, has_changed)
+        _states_before_event(start_state, solved_state, has_changed)
         if has_changed.any()
-        else solved.node_states
+        else solved_state.node_states
     )
 
 
 def _states_before_event(
-    start: InterfaceState, solved: InterfaceState, has_opened_or_closed: Mask
+    start_state: InterfaceState, solved_state: InterfaceState, has_opened_or_closed: Mask
 ) -> States:
-    """States (n,) of the nodes in `solved`, but for those that have opened or closed since `start`,
-    a mask (n,): these have the state that they had on the way, open, stick, or slip in the sense in
-    which they have moved.
+    """States (n,) of the nodes in `solved_state`, but for those that have opened or closed since
+    `start_state`, a mask (n,): these have the state that they had on the way, open, stick, or slip
+    in the sense in which they have moved.
     """
-    slip_increment = solved.slip - start.slip
+    slip_increment = solved_state.slip - start_state.slip
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
     slip_states = np.where(slip_increment > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     states_of_closed = np.where(np.abs(slip_increment) > ROUNDING, slip_states, STICK)
-    states_on_the_way = np.where(start.is_closed, states_of_closed, OPEN)
+    states_on_the_way = np.where(start_state.is_closed, states_of_closed, OPEN)
     return read_only_copy(
-        np.where(has_opened_or_closed, states_on_the_way, solved.node_states), np.int8
+        np.where(has_opened_or_closed, states_on_the_way, solved_state.node_states), np.int8
     )
 
 

@@ -514,13 +514,13 @@ def slip_uncertainty(
     return max(estimate, values.difference("largest_slip", coarse_values))
 
 
-def _with_neighbours(closed: Mask) -> Mask:
-    """Nodes that touch at an instant, or at the one before or after it, a mask (k, n), from those
-    `closed` (k, n) at each of k instants.
+def _with_neighbours(is_closed: Mask) -> Mask:
+    """Nodes that touch at an instant, or at the one before or after it, a mask (k, n), from the
+    nodes that touch at each of k instants, a mask `is_closed` (k, n).
     """
-    with_neighbours = closed.copy()
-    with_neighbours[1:] |= closed[:-1]
-    with_neighbours[:-1] |= closed[1:]
+    with_neighbours = is_closed.copy()
+    with_neighbours[1:] |= is_closed[:-1]
+    with_neighbours[:-1] |= is_closed[1:]
     return with_neighbours
 
 
