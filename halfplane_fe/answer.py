@@ -845,9 +845,9 @@ def penalty_audit(
     states_by_law = np.stack([state.node_states for state in states])[is_in_cycle]
     slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     is_always_stuck = np.all(states_by_law[1:] == STICK, axis=0)
-    slips_once = np.any(slip_sign(states_by_law) != 0, axis=0)
+    has_slipped = np.any(slip_sign(states_by_law) != 0, axis=0)
     largest_creep = float(np.max(slip_range[is_always_stuck], initial=0.0))
-    largest_slip = float(np.max(slip_range[slips_once], initial=0.0))
+    largest_slip = float(np.max(slip_range[has_slipped], initial=0.0))
 
     def ratio_or_nan(part: float, reference: float) -> float:
         """Part over the reference; NaN where that is 0."""

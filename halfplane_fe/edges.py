@@ -720,7 +720,7 @@ class _Line(NamedTuple):
     Attributes
     ----------
     zero
-        (k,) their zeros, NaN unless they fall [length]
+        (k,) places x where they are zero, NaN unless they fall [length]
     misfit
         (k,) root mean square by which the squares stand off, over the slope [length]
     """
@@ -730,9 +730,9 @@ class _Line(NamedTuple):
 
 
 def _line_through_squares(x_out: Array, values: Array, last_node: Indices, count: int) -> _Line:
-    """Straight lines of least squares through the squares of `values` (k, n) at `count` nodes
-    before the last, one for each of k rows: where they are zero, and how far the squares stand off
-    them, both as lengths; NaN where a line does not fall.
+    """Straight lines fitted to the squares of `values` (k, n) at `count` nodes before the last, one
+    for each of k rows: where they are zero, and how far the squares stand off them (root mean
+    square, over the slope), both as lengths; NaN where a line does not fall.
 
     `x_out` (n,) are the nodes, read outwards, `last_node` (k,) the last one of each row.
     """
@@ -741,13 +741,13 @@ def _line_through_squares(x_out: Array, values: Array, last_node: Indices, count
     squares = np.take_along_axis(values, nodes, axis=1) ** 2
     mean_distance = distance.mean(axis=1, keepdims=True)
     mean_square = squares.mean(axis=1, keepdims=True)
-    from_mean = distance - mean_distance
-    slope = (from_mean * squares).sum(axis=1) / (from_mean**2).sum(axis=1)
+    distance_from_mean = distance - mean_distance
+    slope = (distance_from_mean * squares).sum(axis=1) / (distance_from_mean**2).sum(axis=1)
     falling_slope = np.where(slope < 0, slope, np.nan)
-    zero = x_out[last_node] + mean_distance[:, 0] - mean_square[:, 0] / falling_slope
-    residual = squares - mean_square - slope[:, None] * from_mean
+    zero_point = x_out[last_node] + mean_distance[:, 0] - mean_square[:, 0] / falling_slope
+    residual = squares - mean_square - slope[:, None] * distance_from_mean
     misfit = np.sqrt(np.mean(residual**2, axis=1)) / -falling_slope
-    return _Line(zero, misfit)
+    return _Line(zero_point, misfit)
 
 
 class _StickFit(NamedTuple):

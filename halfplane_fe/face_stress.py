@@ -575,7 +575,7 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
         sine series of both by the usual fit; whether its edges are not fitted but those of the
         solution (`has_unfitted_edges`); tension by the shear that it lacked
     """
-    tension = usual_tractions.edge_tension()  # (2,)
+    tension = usual_tractions.edge_tension()  # (2,) at the left and right edge of contact
     spacing = float(np.median(np.diff(nodal_tractions.x)))  # of the nodes
     spacing_ratio = spacing / usual_tractions.half_width
     largest_coulomb_limit = nodal_tractions.friction * float(nodal_tractions.pressure.max())
@@ -591,19 +591,19 @@ def _tension_uncertainty(nodal_tractions: NodalTractions, usual_tractions: Tract
     changes = [
         sampled_tractions(nodal_tractions, fit).edge_tension() - tension for fit in _OTHER_FITS
     ]
-    by_other_fits = factor_of_other_fits * np.mean(np.abs(changes), axis=0)
-    uncertainty = least_uncertainty + by_other_fits
+    change_by_other_fits = factor_of_other_fits * np.mean(np.abs(changes), axis=0)
+    uncertainty = least_uncertainty + change_by_other_fits
 
     # Too few nodes to find the edges; a fit without limit on its residual; constant q/p.
     if usual_tractions.has_unfitted_edges:
         uncertainty = np.maximum(
             uncertainty, _RELATIVE_ERROR_TIMES_NODES / len(nodal_tractions.x) * np.abs(tension)
         )
-    fitted_without_limit = sampled_tractions(nodal_tractions, _FIT_WHATEVER_RESIDUAL)
-    change_by_limit = np.abs(fitted_without_limit.edge_tension() - tension)
+    tractions_without_limit = sampled_tractions(nodal_tractions, _FIT_WHATEVER_RESIDUAL)
+    change_by_limit = np.abs(tractions_without_limit.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, change_by_limit)
-    with_constant_ratio = sampled_tractions(nodal_tractions, constant_ratio=True)
-    change_by_ratio = np.abs(with_constant_ratio.edge_tension() - tension)
+    tractions_of_constant_ratio = sampled_tractions(nodal_tractions, constant_ratio=True)
+    change_by_ratio = np.abs(tractions_of_constant_ratio.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, change_by_ratio)
 
     # Added: mesh error of unlike materials or bodies of finite size; place of the stick edges.

@@ -252,7 +252,7 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         np.sqrt(reference_lengths[0] * reference_lengths[1])
     )
     scene_on_half_planes = on_half_planes(scene, datum_length)
-    # bodies on a coarse mesh, with the load that they are pressed by; `work` are its counts
+    # bodies on a coarse mesh, with the load that they are pressed by
     coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work_counts)
 
     def excess_approach(logarithm: float) -> float:
@@ -267,7 +267,8 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         )
         return approach_of_actuator - approach
 
-    # The bracket grows by a factor of e on both sides, around a load of E* times the approach.
+    # The bracket grows by a factor of e on both sides, around a load of E* times the approach, up
+    # to e^20 (`_MOST_HALF_RANGES`).
     first_logarithm = float(np.log(modulus * approach))
     for half_range in range(1, _MOST_HALF_RANGES):
         lower_end = first_logarithm - half_range
