@@ -176,15 +176,15 @@ class _ChangeByStates(NamedTuple):
 
     Attributes
     ----------
-    start
-        state before the increment
+    start_state
+        state of the contact before the increment
     states
         new ones of the nodes, as bytes
     values
         (3 + 4 n,), or 0 where nothing changes
     """
 
-    start: InterfaceState
+    start_state: InterfaceState
     states: bytes
     values: Array | float
 
@@ -406,7 +406,7 @@ class ContactProblem:
 
     def equilibrium(
         self,
-        start: InterfaceState,
+        start_state: InterfaceState,
         time: float,
         loads: tuple[float, ...],
         expected: States | None = None,
@@ -415,18 +415,20 @@ class ContactProblem:
         is open, sticks, or slips by Coulomb's law.
 
         By default methods are tried in turn: active set (semismooth Newton) from the expected
-        states of the nodes, then from those of `start`, then pressure and shear alternately. Where
-        `method` is the penalty or the augmented Lagrangian, the return mapping alone is tried.
+        states of the nodes, then from those before the increment, then pressure and shear
+        alternately. Where `method` is the penalty or the augmented Lagrangian, the return mapping
+        alone is tried.
 
         Parameters
         ----------
-        start
-            the state before the increment
+        start_state
+            state of the contact before the increment
         time, loads
             at the end of the increment; P and Q (or movements of actuators), with bulk stress or
             tilt all five loads, scaled
         expected
-            (n,) open, stick or slip of the nodes that are tried first; those of `start` by default
+            (n,) open, stick or slip of the nodes that are tried first; those of `start_state` by
+            default
 
         Returns
         -------
@@ -456,21 +458,23 @@ class ContactProblem:
         ([0.7, 0.5], [1, 2])
         """
         if self.method != "active_set":
-            return self._equilibrium_by_return_mapping(start, time, loads)
+            return self._equilibrium_by_return_mapping(start_state, time, loads)
 
         # Each attempt returns the new state (None where it fails), its number of iterations, and
         # the number of nodes that still changed their state at its end.
         state = None
         iterations = 0
-        if expected is not None and not np.array_equal(expected, start.node_states):
-            state, iterations, n_changing = self._solve_by_active_set(start, time, loads, expected)
+        if expected is not None and not np.array_equal(expected, start_state.node_states):
+            state, iterations, n_changing = self._solve_by_active_set(
+                start_state, time, loads, expected
+            )
         if state is None:
             state, more_iterations, n_changing = self._solve_by_active_set(
-                start, time, loads, start.node_states
+                start_state, time, loads, start_state.node_states
             )
             iterations += more_iterations
         if state is None and (self.has_shear or self.has_given_moment):
-            state, turns, n_changing = self._alternate_pressure_and_shear(start, time, loads)
+            state, turns, n_changing = self._alternate_pressure_and_shear(start_state, time, loads)
             iterations += turns
 
         self.work_counts["contact iterations"] += iterations
@@ -495,10 +499,10 @@ class ContactProblem:
         return f"{values} (over the largest normal load, or that over E*)"
 
     def _equilibrium_by_return_mapping(
-        self, start: InterfaceState, time: float, loads: tuple[float, ...]
+        self, start_state: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
-        """Equilibrium of the contact one increment after the state `start`, and its Newton steps,
-        by return mapping: trial tractions are mapped back into the Coulomb limit.
+        """Equilibrium of the contact one increment after `start_state`, and its Newton steps, by
+        return mapping: trial tractions are mapped back into the Coulomb limit.
 
         It serves the penalty method and the augmented Lagrangian. `time` and `loads` (P and Q, or
         also both bulk stresses, and the tilt or the moment) are those at the end of the increment,
@@ -515,10 +519,11 @@ class ContactProblem:
         if self.has_given_moment and len(loads) > 2:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             moment = loads[_TILT_OR_MOMENT]
-        change_of_loads = np.subtract(loads, start.loads)
+        change_of_loads = np.subtract(loads, start_state.loads)
         # values and states of the nodes with their number of Newton steps; None without convergence
         solution = self._return_mapping.equilibrium(
-            Start(start.values, start.node_states, change_of_loads, moment), self.max_iterations
+            Start(start_state.values, start_state.node_states, change_of_loads, moment),
+            self.max_iterations,
         )
         if solution is None:
             raise ConvergenceError(
@@ -530,10 +535,10 @@ class ContactProblem:
         return state, solution.newton_steps
 
     def state_following(
-        self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
+        self, start_state: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> InterfaceState:
-        """State of the contact one increment after `start`, for given states (n,) of its nodes:
-        open, stick, slip forward or reverse. It is the linear step of the active-set method.
+        """State of the contact one increment after `start_state`, for given states (n,) of its
+        nodes: open, stick, slip forward or reverse. It is the linear step of the active-set method.
 
         Gap of closed nodes, force of open ones, slip increment of sticking ones, and |q| - f p of
         slipping ones are exactly zero. Whether the state obeys the laws of contact and friction is
@@ -546,12 +551,12 @@ class ContactProblem:
             If so few nodes stick or touch that the bodies are free to move.
         """
         # (3 + 4 n,) approach, shift and tilt, then slip, p, q and gap of the nodes
-        values = self.values_following(start, loads, states)
+        values = self.values_following(start_state, loads, states)
         # The solution of the linear system leaves round-off in these: set them exactly.
         slip, pressure, shear, gap = nodal_values(values)  # views
         is_stuck = (states == STICK) & self.has_shear
         is_open = states == OPEN
-        np.copyto(slip, start.slip, where=is_stuck)
+        np.copyto(slip, start_state.slip, where=is_stuck)
         np.copyto(pressure, 0.0, where=is_open)
         np.copyto(gap, 0.0, where=~is_open)
         np.copyto(shear, self._shear_over_pressure(states) * pressure, where=~is_stuck)
@@ -564,10 +569,10 @@ class ContactProblem:
         return shear_over_pressure
 
     def values_following(
-        self, start: InterfaceState, loads: tuple[float, ...], states: States
+        self, start_state: InterfaceState, loads: tuple[float, ...], states: States
     ) -> Array:
         """Approach, shift, tilt, then slip, p, q and gap of the n nodes, (3 + 4 n,), one increment
-        after `start`, for given states (n,) of the nodes.
+        after `start_state`, for given states (n,) of the nodes.
 
             values = start values + change by new node states + rates @ load increment
 
@@ -580,9 +585,11 @@ class ContactProblem:
         SingularSet
             If so few nodes stick or touch that the bodies are free to move.
         """
-        change_by_states = self._change_by_states(start, states)  # at constant loads
+        change_by_states = self._change_by_states(start_state, states)  # at constant loads
         rates = self.rates(states, len(loads))  # (n_loads, 3 + 4 n)
-        values: Array = start.values + change_by_states + np.subtract(loads, start.loads) @ rates
+        values: Array = (
+            start_state.values + change_by_states + np.subtract(loads, start_state.loads) @ rates
+        )
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.has_given_moment and len(loads) > 2:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
@@ -652,9 +659,9 @@ class ContactProblem:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), rates_by_load)
 
-    def _change_by_states(self, start: InterfaceState, states: States) -> Array | float:
+    def _change_by_states(self, start_state: InterfaceState, states: States) -> Array | float:
         """Change of the contact's values at constant loads, as the n nodes go from their states in
-        `start` to new `states` (n,).
+        `start_state` to new `states` (n,).
 
         The values (3 + 4 n,) are approach, shift and tilt, then slip, p, q and gap of the nodes.
         A node that opens loses its pressure; one that closes loses its gap; one that slips gets
@@ -666,13 +673,13 @@ class ContactProblem:
         states_key = states.tobytes()
         if (
             latest_change is not None
-            and latest_change.start is start
+            and latest_change.start_state is start_state
             and latest_change.states == states_key
         ):
             return latest_change.values
 
-        # What the new equations of the nodes miss in `start`: p or gap, and q - (+-f) p.
-        _, pressure, shear, gap = nodal_values(start.values)
+        # What the new equations of the nodes miss in `start_state`: p or gap, and q - (+-f) p.
+        _, pressure, shear, gap = nodal_values(start_state.values)
         shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
         residual = np.concatenate(
             [
@@ -687,16 +694,16 @@ class ContactProblem:
         value_changes: Array | float = 0.0
         if len(equation_numbers):
             solution_vectors = self._systems.value_derivatives(
-                states, len(start.loads), equation_numbers, -residual[equation_numbers]
+                states, len(start_state.loads), equation_numbers, -residual[equation_numbers]
             )
             value_changes = solution_vectors[-1]
             if states_key not in self._rates:
                 self._store_rates(states, solution_vectors[:-1].copy())
-        self._latest_change = _ChangeByStates(start, states_key, value_changes)
+        self._latest_change = _ChangeByStates(start_state, states_key, value_changes)
         return value_changes
 
     def _solve_by_active_set(
-        self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
+        self, start_state: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> _Outcome:
         """One increment by the active-set method (semismooth Newton): solve for the values with
         given node states, let the laws choose new states, until these agree.
@@ -706,8 +713,8 @@ class ContactProblem:
 
         Parameters
         ----------
-        start
-            the state before the increment
+        start_state
+            state of the contact before the increment
         time, loads
             at the end of the increment, scaled
         states
@@ -723,11 +730,11 @@ class ContactProblem:
         n_changing = 0  # nodes to which the law gives another state
         try:
             for iteration in range(self.max_iterations + 1):
-                state = self.state_following(start, time, loads, states)
-                next_states = self._states_by_law(state, start)
+                state = self.state_following(start_state, time, loads, states)
+                next_states = self._states_by_law(state, start_state)
                 n_changing = int(np.count_nonzero(next_states != states))
                 self.work_counts["slip iterations"] += iteration > 0 and not np.array_equal(
-                    slip_sign(next_states), slip_sign(start.node_states)
+                    slip_sign(next_states), slip_sign(start_state.node_states)
                 )
                 if not n_changing:
                     return _Outcome(state, max(iteration, 1), 0)
@@ -741,10 +748,11 @@ class ContactProblem:
         return _Outcome(None, self.max_iterations, n_changing)
 
     def _alternate_pressure_and_shear(
-        self, start: InterfaceState, time: float, loads: tuple[float, ...]
+        self, start_state: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> _Outcome:
-        """One increment from `start` to `time` and `loads`, by turns: pressure at known shear, then
-        shear at known pressure. It serves where the active-set method goes round in circles.
+        """One increment from `start_state` to `time` and `loads`, by turns: pressure at known
+        shear, then shear at known pressure. It serves where the active-set method goes round in
+        circles.
 
         Both problems are convex, and coupling times friction is small, so that the turns converge.
         Each turn gives states of the nodes. As soon as the solution of all equations for these
@@ -762,12 +770,12 @@ class ContactProblem:
             coupling = np.zeros_like(self.interface.normal_compliance)
 
         # What the first turn begins with. `shift` is the tangential displacement of the upper body.
-        shear = start.shear
-        shift = start.shift
-        is_closed = start.is_closed
-        # bulk stresses of both bodies, and the tilt of `start`
-        stresses_and_tilt = replace(start, loads=loads).stresses_and_tilt
-        resultants = start.resultants or loads[:2]  # P and Q
+        shear = start_state.shear
+        shift = start_state.shift
+        is_closed = start_state.is_closed
+        # bulk stresses of both bodies, and the tilt of `start_state`
+        stresses_and_tilt = replace(start_state, loads=loads).stresses_and_tilt
+        resultants = start_state.resultants or loads[:2]  # P and Q
         if len(loads) > 2 and not self.has_given_moment:
             # _TILT_OR_MOMENT: place of tilt or moment among the five loads
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
@@ -792,7 +800,9 @@ class ContactProblem:
 
             # Shear, shift and states at known pressure; no load on a half whose shear is odd in x.
             if self.has_shear:
-                known_slip = start.slip - slip_offset - coupling @ pressure - normals_x * approach
+                known_slip = (
+                    start_state.slip - slip_offset - coupling @ pressure - normals_x * approach
+                )
                 tangential_load = (
                     None
                     if self.interface.has_odd_shear
@@ -806,9 +816,9 @@ class ContactProblem:
             # sticking node the full system is singular, unless an actuator holds the upper body.
             if not np.any(states == STICK) and not self.actuators.prescribe_displacement:
                 continue
-            state = self.state_following(start, time, loads, states)
+            state = self.state_following(start_state, time, loads, states)
             resultants = state.resultants or resultants
-            n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
+            n_changing = int(np.count_nonzero(self._states_by_law(state, start_state) != states))
             if not n_changing:
                 return _Outcome(state, turn_number, 0)
         return _Outcome(None, self.max_iterations, n_changing)
@@ -830,7 +840,7 @@ class ContactProblem:
         solved_state
             solution of an increment for the node states in it
         start_state
-            the state before the increment
+            state of the contact before the increment
         """
         states = solved_state.node_states
         # Trial forces. What the equations of these states set to zero is exactly zero: weighted,

@@ -335,7 +335,10 @@ def _without_idle_onsets(
 
 
 def work_by_kinks(
-    problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved_states: States
+    problem: ContactProblem,
+    start_state: InterfaceState,
+    end_state: InterfaceState,
+    solved_states: States,
 ) -> float:
     """Part of the dissipation of one increment, without sign, that is by kinks of pressure and slip
     where nodes start to slide one after the other; over P^2/E*.
@@ -348,13 +351,13 @@ def work_by_kinks(
     ----------
     problem
         the contact problem that both states solve
-    start, end
+    start_state, end_state
         contact states before and after the increment
     solved_states
         (n,) open, stick or slip of the nodes as the increment was solved, before a node that
         touches or lets go at its very end changes
     """
-    increment = _Increments.between([start, end], solved_states[None], problem.friction)
+    increment = _Increments.between([start_state, end_state], solved_states[None], problem.friction)
     return float(_work_with_onsets(problem, increment).kink_work[0])
 
 

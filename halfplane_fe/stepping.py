@@ -223,14 +223,14 @@ def increments_along(
 
 
 def _end_by_turn_of_slip(
-    problem: ContactProblem, start: InterfaceState, loads_at: LoadsAt, end: float
+    problem: ContactProblem, start_state: InterfaceState, loads_at: LoadsAt, end: float
 ) -> float:
-    """Instant up to `end` at which the nodes that slide at `start` stop sliding that way, since a
-    prescribed movement turns round; `end` where they do not, and where loads are given.
+    """Instant up to `end` at which the nodes that slide in `start_state` stop sliding that way,
+    since a prescribed movement turns round; `end` where they do not, and where loads are given.
 
     Of given loads the instant is known beforehand: a turning point of Q - f P or Q + f P. Where
     movements are given it is when the slip of the sliding nodes, each weighted by its pressure, is
-    largest, if they go on sliding as at `start`. A turn in the first eighth of the way does not
+    largest, if they go on sliding the same way. A turn in the first eighth of the way does not
     count.
 
     Parameters
@@ -238,7 +238,7 @@ def _end_by_turn_of_slip(
     problem
         the contact problem, whose `actuators` may prescribe movements; its `rates` are derivatives
         of the values of all nodes by the loads at given node states, (n_loads, 3 + 4 n)
-    start
+    start_state
         state at which the increment starts, with its node states and pressure
     loads_at
         function of an instant: the scaled loads, or movements in their place
@@ -247,25 +247,27 @@ def _end_by_turn_of_slip(
     """
     if not problem.actuators.prescribe_movements:
         return end
-    slip_directions = slip_sign(start.node_states)
+    slip_directions = slip_sign(start_state.node_states)
     if not slip_directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal_values(
+            problem.rates(start_state.node_states, len(start_state.loads))
+        )
     except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
-    weighted_slip_by_loads = slip_by_loads @ (slip_directions * start.pressure)
-    end_of_stroke = _instant_of_most_slip(start, loads_at, end, weighted_slip_by_loads)
+    weighted_slip_by_loads = slip_by_loads @ (slip_directions * start_state.pressure)
+    end_of_stroke = _instant_of_most_slip(start_state, loads_at, end, weighted_slip_by_loads)
     # _N_INSTANTS_OF_STROKE: nine
-    first_instant_tried = start.time + (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
+    first_instant_tried = start_state.time + (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
     return end_of_stroke if end_of_stroke > first_instant_tried else end
 
 
 def _instant_of_most_slip(
-    start: InterfaceState, loads_at: LoadsAt, end: float, weighted_slip_by_loads: Array
+    start_state: InterfaceState, loads_at: LoadsAt, end: float, weighted_slip_by_loads: Array
 ) -> float:
-    """Instant from `start` to `end` at which a weighted sum of nodal slips is largest, the sum
-    being linear in the loads: to 1e-5 of the time between, or `end` where it grows up to there.
+    """Instant between `start_state` and `end` at which a weighted sum of nodal slips is largest: to
+    1e-5 of the time between, or `end` where it grows up to there. The sum is linear in the loads.
 
     It is bracketed among nine equally spaced instants, then found by bounded minimisation of its
     negative. `weighted_slip_by_loads` (n_loads,) are its derivatives by the loads, and `loads_at`
@@ -274,9 +276,9 @@ def _instant_of_most_slip(
 
     def weighted_slip(time: float) -> float:
         """Weighted sum of nodal slips at an instant, minus that at the start."""
-        return float(np.subtract(loads_at(time), start.loads) @ weighted_slip_by_loads)
+        return float(np.subtract(loads_at(time), start_state.loads) @ weighted_slip_by_loads)
 
-    times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
+    times = np.linspace(start_state.time, end, _N_INSTANTS_OF_STROKE)
     number_of_largest = int(np.argmax([weighted_slip(time) for time in times.tolist()]))
     if number_of_largest == _N_INSTANTS_OF_STROKE - 1:
         return end
@@ -284,14 +286,14 @@ def _instant_of_most_slip(
         lambda time: -weighted_slip(time),
         bounds=(times[max(number_of_largest - 1, 0)], times[number_of_largest + 1]),
         method="bounded",
-        options={"xatol": _TOLERANCE_OF_STROKE * (end - start.time)},
+        options={"xatol": _TOLERANCE_OF_STROKE * (end - start_state.time)},
     )
     return float(minimum.x)
 
 
 def _end_of_lost_slip(
     problem: ContactProblem,
-    start: InterfaceState,
+    start_state: InterfaceState,
     increment: Increment,
     loads_at: LoadsAt,
     tolerance: StepTolerance,
@@ -309,10 +311,10 @@ def _end_of_lost_slip(
     problem
         the contact problem; its `rates` are derivatives of the values of all nodes by the loads at
         given node states, (n_loads, 3 + 4 n)
-    start
+    start_state
         state before the increment; its sliding nodes are taken to go on sliding
     increment
-        as it was solved, from `start` on; its `state` is that at its end
+        as it was solved, from `start_state` on; its `state` is that at its end
     loads_at
         function of an instant: the scaled loads
     tolerance
@@ -320,14 +322,16 @@ def _end_of_lost_slip(
     """
     # Nodes that slide at the start and have turned round shortly before the end.
     end = increment.state.time
-    directions = slip_sign(start.node_states)
+    directions = slip_sign(start_state.node_states)
     if not directions.any():
         return end
     try:
-        slip_by_loads, _, _, _ = nodal_values(problem.rates(start.node_states, len(start.loads)))
+        slip_by_loads, _, _, _ = nodal_values(
+            problem.rates(start_state.node_states, len(start_state.loads))
+        )
     except SingularSet:  # so few nodes hold that the bodies are free to move
         return end
-    shortly_before_end = end - (end - start.time) / (_N_INSTANTS_OF_STROKE - 1)
+    shortly_before_end = end - (end - start_state.time) / (_N_INSTANTS_OF_STROKE - 1)
     slip_shortly_before_end = (
         np.subtract(loads_at(end), loads_at(shortly_before_end)) @ slip_by_loads
     )
@@ -336,19 +340,21 @@ def _end_of_lost_slip(
         return end
 
     # Slip lost by these: the farthest of nine instants, minus the slip that the increment counts.
-    times = np.linspace(start.time, end, _N_INSTANTS_OF_STROKE)
-    changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start.loads)
+    times = np.linspace(start_state.time, end, _N_INSTANTS_OF_STROKE)
+    changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start_state.loads)
     slip = directions * (changes_of_loads @ slip_by_loads)
-    counted_slip = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
+    counted_slip = np.maximum(directions * (increment.state.slip - start_state.slip), 0.0)
     lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - counted_slip, 0.0), 0.0)
-    lost_work = problem.friction * start.pressure * lost_slip
-    allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start.time)
+    lost_work = problem.friction * start_state.pressure * lost_slip
+    allowed_loss = _LOST_WORK_ALLOWED * tolerance.error_rate * (end - start_state.time)
     if not lost_work.sum() > allowed_loss:
         return end
 
     # Instant at which the slip of the nodes that lose work, weighted by pressure, is largest.
-    pressure_of_losing_nodes = np.where(lost_work > 0, directions * start.pressure, 0.0)
-    return _instant_of_most_slip(start, loads_at, end, slip_by_loads @ pressure_of_losing_nodes)
+    pressure_of_losing_nodes = np.where(lost_work > 0, directions * start_state.pressure, 0.0)
+    return _instant_of_most_slip(
+        start_state, loads_at, end, slip_by_loads @ pressure_of_losing_nodes
+    )
 
 
 @dataclass
@@ -376,8 +382,8 @@ class _ErrorControl:
     refused_error: float = np.inf
     has_jumped: bool = False
 
-    def accepts_increment(self, increment: Increment, start: InterfaceState) -> bool:
-        """Whether an increment from the state `start` is accepted; if not, it is to be halved.
+    def accepts_increment(self, increment: Increment, start_state: InterfaceState) -> bool:
+        """Whether an increment from `start_state` is accepted; if not, it is to be halved.
 
         It is accepted where the error of its friction work is within the tolerance, in proportion
         to its duration. It is accepted too where it is too short to be halved, or the interface has
@@ -393,7 +399,7 @@ class _ErrorControl:
         ConvergenceError
             Where the interface jumps too often on the path.
         """
-        duration = increment.state.time - start.time
+        duration = increment.state.time - start_state.time
         allowed_error = self.tolerance.error_rate * duration
         work_error = increment.step_error
         if not work_error > allowed_error:
@@ -404,20 +410,20 @@ class _ErrorControl:
         if self.tolerance.kinks_bound_error:
             work_error = min(
                 work_error,
-                work_by_kinks(self.problem, start, increment.state, increment.solved_states),
+                work_by_kinks(self.problem, start_state, increment.state, increment.solved_states),
             )
             if not work_error > allowed_error:
                 return True
         # Like bodies have one solution. All their kinks can be in one half.
         elif (
-            self.refused_start == start.time
+            self.refused_start == start_state.time
             and work_error > _SHARE_OF_ERROR_AT_JUMP * self.refused_error
         ):
-            self._count_jump(start.time)
+            self._count_jump(start_state.time)
 
         work_counts = self.problem.work_counts
         if duration > self.shortest_duration and not self.has_jumped:
-            self.refused_start = start.time
+            self.refused_start = start_state.time
             self.refused_error = work_error
             work_counts["increments halved, step error"] += 1
             return False
@@ -437,20 +443,20 @@ class _ErrorControl:
 
 def _attempted_increment(
     problem: ContactProblem,
-    start: InterfaceState,
+    start_state: InterfaceState,
     loads_at: LoadsAt,
     end: float,
     shortest_duration: float,
 ) -> Increment | NotConverged:
-    """Increment from the state `start` to the first event (a node touches or lets go) on the way to
-    the instant `end`, or to `end`; `NotConverged` with the instant tried, if it does not converge.
+    """Increment from `start_state` to the first event (a node touches or lets go) on the way to the
+    instant `end`, or to `end`; `NotConverged` with the instant tried, if it does not converge.
 
     Parameters
     ----------
     problem
         the contact problem, scaled; increments that do not converge are counted in its
         `work_counts`
-    start
+    start_state
         state before the increment
     loads_at
         function of an instant: the scaled loads
@@ -471,22 +477,26 @@ def _attempted_increment(
     ConvergenceError
         If an increment shorter than `shortest_duration` does not converge.
     """
-    trial = _Trial(problem, start, loads_at, end)
+    trial = _Trial(problem, start_state, loads_at, end)
     try:
         event, end_state = trial.event_and_state()
     except ConvergenceError:
-        if trial.target - start.time < shortest_duration:
+        if trial.target - start_state.time < shortest_duration:
             raise
         problem.work_counts["increments halved, not converged"] += 1
         return NotConverged(trial.target)
 
-    solved_states = states_up_to_event(start, end_state)
+    solved_states = states_up_to_event(start_state, end_state)
     step_error = 0.0
-    if not np.array_equal(solved_states, start.node_states):
-        slip_change, pressure_change, _, _ = nodal_values(end_state.values - start.values)
+    if not np.array_equal(solved_states, start_state.node_states):
+        slip_change, pressure_change, _, _ = nodal_values(end_state.values - start_state.values)
         step_error = float(
             step_errors(
-                problem.friction, pressure_change, slip_change, start.node_states, solved_states
+                problem.friction,
+                pressure_change,
+                slip_change,
+                start_state.node_states,
+                solved_states,
             )
         )
     state = state_after_event(replace(end_state, node_states=solved_states), event)
@@ -589,13 +599,14 @@ class _Trial:
 
 def next_event(
     problem: ContactProblem,
-    start: InterfaceState,
+    start_state: InterfaceState,
     loads_at: LoadsAt,
     end: float,
     states: States,
 ) -> tuple[Event, float]:
-    """First event from `start` to the instant `end`, and its instant, by one linear prediction: an
-    open node touches, or a closed one is released; ("regular", end) where neither happens before.
+    """First event between `start_state` and the instant `end`, and its instant, by one linear
+    prediction: an open node touches, or a closed one is released; ("regular", end) where neither
+    happens before.
 
     The gap of an open node, and the force of a closed one, are linear in the loads while the nodes
     keep their states. So the first of these that would change its sign decides about the event. Its
@@ -607,7 +618,7 @@ def next_event(
     problem
         the contact problem; values are approach, U and tilt, then slip, pressure, shear and gap of
         the nodes, (3 + 4 n,); `rates` their derivatives by the loads at given node states
-    start
+    start_state
         state of the contact before the increment
     loads_at
         function of an instant: the scaled loads
@@ -615,17 +626,19 @@ def next_event(
         latest end of the increment
     states
         (n,) open, stick or slip that the nodes have on the way; the same ones are open as in
-        `start`
+        `start_state`
     """
     # Gap and pressure (n,) at the start and, by linear prediction, at the end.
-    gap = start.gap
-    pressure = start.pressure
+    gap = start_state.gap
+    pressure = start_state.pressure
     loads_at_end = loads_at(end)
     try:
         # nodes that start to slide come to the limit of friction at once
-        if states is not start.node_states:
-            _, pressure, _, gap = nodal_values(problem.values_following(start, start.loads, states))
-        values_at_end = problem.values_following(start, loads_at_end, states)
+        if states is not start_state.node_states:
+            _, pressure, _, gap = nodal_values(
+                problem.values_following(start_state, start_state.loads, states)
+            )
+        values_at_end = problem.values_following(start_state, loads_at_end, states)
     except SingularSet:
         # One node is left: the upper body rolls over it, to where another touches.
         return "regular", end
@@ -633,8 +646,10 @@ def next_event(
 
     # The first open node whose gap becomes negative, or closed one whose pressure does: share of
     # the increment until then, and number of the node.
-    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start.is_closed)
-    share_to_release, leaving_node = _first_crossing(pressure, pressure_at_end, start.is_closed)
+    share_to_touch, touching_node = _first_crossing(gap, gap_at_end, ~start_state.is_closed)
+    share_to_release, leaving_node = _first_crossing(
+        pressure, pressure_at_end, start_state.is_closed
+    )
     event: Event = "touch" if share_to_touch <= share_to_release else "release"
     share_of_increment = min(share_to_touch, share_to_release)
     event_node = touching_node if event == "touch" else leaving_node
@@ -643,8 +658,8 @@ def next_event(
 
     # Its instant. Of like bodies under P and Q alone it depends on P; `coupling` (slip by pressure)
     # is None of these.
-    if len(start.loads) == 2 and problem.interface.coupling is None:
-        normal_load = start.loads[0]
+    if len(start_state.loads) == 2 and problem.interface.coupling is None:
+        normal_load = start_state.loads[0]
         load_at_end = loads_at_end[0]
         load_at_event = normal_load + share_of_increment * (load_at_end - normal_load)
         if not min(normal_load, load_at_end) < load_at_event < max(normal_load, load_at_end):
@@ -658,37 +673,43 @@ def next_event(
     else:
         # By Q and by tilt nodes meet at constant P too: the gap or force of the first is followed.
         distance_at_start = float((gap if event == "touch" else pressure)[event_node])
-        _, pressure_rates, _, gap_rates = nodal_values(problem.rates(states, len(start.loads)))
+        _, pressure_rates, _, gap_rates = nodal_values(
+            problem.rates(states, len(start_state.loads))
+        )
         rates_of_node = (gap_rates if event == "touch" else pressure_rates)[:, event_node]
         # A load that does not change must not add its rounding.
-        rates_of_node = np.where(np.subtract(loads_at_end, start.loads) != 0, rates_of_node, 0.0)
+        rates_of_node = np.where(
+            np.subtract(loads_at_end, start_state.loads) != 0, rates_of_node, 0.0
+        )
 
         def distance_to_event(time: float) -> float:
             """Gap or force of the node of the event."""
             return distance_at_start + float(
-                np.subtract(loads_at(time), start.loads) @ rates_of_node
+                np.subtract(loads_at(time), start_state.loads) @ rates_of_node
             )
 
-    time = time_of_zero(distance_to_event, start.time, end, share_of_increment, distance_at_start)
-    return (event, time) if start.time < time < end else ("regular", end)
+    time = time_of_zero(
+        distance_to_event, start_state.time, end, share_of_increment, distance_at_start
+    )
+    return (event, time) if start_state.time < time < end else ("regular", end)
 
 
-def _with_touching_nodes_sliding(start: InterfaceState) -> States:
-    """States (n,) of the nodes in `start`, but for nodes that have just touched, and so stick
+def _with_touching_nodes_sliding(start_state: InterfaceState) -> States:
+    """States (n,) of the nodes in `start_state`, but for nodes that have just touched, and so stick
     without pressure: each slides as a sliding neighbour does. Where no node would stick then, all
-    are as in `start`. States are numbers: 0 open, 1 stick, above that slip.
+    are as in `start_state`. States are numbers: 0 open, 1 stick, above that slip.
     """
     # ROUNDING: round-off of scaled forces and displacements, 1e-11
-    has_just_touched = (start.node_states == STICK) & (start.pressure <= ROUNDING)
+    has_just_touched = (start_state.node_states == STICK) & (start_state.pressure <= ROUNDING)
     if not has_just_touched.any():
-        return start.node_states
-    states = start.node_states.copy()
+        return start_state.node_states
+    states = start_state.node_states.copy()
     for node in np.flatnonzero(has_just_touched).tolist():
-        states_beside = start.node_states[max(node - 1, 0) : node + 2]
+        states_beside = start_state.node_states[max(node - 1, 0) : node + 2]
         sliding_states = states_beside[states_beside > STICK]
         if len(sliding_states):
             states[node] = sliding_states[0]
-    return states if np.any(states == STICK) else start.node_states
+    return states if np.any(states == STICK) else start_state.node_states
 
 
 def _misses_event(
