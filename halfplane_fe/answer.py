@@ -467,9 +467,9 @@ def _edges_at_instants(
         # Open nodes carry nothing: the layer does not count in their gap.
         gap=gap,
         is_closed=states_by_law != OPEN,
-        sticks=surface_states == STICK,
-        sticks_by_law=states_by_law == STICK,
-        anywhere=scene.unsymmetric,  # the stick zone need not be around x = 0
+        is_stuck=surface_states == STICK,
+        is_stuck_by_law=states_by_law == STICK,
+        stick_may_be_anywhere=scene.unsymmetric,  # the stick zone need not be around x = 0
     )
 
     # Places of both edges, and the uncertainty of each, (n_steps, 2).
@@ -549,7 +549,10 @@ def _permanent_stick(
     dropped_steps = np.setdiff1d(np.flatnonzero(is_in_cycle), run.stored_indices)
     states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
-        x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere=scene.unsymmetric
+        x,
+        states_of_dropped == STICK,
+        states_of_dropped != OPEN,
+        stick_may_be_anywhere=scene.unsymmetric,
     )
     left_edges, right_edges = np.concatenate(
         [edges[is_in_cycle[run.stored_indices]], zones_of_dropped]
@@ -577,7 +580,7 @@ def _permanent_stick(
 
 
 def _with_creeping_ends(
-    x: Array, by_slip: Edges, creeping_edges: Array, common_zone: Array
+    x: Array, ends_by_slip: Edges, creeping_edges: Array, common_zone: Array
 ) -> Edges:
     """Ends (2,) of the permanent stick zone by slip. Where slip does not place one, and the nodes
     creep far beyond the intersection of all stick zones, it is half-way between the last node that
@@ -587,7 +590,7 @@ def _with_creeping_ends(
     ----------
     x
         (n,) nodes in ascending order
-    by_slip
+    ends_by_slip
         ends that slip places, NaN of others
     creeping_edges, common_zone
         (2,) ends of the zone that creeps, and of the intersection of all stick zones
@@ -601,10 +604,12 @@ def _with_creeping_ends(
     spacing = x[node_after] - x[node_after - 1]
     creep_beyond_zone = (creeping_edges - common_zone) * [-1.0, 1.0]
     # Far is more than two distances of nodes.
-    is_by_creep = np.isnan(by_slip.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
+    is_by_creep = np.isnan(ends_by_slip.uncertainty) & (
+        creep_beyond_zone > _NODES_OF_CREEP * spacing
+    )
     return Edges(
-        np.where(is_by_creep, creeping_edges, by_slip.places),
-        np.where(is_by_creep, spacing, by_slip.uncertainty),
+        np.where(is_by_creep, creeping_edges, ends_by_slip.places),
+        np.where(is_by_creep, spacing, ends_by_slip.uncertainty),
     )
 
 
@@ -688,7 +693,9 @@ def creeping_zone(
     return np.asarray(zones[0])
 
 
-def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> Array:
+def _zones_by_nodes(
+    x: Array, is_stuck: Mask, is_closed: Mask, stick_may_be_anywhere: bool
+) -> Array:
     """Left and right edge (m, 2) of the stick zone at m instants, half-way between the nodes that
     stick and those that do not; on a side of the middle where all stick the outermost closed node.
     Both are NaN where on one side at least nodes touch and none sticks.
@@ -697,15 +704,15 @@ def _zones_by_nodes(x: Array, sticks: Mask, is_closed: Mask, anywhere: bool) -> 
     ----------
     x
         (n,) places of the nodes
-    sticks, is_closed
+    is_stuck, is_closed
         (m, n) whether each node sticks, and touches
-    anywhere
+    stick_may_be_anywhere
         whether the stick zone may be beside x = 0
     """
     first_node = np.argmax(is_closed, axis=1)
     last_node = len(x) - 1 - np.argmax(is_closed[:, ::-1], axis=1)
     contact = np.stack([x[first_node], x[last_node]], axis=1)
-    return stick_edges(x, sticks, is_closed, contact, anywhere=anywhere)
+    return stick_edges(x, is_stuck, is_closed, contact, stick_may_be_anywhere=stick_may_be_anywhere)
 
 
 def _is_creeping(slip: Array, is_closed: Mask, share: float) -> Mask:

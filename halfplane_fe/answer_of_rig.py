@@ -80,27 +80,27 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
     and end in time, its distance (with sign) and its work. All is scaled.
     """
     slides: list[_Slide] = []
-    for start, end in pairwise(states):
-        touches_throughout = start.is_closed & end.is_closed  # (n,) nodes
-        if np.any(end.node_states == STICK) or not np.any(touches_throughout):
+    for state_before, state_after in pairwise(states):
+        touches_throughout = state_before.is_closed & state_after.is_closed  # (n,) nodes
+        if np.any(state_after.node_states == STICK) or not np.any(touches_throughout):
             continue
 
-        slip = (end.slip - start.slip)[touches_throughout]
+        slip = (state_after.slip - state_before.slip)[touches_throughout]
         distance = float(slip[np.argmin(np.abs(slip))])
-        mean_normal_load = (start.normal_load + end.normal_load) / 2
+        mean_normal_load = (state_before.normal_load + state_after.normal_load) / 2
         work = friction * mean_normal_load * abs(distance)
 
         # Joined with the spell before if that ended here and had the same direction.
-        if slides and slides[-1].end == start.time and slides[-1].distance * distance > 0:
+        if slides and slides[-1].end == state_before.time and slides[-1].distance * distance > 0:
             slide_before = slides[-1]
             slides[-1] = _Slide(
                 slide_before.begin,
-                end.time,
+                state_after.time,
                 slide_before.distance + distance,
                 slide_before.work + work,
             )
         else:
-            slides.append(_Slide(start.time, end.time, distance, work))
+            slides.append(_Slide(state_before.time, state_after.time, distance, work))
     return slides
 
 

@@ -141,7 +141,12 @@ class Edge:
 
     @classmethod
     def of_contact(
-        cls, problem: ContactProblem, side: int, node: int, state: InterfaceState, by_load: Array
+        cls,
+        problem: ContactProblem,
+        side: int,
+        node: int,
+        state: InterfaceState,
+        rates_by_load: Array,
     ) -> Edge:
         """The edge of contact between a closed node and the open one farther out.
 
@@ -158,11 +163,11 @@ class Edge:
             outermost closed node; the next one outwards is open
         state
             nodal forces and gaps at the instant
-        by_load
+        rates_by_load
             (4, n) derivatives by P of slip, normal force, shear force and gap of the nodes
         """
         next_node = node + side
-        _, pressure_rates, _, gap_rates = by_load
+        _, pressure_rates, _, gap_rates = rates_by_load
         load_from_node = _load_to(state.pressure[node], pressure_rates[node])
         load_to_next = _load_to(state.gap[next_node], gap_rates[next_node])
         load_between = load_from_node + load_to_next
@@ -170,7 +175,12 @@ class Edge:
 
     @classmethod
     def of_stick(
-        cls, problem: ContactProblem, side: int, last_stuck: int, turn: TurnOfSlip, by_load: Array
+        cls,
+        problem: ContactProblem,
+        side: int,
+        last_stuck: int,
+        turn: TurnOfSlip,
+        rates_by_load: Array,
     ) -> Edge:
         """The edge of stick between the last stuck node and the first sliding one, as it moves
         inwards.
@@ -194,11 +204,11 @@ class Edge:
         turn
             sense of slip, slip of the first sliding node, and force of the last stuck one to the
             Coulomb limit
-        by_load
+        rates_by_load
             (4, n) derivatives by Q of slip, normal force, shear force and gap of the nodes
         """
         node = last_stuck + side  # the first sliding one
-        slip_rates, pressure_rates, shear_rates, _ = by_load
+        slip_rates, pressure_rates, shear_rates, _ = rates_by_load
         force_rates = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
         load_from_node = _load_to(turn.slip, slip_rates[node])
         load_to_last_stuck = _load_to(turn.force_to_limit, force_rates[last_stuck])
@@ -754,18 +764,21 @@ class StickZone(NamedTuple):
         )
         return np.where(is_same, places_by_load_or_nodes, edges)
 
-    def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
+    def uncertainty(self, edges: Array, uncertainty_of_stick_edges: Array) -> Array:
         """Uncertainty (2,) of the ends `edges` (2,) of the permanent stick zone, by the mesh.
 
-        Where the loads place an end (`places_by_load`), theirs counts. Elsewhere it is
-        `by_stick_zones` (2,), that of the stick edges of single instants. Between the places at its
-        two nodes an end is never less certain than by its larger distance from them.
+        Where the loads place an end (`places_by_load`), it is by the loads. Elsewhere it is
+        `uncertainty_of_stick_edges` (2,), that at single instants. An end that lies between its
+        places at the two nodes around it (`holds`) is uncertain by its larger distance from them at
+        most.
         """
         distance_from_nodes = np.maximum(
             np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
         )
         uncertainty_by_nodes = np.where(
-            self.holds(edges), np.minimum(distance_from_nodes, by_stick_zones), by_stick_zones
+            self.holds(edges),
+            np.minimum(distance_from_nodes, uncertainty_of_stick_edges),
+            uncertainty_of_stick_edges,
         )
         return np.where(
             edges == self.places_by_load, self.uncertainty_by_load, uncertainty_by_nodes
@@ -882,7 +895,7 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
 
 
 def _stick_zone(
-    problem: ContactProblem, sticks: Mask, stick_edges: Mapping[int, _StickEdgeAtTurns]
+    problem: ContactProblem, is_always_stuck: Mask, stick_edges: Mapping[int, _StickEdgeAtTurns]
 ) -> StickZone:
     """Left and right end of the permanent stick zone of a load cycle, scaled: places of each when
     it meets the nodes around it, and its place by the loads; NaN where these are not known.
@@ -891,7 +904,7 @@ def _stick_zone(
     ----------
     problem
         the contact problem of the nodes
-    sticks
+    is_always_stuck
         (n,) nodes that stick through the whole cycle
     stick_edges
         side, 1 for right and -1 for left -> the edge placed by the loads, if it could be
@@ -902,7 +915,7 @@ def _stick_zone(
     uncertainty_by_load = np.full(2, np.nan)
     turn_times: list[tuple[float, ...]] = [(), ()]
     for column, side in enumerate((-1, 1)):
-        last_stuck = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
+        last_stuck = int(np.flatnonzero(is_always_stuck)[-1 if side > 0 else 0])
         first_sliding = last_stuck + side
         if _has_equal_elements(problem, first_sliding):
             places_at_last_stuck[column] = place_when_met(problem.interface, last_stuck, side)
@@ -944,7 +957,7 @@ def _at_stick_edge(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     slip: Array,
-    sticks: Mask,
+    is_always_stuck: Mask,
     side: int,
 ) -> _StickEdgeAtTurns | None:
     """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
@@ -966,14 +979,14 @@ def _at_stick_edge(
         contact states of a load cycle, the first one from before it
     slip
         (k, n) slip of the nodes at these states, scaled
-    sticks
+    is_always_stuck
         (n,) nodes that stick through the whole cycle
     side
         1 for the right edge, -1 for the left one
     """
     # Nodes around the edge: the last one of the stick zone, the first one that slides; and that of
     # the opposite edge.
-    leftmost, rightmost = np.flatnonzero(sticks)[[0, -1]].tolist()
+    leftmost, rightmost = np.flatnonzero(is_always_stuck)[[0, -1]].tolist()
     last_stuck = rightmost if side > 0 else leftmost
     first_stuck = leftmost if side > 0 else rightmost
     first_sliding = last_stuck + side
@@ -1013,7 +1026,7 @@ def _at_stick_edge(
     for sign, turning_state in states_at_turns.items():
         # Nodes that have only reached the Coulomb limit stick.
         nodal_states = np.where(
-            sticks & (turning_state.node_states != OPEN), STICK, turning_state.node_states
+            is_always_stuck & (turning_state.node_states != OPEN), STICK, turning_state.node_states
         ).astype(np.int8)
         is_sliding = slip_sign(nodal_states) == sign
         sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]

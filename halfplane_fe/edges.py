@@ -102,9 +102,9 @@ class NodalAnswer(NamedTuple):
         (k, n) of the open nodes [length]
     is_closed
         (k, n) whether a node touches
-    sticks, sticks_by_law
+    is_stuck, is_stuck_by_law
         (k, n) whether it sticks, as it is reported and by the law alone
-    anywhere
+    stick_may_be_anywhere
         whether the stick zone need not hold the middle of the contact, as under bulk stress or
         tilt
     """
@@ -114,9 +114,9 @@ class NodalAnswer(NamedTuple):
     shear: Array
     gap: Array
     is_closed: Mask
-    sticks: Mask
-    sticks_by_law: Mask
-    anywhere: bool
+    is_stuck: Mask
+    is_stuck_by_law: Mask
+    stick_may_be_anywhere: bool
 
 
 class StickEdges(NamedTuple):
@@ -137,7 +137,7 @@ class StickEdges(NamedTuple):
     by_states: Array
 
 
-def contact_with_uncertainty(answer: NodalAnswer, by_load: EdgesByLoad) -> Edges:
+def contact_with_uncertainty(answer: NodalAnswer, edges_by_load: EdgesByLoad) -> Edges:
     """Left and right edge of contact at k instants, and the uncertainty of each, by the load that
     moves them, or else by the form of pressure and gap at the outermost nodes; scaled by E*.
 
@@ -145,16 +145,16 @@ def contact_with_uncertainty(answer: NodalAnswer, by_load: EdgesByLoad) -> Edges
     ----------
     answer
         places of the n nodes; pressure, gap and whether they touch, (k, n)
-    by_load
+    edges_by_load
         edges that a load places between two nodes (`last_node` (k, 2) is -1 where none does), with
         their uncertainty
     """
     edges_by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
-    is_placed = by_load.last_node >= 0
+    is_placed = edges_by_load.last_node >= 0
     return Edges(
-        places=np.where(is_placed, by_load.places, edges_by_form),
+        places=np.where(is_placed, edges_by_load.places, edges_by_form),
         uncertainty=np.where(
-            is_placed, by_load.uncertainty, _contact_uncertainty(answer, edges_by_form)
+            is_placed, edges_by_load.uncertainty, _contact_uncertainty(answer, edges_by_form)
         ),
     )
 
@@ -164,7 +164,7 @@ def stick_with_uncertainty(
     friction: float,
     contact: Edges,
     sticks_in_full: Mask,
-    by_load: EdgesByLoad,
+    edges_by_load: EdgesByLoad,
 ) -> Edges:
     """Left and right end of the stick zone at k instants, and the uncertainty of each: by the load
     that takes it inwards, or else by the distance of q from the Coulomb limit, where that is
@@ -180,25 +180,25 @@ def stick_with_uncertainty(
         ends of the contact, with their uncertainty
     sticks_in_full
         (k,) instants at which theory has no slip zone
-    by_load
+    edges_by_load
         edges that a load places beyond the last node that sticks (`last_node` (k, 2), -1 where none
         does); they count where the reported states end the stick zone at the same nodes
     """
-    stick = fitted_stick_edges(answer, contact.places, friction)
-    uncertainty = _stick_uncertainty(answer, contact, stick, sticks_in_full)
+    fitted_edges = fitted_stick_edges(answer, contact.places, friction)
+    uncertainty = _stick_uncertainty(answer, contact, fitted_edges, sticks_in_full)
 
     # Half-way between the last node that sticks and the next one outwards: the end by states.
-    next_node = by_load.last_node + np.array([-1, 1])
-    is_same = (by_load.last_node >= 0) & (
-        stick.by_states == (answer.x[by_load.last_node] + answer.x[next_node]) / 2
+    next_node = edges_by_load.last_node + np.array([-1, 1])
+    is_same = (edges_by_load.last_node >= 0) & (
+        fitted_edges.by_states == (answer.x[edges_by_load.last_node] + answer.x[next_node]) / 2
     )
     return Edges(
-        places=np.where(is_same, by_load.places, stick.places),
-        uncertainty=np.where(is_same, by_load.uncertainty, uncertainty),
+        places=np.where(is_same, edges_by_load.places, fitted_edges.places),
+        uncertainty=np.where(is_same, edges_by_load.uncertainty, uncertainty),
     )
 
 
-def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
+def contact_edges(x: Array, pressure: Array, gap: Array, is_closed: Mask, modulus: float) -> Array:
     r"""Left and right edge of contact at k instants, (k, 2), from the form that every smooth edge
     has; NaN without contact.
 
@@ -213,15 +213,15 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     ----------
     x
         (n,) nodes in ascending order [length]
-    pressure, gap, closed
+    pressure, gap, is_closed
         (k, n); pressure of the closed nodes [stress], gap of the open ones [length], both >= 0
     modulus
         E* [stress]
     """
-    edges = np.empty((len(closed), 2))
+    edges = np.empty((len(is_closed), 2))
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
-        p, g, is_in_contact = side.outwards(pressure, gap, closed)
+        p, g, is_in_contact = side.outwards(pressure, gap, is_closed)
         last_node = _last(is_in_contact)  # (k,) outermost node that touches
         next_node = np.minimum(last_node + 1, len(x) - 1)
         distance = side.x[next_node] - side.x[last_node]
@@ -235,7 +235,7 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
         t = np.where(pressure_of_last > 0, 0.0, 1.0)
         t[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
         edges[:, side.column] = side.sign * (side.x[last_node] + distance * (1 - t))
-    edges[~closed.any(axis=1)] = np.nan
+    edges[~is_closed.any(axis=1)] = np.nan
     return edges
 
 
@@ -245,7 +245,7 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
 
     A share of the distance of the nodes around it, and in part how far the edge is from another
     estimate: the zero of a straight line through the squares of the pressure at the five nodes
-    before the last. With fewer nodes than that, the width of the contact.
+    before the last (`_EXTRAPOLATED`). Where no more than five touch, the width of the contact.
 
     Parameters
     ----------
@@ -256,6 +256,7 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
     """
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
+    # instants at which more than five nodes touch
     rows = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
@@ -264,16 +265,21 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
         edge = side.sign * contact[rows, side.column]
         # no zero counts as farther away than the innermost of the five nodes
         farthest_zero = side.x[last_node - _EXTRAPOLATED]
-        zero = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
-        zero = np.where(np.isnan(zero), farthest_zero, zero)
-        distance_to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest_zero - edge))
+        zero_place = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
+        zero_place = np.where(np.isnan(zero_place), farthest_zero, zero_place)
+        distance_to_zero = np.minimum(np.abs(zero_place - edge), np.abs(farthest_zero - edge))
         spacing = _spacing(side.x, last_node)  # the larger distance from a neighbour
+        # _SHARE, _BY_ZERO: fitted factors
         uncertainty[rows, side.column] = _SHARE * spacing + _BY_ZERO * distance_to_zero
     return uncertainty
 
 
 def stick_edges(
-    x: Array, stick: Mask, is_closed: Mask, contact: Array, anywhere: bool = False
+    x: Array,
+    is_sticking: Mask,
+    is_closed: Mask,
+    contact: Array,
+    stick_may_be_anywhere: bool = False,
 ) -> Array:
     """Left and right end of the stick zone at k instants by the states of the nodes, (k, 2)
     [length]. The contact edge where all nodes stick on its side of the middle. Both are NaN where
@@ -288,13 +294,13 @@ def stick_edges(
     ----------
     x
         (n,) nodes in ascending order [length]
-    stick
+    is_sticking
         (k, n) nodes that stick at k instants, in the order of `x`
     is_closed
         (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
-    anywhere
+    stick_may_be_anywhere
         whether the stick zone may lie anywhere in the contact, without its middle (bulk stress,
         tilt): then the middle of the sticking nodes parts the sides
     """
@@ -302,9 +308,9 @@ def stick_edges(
     a_side_has_no_stick = np.zeros(len(is_closed), dtype=bool)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(x):
-        is_stuck, is_in_contact = side.outwards(stick, is_closed)
+        is_stuck, is_in_contact = side.outwards(is_sticking, is_closed)
         # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
-        nodes_of_side = _half(side, is_in_contact, is_stuck if anywhere else None)
+        nodes_of_side = _half(side, is_in_contact, is_stuck if stick_may_be_anywhere else None)
         # last node of the stick zone, and numbers of nodes of that zone and of the side, (k,)
         last_node, n_sticking, n_of_side = _last_sticking(is_stuck, nodes_of_side)
         a_side_has_no_stick |= (n_sticking == 0) & (n_of_side > 0)
@@ -339,15 +345,15 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         straight line, over its slope, 0 where there is no fit; the ends by states.
     """
     edges_by_states = stick_edges(
-        answer.x, answer.sticks, answer.is_closed, contact, answer.anywhere
+        answer.x, answer.is_stuck, answer.is_closed, contact, answer.stick_may_be_anywhere
     )
     edges = edges_by_states.copy()
     misfit = np.zeros_like(edges)
     # Each side is read outwards: the left one reflected, so that its x grow.
     for side in _sides(answer.x):
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
-        is_stuck, is_in_contact = side.outwards(answer.sticks, answer.is_closed)
-        is_in_half = _half(side, is_in_contact, is_stuck if answer.anywhere else None)
+        is_stuck, is_in_contact = side.outwards(answer.is_stuck, answer.is_closed)
+        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
         last_node, n_sticking, n_in_half = _last_sticking(is_stuck, is_in_half)
         has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking < n_in_half)
         # _FITTED: numbers of nodes of two fits, seven and four
@@ -368,7 +374,7 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
 
 
 def _stick_uncertainty(
-    answer: NodalAnswer, contact: Edges, stick: StickEdges, sticks_in_full: Mask
+    answer: NodalAnswer, contact: Edges, fitted_edges: StickEdges, sticks_in_full: Mask
 ) -> Array:
     """How far each stick edge may be from the true one, by the mesh, (k, 2) [length]; NaN where
     nothing sticks.
@@ -387,18 +393,20 @@ def _stick_uncertainty(
         friction alone (creeping nodes slide there), (k, n)
     contact
         contact edges (k, 2) as answered, with their uncertainty
-    stick
+    fitted_edges
         stick edges (k, 2) as answered, misfit of the fit of each, and those by states alone
     sticks_in_full
         (k,) instants at which theory has no slip zone
     """
     # Distance of each edge from those by the states, as reported and by the law.
     x = answer.x
-    edges = stick.places
+    edges = fitted_edges.places
     edges_by_law = stick_edges(
-        x, answer.sticks_by_law, answer.is_closed, contact.places, answer.anywhere
+        x, answer.is_stuck_by_law, answer.is_closed, contact.places, answer.stick_may_be_anywhere
     )
-    distance_from_states = np.fmax(np.abs(stick.by_states - edges), np.abs(edges_by_law - edges))
+    distance_from_states = np.fmax(
+        np.abs(fitted_edges.by_states - edges), np.abs(edges_by_law - edges)
+    )
 
     # Distance of the nodes around the edge.
     next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
@@ -409,8 +417,8 @@ def _stick_uncertainty(
     # Number of touching nodes beyond the edge, on its side of the middle.
     n_beyond = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
-        is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.sticks)
-        is_in_half = _half(side, is_in_contact, is_stuck if answer.anywhere else None)
+        is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
+        is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
         is_beyond = side.x > side.sign * edges[:, [side.column]]
         n_beyond[:, side.column] = np.count_nonzero(is_in_half & is_beyond, axis=1)
 
@@ -425,8 +433,8 @@ def _stick_uncertainty(
     # Fitted edges; up to about half a node distance from the edge by states is usual.
     # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing
     beyond_usual = np.maximum(distance_from_states - _BY_STATES * spacing, 0.0)
-    of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + beyond_usual
-    uncertainty = np.where(edges == stick.by_states, of_unfitted_edge, of_fitted_edge)
+    of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * fitted_edges.misfit + beyond_usual
+    uncertainty = np.where(edges == fitted_edges.by_states, of_unfitted_edge, of_fitted_edge)
 
     # Where all of the contact sticks.
     is_full_stick = edges == contact.places
@@ -659,49 +667,51 @@ def _last(in_contact: Mask) -> Indices:
     return np.asarray(in_contact.shape[1] - 1 - np.argmax(in_contact[:, ::-1], axis=1))
 
 
-def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
+def _half(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
     """Closed nodes on one side of the middle of the contact, outwards of it, a mask (k, n); one in
     the middle belongs to the right side.
 
-    Where `stick` is given, the middle is that of the sticking nodes, if there are any.
+    Where `is_stuck` is given, the middle is that of the sticking nodes, if there are any.
 
     Parameters
     ----------
     side
         left or right: x (n,) of the nodes, and all rows, are read outwards, those of the left side
         reflected; `sign` is that of x outwards
-    closed, stick
+    is_closed, is_stuck
         (k, n) nodes that touch, and that stick, at k instants
     """
     is_right = side.sign > 0
-    first_x = side.x[np.argmax(closed, axis=1)]  # of the first and the last closed node
-    last_x = side.x[_last(closed)]
+    first_x = side.x[np.argmax(is_closed, axis=1)]  # of the first and the last closed node
+    last_x = side.x[_last(is_closed)]
     middle = ((first_x + last_x) / 2)[:, None]
-    if stick is not None:
-        sticks_in_contact = stick & closed
+    if is_stuck is not None:
+        sticks_in_contact = is_stuck & is_closed
         rank = np.cumsum(sticks_in_contact, axis=1)  # number of sticking nodes up to each
         n_sticking = rank[:, -1:]
         # Counted from the left whichever side looks, so that both have one middle.
         middle_rank = (n_sticking + 1) // 2 if is_right else n_sticking // 2 + 1
         middle_node = np.argmax(sticks_in_contact & (rank == middle_rank), axis=1)
         middle = np.where(n_sticking > 0, side.x[middle_node][:, None], middle)
-    return np.asarray(closed & ((side.x >= middle) if is_right else (side.x > middle)))
+    return np.asarray(is_closed & ((side.x >= middle) if is_right else (side.x > middle)))
 
 
-def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
+def _last_sticking(is_stuck: Mask, is_in_half: Mask) -> tuple[Indices, Indices, Indices]:
     """Last node of the stick zone on a side of the middle, how many nodes the zone has there, and
     how many the side, (k,) each.
 
     Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
-    tie. Where the zone has no nodes the last of them is without meaning. `stick` and `half` (k, n)
-    are the nodes that stick and those in contact on the side.
+    tie. Where the zone has no nodes the last of them is without meaning. `is_stuck` (k, n) are the
+    nodes that stick, `is_in_half` (k, n) those in contact on the side.
     """
-    n_sticking_up_to = np.cumsum(stick & half, axis=1, dtype=np.int32)
-    n_nodes_up_to = np.cumsum(half, axis=1, dtype=np.int32)
+    n_sticking_up_to = np.cumsum(is_stuck & is_in_half, axis=1, dtype=np.int32)
+    n_nodes_up_to = np.cumsum(is_in_half, axis=1, dtype=np.int32)
     # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
     # for all.
-    n_misplaced = np.where(half, n_nodes_up_to - 2 * n_sticking_up_to, half.shape[1] + 1)
-    last_node: Indices = half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
+    n_misplaced = np.where(
+        is_in_half, n_nodes_up_to - 2 * n_sticking_up_to, is_in_half.shape[1] + 1
+    )
+    last_node: Indices = is_in_half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
     n_sticking_nodes: Indices = np.where(
         _pick(n_misplaced, last_node) <= 0, _pick(n_nodes_up_to, last_node), 0
     )

@@ -165,8 +165,9 @@ class CurvatureJumpKernels:
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_slope(self, x: Array) -> Array:
-        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R.
-        Any shape:
+        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R,
+        any shape. Divided differences of Phi are the singular part of the displacement along x by a
+        force along x:
 
             2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
             R dPhi/dx = (x + b) ln|x + b| - (x - b) ln|x - b| + b

@@ -377,7 +377,10 @@ def _scales_of_run(
         rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
         surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
         innermost_edge = _innermost_edge(
-            problem, run.states[rows_of_cycles], surface_states == STICK, anywhere=scene.unsymmetric
+            problem,
+            run.states[rows_of_cycles],
+            surface_states == STICK,
+            stick_may_be_anywhere=scene.unsymmetric,
         )
     # Rounded down, so that no last digit of the coarse run moves the mesh.
     # _ROUNDING_PARTS: 100
@@ -801,13 +804,16 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
 
 
 def _innermost_edge(
-    problem: ContactProblem, states: Sequence[InterfaceState], sticks: Mask, anywhere: bool
+    problem: ContactProblem,
+    states: Sequence[InterfaceState],
+    is_stuck: Mask,
+    stick_may_be_anywhere: bool,
 ) -> float:
     """Innermost place, over some instants, to which an edge of contact or of stick comes: the least
     half-width of either zone, 0 where nothing sticks; scaled.
 
-    Where the zones may be unsymmetric (`anywhere`), it is the least distance of an edge from x = 0,
-    and 0 where an edge crosses it.
+    Where the zones may be unsymmetric (`stick_may_be_anywhere`), it is the least distance of an
+    edge from x = 0, and 0 where an edge crosses it.
 
     Parameters
     ----------
@@ -815,25 +821,29 @@ def _innermost_edge(
         the contact problem, with places of its n nodes and length of face of each
     states
         contact states at the instants
-    sticks
+    is_stuck
         (n_states, n) nodes that stick
-    anywhere
+    stick_may_be_anywhere
         whether the contact and its stick zone may lie beside x = 0
     """
     # Edges (n_states, 2) of the contact, or plus and minus its half-width.
     contact_zones = _contact_edges(problem, states)
     is_closed = np.stack([state.is_closed for state in states])
     signs_of_sides = np.array([-1.0, 1.0])
-    if not anywhere:
+    if not stick_may_be_anywhere:
         contact_zones = np.diff(contact_zones) / 2 * signs_of_sides
 
     # Likewise of the stick zone.
     stick_zones = stick_edges(
-        problem.interface.x, sticks, is_closed, contact_zones, anywhere=anywhere
+        problem.interface.x,
+        is_stuck,
+        is_closed,
+        contact_zones,
+        stick_may_be_anywhere=stick_may_be_anywhere,
     )
-    if not anywhere:
+    if not stick_may_be_anywhere:
         stick_half_width = np.where(
-            sticks.any(axis=1, keepdims=True), np.diff(stick_zones) / 2, 0.0
+            is_stuck.any(axis=1, keepdims=True), np.diff(stick_zones) / 2, 0.0
         )
         stick_zones = stick_half_width * signs_of_sides
     outward_edges = np.concatenate([contact_zones, stick_zones]) * signs_of_sides

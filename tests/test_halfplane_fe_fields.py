@@ -834,7 +834,9 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
 
     def fitted(shear: np.ndarray) -> StickEdges:
         """Of f = 1."""
-        nodes = NodalAnswer(x, pressure, shear, 0 * shear, closed, stick, stick, anywhere=False)
+        nodes = NodalAnswer(
+            x, pressure, shear, 0 * shear, closed, stick, stick, stick_may_be_anywhere=False
+        )
         return fitted_stick_edges(nodes, contact, 1.0)
 
     shear = pressure - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
