@@ -32,7 +32,7 @@ from halfplane_fe.uncertainty import (
     RunValues,
     density_uncertainty,
     displacement_uncertainties,
-    largest_off_neighbours,
+    largest_deviation_from_neighbours,
     norm_uncertainties,
     of_small_contacts,
     peak_uncertainty,
@@ -588,10 +588,12 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     distances_to_edges = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
     peak = Peak(
         value=largest_pressure,
-        difference=abs(largest_pressure - scales.largest_pressure),
+        change_from_coarse=abs(largest_pressure - scales.largest_pressure),
         half_width=float(arrays["contact_half_width"][step]),
-        to_edge=float(np.min(distances_to_edges)),
-        stands_off=largest_off_neighbours(arrays["x"], pressure[step], int(node)),
+        distance_to_edge=float(np.min(distances_to_edges)),
+        deviation_from_neighbours=largest_deviation_from_neighbours(
+            arrays["x"], pressure[step], int(node)
+        ),
         scatter=scatter_of_nodes(pressure[step], int(node)) if has_scatter else 0.0,
     )
     # `fine_sizes`: of the elements along the face of the body with the coarser ones

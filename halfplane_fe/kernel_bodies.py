@@ -673,20 +673,20 @@ def body_kernels(
     # Singular part of the kernels of a face that is an arc, or a flat between two arcs; where there
     # is a flat, the curvature jumps at its ends, which needs more forces and elements.
     jump_kernels = None
-    curvature_jumps = False
+    has_curvature_jump = False
     arc_of_face = face_of(shape, scene.profile).arc
     if arc_of_face is not None:
         flat_half_length, radius = arc_of_face
         jump_kernels = CurvatureJumpKernels(flat_half_length, radius, material)
-        curvature_jumps = flat_half_length > 0
+        has_curvature_jump = flat_half_length > 0
     degree = _degree_of_kernels(name, shape, reach)
     n_forces = degree // 2 + 2
-    if curvature_jumps:
+    if has_curvature_jump:
         # _DEGREE_AT_JUMP: 28; _N_FORCES_AT_JUMP: 24
         degree = max(degree, _DEGREE_AT_JUMP)
         n_forces = max(n_forces, _N_FORCES_AT_JUMP)
     # _N_ELEMENTS_AT_JUMP: 160; _N_ELEMENTS: 48, over the distance to the nearest end of the body
-    n_elements = _N_ELEMENTS_AT_JUMP if curvature_jumps else _N_ELEMENTS
+    n_elements = _N_ELEMENTS_AT_JUMP if has_curvature_jump else _N_ELEMENTS
 
     # A fine mesh, and one with elements twice as large: unit forces at n_forces places x >= 0.
     kernels_of_meshes = []

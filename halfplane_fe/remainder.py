@@ -132,8 +132,8 @@ class RemainderKernels(NamedTuple):
         # notation: k_tn displacement along x by a pressing force, k_nt outwards by a force along x
         """
         nodes = np.abs(self.x[:, None] - self.x_of_forces).argmin(axis=0)
-        gap = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
-        return float(np.abs(gap).max())
+        mismatch = self.along_by_pressure[nodes] + self.outward_by_shear[nodes].T
+        return float(np.abs(mismatch).max())
 
 
 def remainder_kernels(

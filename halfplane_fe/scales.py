@@ -318,8 +318,8 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
         action of the loads misses the meshed faces.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    # The bodies on a coarse mesh; `pair.room`: most of the half-width of the narrower face. The
-    # contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
+    # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
+    # narrower face. The contact takes 0.6 to 0.85 of the part of the face that is meshed finely.
     pair = _CoarsePair(scene, load, modulus, work_counts)
     face_half_width = _fitting_size(pair)
     # _COARSE_STEPS_OF_RECORD: increments of a revolution, 16; _COARSE_STEPS: 48
@@ -328,16 +328,16 @@ def _scales_at(scene: Scene, load: float, work_counts: Counter[str]) -> Scales:
         try:
             problem, run = _coarse_run(pair, face_half_width, steps)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
-            if not enlargements_left or face_half_width == pair.room:
+            if not enlargements_left or face_half_width == pair.largest_face_half_width:
                 raise
         else:
             if not enlargements_left or not _touches_an_end(run):
                 break
             # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
             # has to hold that too.
-            if face_half_width == pair.room:
+            if face_half_width == pair.largest_face_half_width:
                 raise _past_the_end(scene)
-        face_half_width = min(face_half_width * _ENLARGEMENT, pair.room)
+        face_half_width = min(face_half_width * _ENLARGEMENT, pair.largest_face_half_width)
     return _scales_of_run(pair, face_half_width, problem, run)
 
 
@@ -472,7 +472,8 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
         load = _load_of_approach(short_scene, work_counts)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
 
-    # The bodies on a coarse mesh; `pair.room`: most of the half-width of the narrower face.
+    # The bodies on a coarse mesh; `pair.largest_face_half_width`: most of the half-width of the
+    # narrower face.
     pair = _CoarsePair(short_scene, load, modulus, work_counts)
     face_half_width = _size_near_contact(pair)
     while True:
@@ -480,16 +481,16 @@ def estimate_room(scene: Scene, work_counts: Counter[str]) -> RoomForContact:
             # _STEPS_OF_ESTIMATE: twelve increments
             problem, run = _coarse_run(pair, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1)
         except BesideTheFaces:  # the line of action of the loads misses the meshed faces
-            if face_half_width == pair.room:
+            if face_half_width == pair.largest_face_half_width:
                 raise
         else:
             if not _touches_an_end(run):
                 scales = _scales_of_run(pair, face_half_width, problem, run)
                 return RoomForContact(scales.reach, least_face_half_width(scene), scales)
-            if face_half_width == pair.room:
+            if face_half_width == pair.largest_face_half_width:
                 raise _past_the_end(scene)
         # _FAR_ENLARGEMENT: 2
-        face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.room)
+        face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width)
 
 
 def _size_near_contact(pair: _CoarsePair) -> float:
@@ -498,21 +499,27 @@ def _size_near_contact(pair: _CoarsePair) -> float:
 
     It is twice the half-width of the contact found with the half-width tried before; after ten
     trials the last one is taken. Where it would come near the end of the face, all of the face is
-    taken, `pair.room`. InputError where the contact takes all of that.
+    taken, `pair.largest_face_half_width`. InputError where the contact takes all of that.
 
     `pair` are the bodies on a coarse mesh, with the largest load.
     """
-    face_half_width = min(_size_on_half_planes(pair), pair.room)
+    face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
     for _ in range(_MOST_ENLARGEMENTS):
         contact_fraction = _contact_fraction(pair, face_half_width)
-        if contact_fraction == 1 and face_half_width == pair.room:
+        if contact_fraction == 1 and face_half_width == pair.largest_face_half_width:
             raise _past_the_end(pair.scene)
         # _CONTACT_FRACTIONS: 0.6 and 0.85; _FAR_ENLARGEMENT: 2
         if _CONTACT_FRACTIONS[0] / _FAR_ENLARGEMENT <= contact_fraction < 1:
             break
-        face_half_width = min(contact_fraction * face_half_width * _FAR_ENLARGEMENT, pair.room)
+        face_half_width = min(
+            contact_fraction * face_half_width * _FAR_ENLARGEMENT, pair.largest_face_half_width
+        )
     # A contact that shear or tilt may bring to the end of the face is looked at there at once.
-    return face_half_width if face_half_width * _FAR_ENLARGEMENT < pair.room else pair.room
+    return (
+        face_half_width
+        if face_half_width * _FAR_ENLARGEMENT < pair.largest_face_half_width
+        else pair.largest_face_half_width
+    )
 
 
 def _with_extreme_rows(scene: Scene) -> Scene:
@@ -563,18 +570,21 @@ def _with_extreme_rows(scene: Scene) -> Scene:
 
 @dataclass(eq=False)
 class _CoarsePair:
-    """The bodies cut coarsely, for any half-width of the side that may touch; half-planes are cut
-    once for all sizes.
+    """The bodies on coarse meshes, for any half-width of the part of the face that may touch;
+    half-planes are meshed once for all sizes.
+
+    `load` is what they are pressed by [force per thickness], `modulus` E* [stress], `work_counts`
+    counts of condensations. `largest_face_half_width` is that of the part that may touch [length].
     """
 
     scene: Scene
     load: float
     modulus: float
-    work: Counter[str]
+    work_counts: Counter[str]
 
     def __post_init__(self) -> None:
-        self.room = least_face_half_width(self.scene) * _SHARE_OF_FACE
-        self._made: tuple[float, Interface] | None = None
+        self.largest_face_half_width = least_face_half_width(self.scene) * _SHARE_OF_FACE
+        self._size_and_faces: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
         """Contact compliance of the coarse bodies, whose nodes that may touch lie on |x| up to
@@ -585,13 +595,13 @@ class _CoarsePair:
         apart, the error that the mesh adds between nearby nodes is taken out.
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
-        if self._made is None or self._made[0] != size_of_mesh:
+        if self._size_and_faces is None or self._size_and_faces[0] != size_of_mesh:
             bodies = meshed_pair(
                 self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
             )
-            faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work))
-            self._made = size_of_mesh, without_mesh_error(faces, self.scene) or faces
-        interface = self._made[1]
+            faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work_counts))
+            self._size_and_faces = size_of_mesh, without_mesh_error(faces, self.scene) or faces
+        interface = self._size_and_faces[1]
         if size_of_mesh == half_width:
             return interface
         return interface.scaled(size_of_mesh / half_width, 1.0)
@@ -708,8 +718,8 @@ def _fitting_size(pair: _CoarsePair) -> float:
     largest load takes 0.6 to 0.85 of it.
 
     It is tripled or divided by three until it is bracketed, then bisected in its logarithm. The
-    narrower face limits it (`pair.room`). `pair` are the bodies on a coarse mesh, with the largest
-    load.
+    narrower face limits it (`pair.largest_face_half_width`). `pair` are the bodies on a coarse
+    mesh, with the largest load.
 
     Raises
     ------
@@ -718,7 +728,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     """
     too_small_size = 0.0
     too_large_size = np.inf
-    face_half_width = min(_size_on_half_planes(pair), pair.room)
+    face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
     # Factors of 3, then halved steps: 400 are more than floating-point numbers have.
     for _ in range(400):
         # half-width of the contact over that of the part of the face
@@ -728,9 +738,9 @@ def _fitting_size(pair: _CoarsePair) -> float:
             return face_half_width
 
         if contact_fraction > _CONTACT_FRACTIONS[1]:
-            if face_half_width == pair.room and contact_fraction < 1:
+            if face_half_width == pair.largest_face_half_width and contact_fraction < 1:
                 return face_half_width
-            if face_half_width == pair.room:
+            if face_half_width == pair.largest_face_half_width:
                 raise _past_the_end(pair.scene)
             too_small_size = face_half_width
             larger_size = (
@@ -738,7 +748,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
                 if np.isinf(too_large_size)
                 else np.sqrt(too_small_size * too_large_size)
             )
-            face_half_width = min(larger_size, pair.room)
+            face_half_width = min(larger_size, pair.largest_face_half_width)
         else:
             too_large_size = face_half_width
             face_half_width = (
@@ -761,7 +771,7 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
     half_planes = on_half_planes(pair.scene, pair.scene.profile.datum_length)
-    return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work))
+    return _fitting_size(_CoarsePair(half_planes, pair.load, pair.modulus, pair.work_counts))
 
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:

@@ -192,17 +192,17 @@ def density_uncertainty(x: Array, density: Array) -> float:
     peak = int(np.argmax(density))
     if not 0 < peak < len(x) - 1 or density[peak] <= 0:
         return math.nan
-    stands_off = np.pad(_off_neighbours(x, density), 1)  # 0 at the ends
-    at_peak = stands_off[peak]
+    deviations = np.pad(_deviations_from_neighbours(x, density), 1)  # 0 at the ends
+    at_peak = deviations[peak]
     # _ALONE: share of the largest value by which it stands alone
     if abs(at_peak) > _ALONE * density[peak]:
         return math.nan
-    beside_peak = (stands_off[peak - 1] + stands_off[peak + 1]) / 2
+    beside_peak = (deviations[peak - 1] + deviations[peak + 1]) / 2
     # _BY_NEIGHBOURS: fitted share; _BY_STANDING_OUT: another
     return float(_BY_NEIGHBOURS * abs(at_peak) + _BY_STANDING_OUT * abs(at_peak - beside_peak))
 
 
-def _off_neighbours(x: Array, values: Array) -> Array:
+def _deviations_from_neighbours(x: Array, values: Array) -> Array:
     """How far nodal values (..., n) at nodes x (n,) are from the straight line between their two
     neighbours, (..., n - 2): of all nodes but the first and the last.
     """
@@ -240,10 +240,10 @@ def norm_uncertainties(
     for first_row in range(0, len(instants), _AT_ONCE):
         rows = instants[first_row : first_row + _AT_ONCE]
         norm_of_p = _norm(x, pressure[rows])
-        share_of_p = _norm(x[1:-1], _off_neighbours(x, pressure[rows])) / norm_of_p
+        share_of_p = _norm(x[1:-1], _deviations_from_neighbours(x, pressure[rows])) / norm_of_p
         shares_of_p.append(float(share_of_p.max()))
         if friction:
-            share_of_q = _norm(x[1:-1], _off_neighbours(x, shear[rows])) / norm_of_p
+            share_of_q = _norm(x[1:-1], _deviations_from_neighbours(x, shear[rows])) / norm_of_p
             shares_of_q.append(float(share_of_q.max()) / friction)
     if not len(instants):
         return {"pressure": math.nan, "shear": math.nan}
@@ -693,31 +693,34 @@ class Peak:
     ----------
     value
         [stress]
-    difference
-        from that of the coarse run [stress]
+    change_from_coarse
+        its difference from that of the coarse run [stress]
     half_width
         of the contact then [length]
-    to_edge
+    distance_to_edge
         distance of the peak from the nearer edge of contact [length]
-    stands_off
-        how far nodes there stand off their neighbours, `largest_off_neighbours` [stress]
+    deviation_from_neighbours
+        largest distance of a nodal pressure there from the straight line between its neighbours
+        [stress]
     scatter
         by how much single nodes there stray, `scatter_of_nodes` [stress]
     """
 
     value: float
-    difference: float
+    change_from_coarse: float
     half_width: float
-    to_edge: float
-    stands_off: float
+    distance_to_edge: float
+    deviation_from_neighbours: float
     scatter: float = 0.0
 
 
-def largest_off_neighbours(x: Array, pressure: Array, node: int) -> float:
+def largest_deviation_from_neighbours(x: Array, pressure: Array, node: int) -> float:
     """Largest distance, among a node and the two nodes on either side, of the nodal pressure from
     the straight line between its neighbours [stress].
 
-    >>> largest_off_neighbours(np.arange(9.0), np.array([0.0, 3, 4, 5, 6, 5, 4, 3, 0]), node=4)
+    >>> largest_deviation_from_neighbours(
+    ...     np.arange(9.0), np.array([0.0, 3, 4, 5, 6, 5, 4, 3, 0]), node=4
+    ... )
     1.0
 
     Parameters
@@ -727,7 +730,7 @@ def largest_off_neighbours(x: Array, pressure: Array, node: int) -> float:
     node
         number of the node
     """
-    differences = np.pad(_off_neighbours(x, pressure), 1)  # 0 at the ends
+    differences = np.pad(_deviations_from_neighbours(x, pressure), 1)  # 0 at the ends
     differences_around = differences[max(node - _BESIDE_PEAK, 0) : node + _BESIDE_PEAK + 1]
     return float(np.max(np.abs(differences_around)))
 
@@ -802,7 +805,7 @@ def peak_uncertainty(
     has_low_order
         whether the run has linear elements or a penalty layer: the difference counts in full then
     """
-    if not (peak.half_width > 0 and peak.to_edge > 0):
+    if not (peak.half_width > 0 and peak.distance_to_edge > 0):
         return math.nan  # nothing touches: the first increment failed
 
     # Where the difference is made: ratio of the element sizes there, and order p of the error.
@@ -824,11 +827,11 @@ def peak_uncertainty(
     share = max(place.share_left(), 1.0 if has_low_order else 0.0)
     relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
-    share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
+    share_by_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.distance_to_edge
     share_by_growth = _PEAK_GROWN * growth**4
     return (
-        _SAFETY * peak.difference * share
-        + _PEAK_BY_NEIGHBOURS * peak.stands_off
+        _SAFETY * peak.change_from_coarse * share
+        + _PEAK_BY_NEIGHBOURS * peak.deviation_from_neighbours
         + _PEAK_BY_SCATTER * peak.scatter
         + (share_by_edges + share_by_growth + share_within_tip) * peak.value
     )

@@ -37,7 +37,7 @@ from halfplane_fe.uncertainty import (
     Rule,
     RunValues,
     density_uncertainty,
-    largest_off_neighbours,
+    largest_deviation_from_neighbours,
     peak_uncertainty,
     scatter_of_nodes,
     share_of_flanks,
@@ -260,7 +260,13 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     scatter = scatter_of_nodes(strays, node=50)
     assert scatter_of_nodes(smooth, node=50) < 1e-3
     assert scatter == pytest.approx(0.2, rel=1e-2)
-    peak = Peak(value=50.2, difference=0.0, half_width=1.0, to_edge=1.0, stands_off=0.0)
+    peak = Peak(
+        value=50.2,
+        change_from_coarse=0.0,
+        half_width=1.0,
+        distance_to_edge=1.0,
+        deviation_from_neighbours=0.0,
+    )
     of_smooth, of_straying = (
         uncertainty_of_peak(replace(peak, scatter=size)) for size in (0.0, scatter)
     )
@@ -271,15 +277,22 @@ def test_a_largest_pressure_that_bends_between_its_nodes_is_less_certain() -> No
     """A kink of 0.2 counts wherever it is among the five nodes around the peak."""
     x = np.linspace(-1.0, 1.0, 101)
     kinked = 50 - 5 * np.abs(x - x[51])
-    stands_off = largest_off_neighbours(x, kinked, node=50)
-    assert stands_off == pytest.approx(5 * (x[1] - x[0]))
-    assert largest_off_neighbours(x, kinked, node=40) < 1e-9
-    peak = Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.5, stands_off=0.0)
+    deviation = largest_deviation_from_neighbours(x, kinked, node=50)
+    assert deviation == pytest.approx(5 * (x[1] - x[0]))
+    assert largest_deviation_from_neighbours(x, kinked, node=40) < 1e-9
+    peak = Peak(
+        value=50.0,
+        change_from_coarse=0.0,
+        half_width=1.0,
+        distance_to_edge=0.5,
+        deviation_from_neighbours=0.0,
+    )
     of_line, of_kink = (
-        uncertainty_of_peak(replace(peak, stands_off=size)) for size in (0.0, stands_off)
+        uncertainty_of_peak(replace(peak, deviation_from_neighbours=size))
+        for size in (0.0, deviation)
     )
     assert of_line == pytest.approx((0.06 * 0.02**1.5 / 0.5 + 0.003 * 0.5**4) * 50.0, rel=1e-9)
-    assert of_kink - of_line == pytest.approx(0.13 * stands_off, rel=1e-9)
+    assert of_kink - of_line == pytest.approx(0.13 * deviation, rel=1e-9)
 
 
 def test_half_planes_stick_in_full_while_p_grows_within_the_cone() -> None:
