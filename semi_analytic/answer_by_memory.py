@@ -194,7 +194,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     # contact, points and instants, then states at the instants and work of the cycles
     request = _request_of(question, bulk_tilt_path, path, time)
     time_after_history = clock.perf_counter()
-    # friction states, works of cycles, W(x) at the different |x|
+    # friction states, works of cycles, friction work per area W(x) at the different |x|
     path_answer = path_result(path, request)
     time_after_work = clock.perf_counter()
 
@@ -204,7 +204,7 @@ def findings_by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> F
     fields, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
     time_after_fields = clock.perf_counter()
     work_of_last_cycle = float(path_answer.works[-1])
-    # closed integral of Q dU of the last cycle
+    # closed integral of Q dU of the last cycle, U the relative tangential displacement
     loop_work = _loop_work_of(path_answer)
     errors = _relative_errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
     # of loads below round-off that were left out
@@ -519,7 +519,7 @@ class _IntegralsOfPart(NamedTuple):
 
     @property
     def count_per_record(self) -> int:
-        """How many integrals are taken over each record, a part of a step with slip."""
+        """How many integrals are taken over each record with slip, a portion of a load step."""
         return int(self.work) + int(self.density)
 
 
@@ -569,11 +569,11 @@ class _SeriesSums:
         """Count what a block of load steps took: records, integrals over slip, straight pieces of
         the memory curve.
 
-        A record is a part of a step, with slip in one direction or in full stick. The memory curve
-        M(eta) is the tangential force of the flat punches up to the load eta. Each step adds one
-        straight piece to it, and slip drops those that it passes. Pieces alive are those of a curve
-        at one time, the most of all blocks. A block holds its rows, records, and the curve at its
-        end.
+        A record is a portion of a step, with slip in one direction or in full stick. The memory
+        curve M(eta) is the tangential force of the flat punches up to the load eta. Each step adds
+        one straight piece to it, and slip drops those that it passes. Pieces alive are those of a
+        curve at one time, the most of all blocks. A block holds its rows, records, and the curve at
+        its end.
 
         Parameters
         ----------
@@ -606,6 +606,8 @@ class _SeriesSums:
         """Add the friction work of a block of load steps, and W(x), its density, where they are
         wanted [energy per thickness, and per area].
 
+        A record is a portion of a load step, in full stick or with slip in one direction.
+
         Parameters
         ----------
         part_number, first_step
@@ -620,11 +622,12 @@ class _SeriesSums:
         """
         contact = request.contact
         work_per_integral = request.unit_compliance * friction
-        # parts of steps in which a part of the contact slips
+        # the records with slip
         slipping_records = block.records.slipping()
         if wanted_integrals.work:
             # of each record: int Lam dw, w = +-Q - f P, Lam the integral of ln(a/c) over the loads
-            # from P_c to P
+            # from P_c to P; a half-width of contact, c that of stick, P_c the load at the stick
+            # edge
             integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
             if wanted_integrals.work_of_steps:
                 n_steps = len(block.rows) - 1
@@ -633,7 +636,8 @@ class _SeriesSums:
                     slipping_records.step_number, integrals, n_steps
                 )
         if wanted_integrals.density:
-            # `density_of_records`: the sum of int p arccosh(|x|/c) dw over the records
+            # `density_of_records`: the sum of int p arccosh(|x|/c) dw over the records, p the
+            # pressure at x
             self.density += work_per_integral * density_of_records(
                 contact, slipping_records, request.distance
             )
@@ -646,7 +650,7 @@ class _SeriesSums:
         work_per_integral: float,
     ) -> Array:
         """Add the friction work of a block, and its error, to part `part_number` of the path; the
-        integral of each record, a part of a step with slip, is returned, (m,).
+        integral of each record, a portion of a load step with slip, is returned, (m,).
 
         Work is f A/pi = `work_per_integral` times int Lam dw. Here w = +-Q - f P, the sign that of
         slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the
@@ -763,7 +767,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         work_errors = relative_errors[covered_parts]
     work_increments = np.empty(0)
     if wants_work_of_steps:
-        # copies of the last cycle by which instants lie beyond the followed path
+        # of the copies of the last cycle by which instants lie beyond the followed path
         work_of_later_cycles = series.cycles_beyond(request.time) * path_sums.works[last_part]
         work_increments = _increments_of_work(path_sums, instants, work_of_later_cycles)
     # friction states at the instants, and M(P) - Q of each
@@ -791,9 +795,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 def _empty_loop_integral(series: LoadSeries, request: Request) -> LoopWorkOfSeries | None:
     """The closed integral of Q dU of the last cycle, to which its blocks of load steps are to be
-    added; None where it is not asked for, the cycle is not steady or has no load. `covered` are the
-    cycles that the answer covers, `covered_parts` their numbers among the parts of the path;
-    `steady_from` is the first steady cycle, None without one.
+    added; None where it is not asked for, the cycle is not steady or has no load. U is the relative
+    tangential displacement. `covered` are the cycles that the answer covers, `covered_parts` their
+    numbers among the parts of the path; `steady_from` is the first steady cycle, None without one.
     """
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     if not (request.wants("loop_work") and is_steady):
@@ -852,10 +856,10 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     """Friction states at the instants of a request, and friction work of the cycles, along a curved
     load path, from its spans: times of full stick, or of slip in one direction.
 
-    W(x) and the closed integral of Q dU are those of the last covered cycle. The integral is None
-    where that cycle is not steady, no friction work was wanted, or it is not needed. `covered` are
-    the solved cycles that the answer covers, `steady_from` is the first steady one, None without
-    one.
+    The friction work per area W(x) and the closed integral of Q dU are those of the last covered
+    cycle; U is the relative tangential displacement. The integral is None where that cycle is not
+    steady, no friction work was wanted, or it is not needed. `covered` are the solved cycles that
+    the answer covers, `steady_from` is the first steady one, None without one.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -872,7 +876,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         integrated_spans.extend(last_spans)
         density, density_error = _density_of_spans(last_spans, request)
     loop_integral = None
-    # Where W is no closed form, its error contains the difference of the closed integral from it.
+    # Where the friction work W is no closed form, its error contains the difference of the closed
+    # integral from it.
     needs_loop = request.wants("loop_work") or not contact.has_closed_form
     is_last_cycle_steady = history.steady_from is not None and last_cycle >= history.steady_from
     if works_of_cycles and is_last_cycle_steady and needs_loop:
@@ -902,6 +907,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         work_increments=np.empty(0),
         counts={
             "spans": len(history.spans),
+            # `sticking_piece` leads to all pieces of the memory curve of a span
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping_spans,
             "quadrature_nodes": n_slipping_spans * GRADED_NODE_COUNT,
@@ -1027,8 +1033,8 @@ def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | Non
 
 
 def _loop_work_of(answer: PathResult) -> float:
-    """Closed integral of Q dU of the last cycle [energy per thickness]; 0 where nothing is
-    dissipated.
+    """Closed integral of Q dU of the last cycle, U the relative tangential displacement [energy per
+    thickness]; 0 where nothing is dissipated.
 
     NaN where there is none, or where round-off leaves less than two digits of it, too few to
     compare the friction work with: its round-off is above 0.01 of the work. `works` of the answer
@@ -1272,8 +1278,8 @@ def _relative_errors(
     arc_errors: Mapping[str, float],
     loop_work: float,
 ) -> dict[str, float]:
-    """Estimated relative errors of the values that were asked for, by name, each over the largest
-    p, f p, slip, tangential displacement U, W(x) or W.
+    """Estimated relative errors of the values that were asked for, by name. Each is a share of the
+    largest pressure p, f p, slip, tangential displacement U, friction work per area W(x) or W.
 
     Those of fields next to edges are named "... at the edge". Closed forms promise round-off and
     have no entry. "cycle_dissipation" is the error of the worst cycle, where it is above that of
@@ -1364,8 +1370,9 @@ def _kernel_sums(
     instants, loads at a sample of them, the largest slip, and how many terms the sums have at most.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
-    straight piece of it adds its slope times the difference of a kernel at both its ends. The
-    request holds the different |x|, `distance`, and A/pi, `unit_compliance`.
+    straight piece of it adds its slope times the difference of a kernel at both its ends. A kernel
+    is the field of all flat punches up to a load, each with its load as force. The request holds
+    the different |x|, `distance`, and A/pi, `unit_compliance`, A = 2/E*.
 
     Parameters
     ----------

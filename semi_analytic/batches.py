@@ -245,7 +245,8 @@ def _largest_maximum(
     above and its |x|, (m,) each.
 
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
-    far W may rise between the points of the bracket, the quadrature error and round-off. P0 and P1
+    far W may rise between the last three places about the maximum, the quadrature error and
+    round-off. P0 and P1
     are the mean and the amplitude of P. Round-off counts for more where the load P - P_c carried by
     the slip zones is small; P_c is the load at the stick edge, `largest_slip_zone_load` the largest
     P - P_c.
@@ -290,9 +291,9 @@ def _largest_maximum(
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
     maxima_of_slipping = maximum_number[slipping_ellipses]
-    vertex_of_maximum = maxima.vertex
-    work[slipping_ellipses] = vertex_of_maximum.work[maxima_of_slipping]
-    place[slipping_ellipses] = vertex_of_maximum.place[maxima_of_slipping]
+    vertices = maxima.vertex
+    work[slipping_ellipses] = vertices.work[maxima_of_slipping]
+    place[slipping_ellipses] = vertices.place[maxima_of_slipping]
     densities_by_stride = np.stack(
         [
             density(slipping_ellipses, place[slipping_ellipses], node_stride)
@@ -303,8 +304,8 @@ def _largest_maximum(
     relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
     relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
     error[slipping_ellipses] = (
-        vertex_of_maximum.possible_rise[maxima_of_slipping]
-        + vertex_of_maximum.work[maxima_of_slipping] * relative_error
+        vertices.possible_rise[maxima_of_slipping]
+        + vertices.work[maxima_of_slipping] * relative_error
     )
     return _Peaks(work, error, place, maximum_number)
 
@@ -383,11 +384,13 @@ def _sampled_density(
     # missed.
     largest_works = np.maximum.reduceat(density_at_samples, first_of_ellipse)
     # _NEARLY_LEVEL_FRACTION: 0.01 of the largest W
-    level_change = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
-    is_above_level_change = (density_at_samples[:-1] > level_change) & (
-        density_at_samples[1:] > level_change
+    negligible_work = (_NEARLY_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
+    is_above_negligible_work = (density_at_samples[:-1] > negligible_work) & (
+        density_at_samples[1:] > negligible_work
     )
-    is_level_interval = (np.abs(np.diff(density_at_samples)) < level_change) & is_above_level_change
+    is_level_interval = (
+        np.abs(np.diff(density_at_samples)) < negligible_work
+    ) & is_above_negligible_work
     is_wide_interval = (
         np.diff(sample_places) > _NEARLY_LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
     )
@@ -516,14 +519,14 @@ def _narrowed_brackets(
         even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
         new_works = [density(ellipse_of_maximum[wide_brackets], places) for places in new_places]
-        # Of the six places the highest and its neighbours are the new bracket.
+        # Of the six places that of the highest W and its neighbours are the new bracket.
         six_places = np.concatenate([places_before, new_places])
         six_works = np.concatenate([bracket_works[:, wide_brackets], new_works])
         order_by_place = np.argsort(six_places, axis=0, kind="stable")
         six_places = np.take_along_axis(six_places, order_by_place, 0)
         six_works = np.take_along_axis(six_works, order_by_place, 0)
-        number_of_highest = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
-        rows_of_bracket = number_of_highest + _NEIGHBOUR_OFFSETS
+        row_of_highest_work = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
+        rows_of_bracket = row_of_highest_work + _NEIGHBOUR_OFFSETS
         bracket_places[:, wide_brackets] = np.take_along_axis(six_places, rows_of_bracket, 0)
         bracket_works[:, wide_brackets] = np.take_along_axis(six_works, rows_of_bracket, 0)
         width = bracket_places[2, wide_brackets] - bracket_places[0, wide_brackets]
@@ -677,9 +680,9 @@ class PeakBatch:
     place
         |x| of the peak [length]; NaN where nothing slips
     fraction
-        the same between the permanent stick edge (0) and the largest contact (1)
+        place of the peak between the permanent stick edge (0) and the largest contact (1)
     reason, notes
-        as in `DissipationBatch`
+        code of `Reason`, why a member has no value; what holds for all members
     second_value, second_place
         the second largest maximum of W(x), where W falls by more than 1e-3 of the peak between
         the two; NaN where there is one maximum only
@@ -810,11 +813,11 @@ def _works_of_members(members: Members) -> Array:
 
     Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
     P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
-    the stick edge, to P. Of Hertz and power laws Lam has a closed form, of flat and rounded faces a
-    table; other profiles take a quadrature, one contact for all of a shape. `members` holds the
-    load ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
-    profile and its parameters; of a power law the exponent comes first. Groups by shape have one
-    contact each, in units of length and load. Over the cycle Lam is integrated by quadrature.
+    the stick edge, to P; a is the contact half-width. Of Hertz and power laws Lam has a closed
+    form, of flat and rounded faces a table. Other profiles take a quadrature, with one contact for
+    all members whose profiles have one shape, in units of length and load. `members` holds the load
+    ellipses, mirrored to Q -> -Q where they go round the other way. It also holds the kind of
+    profile and its parameters; of a power law the exponent comes first.
     """
     ellipses = members.ellipses
     kind = members.kind
@@ -832,8 +835,8 @@ def _works_of_members(members: Members) -> Array:
         exponent = members.parameters[0] if kind == "power_law" else 2
         works_and_error /= exponent
     elif kind == "flat_rounded":
-        # `_UNITS_AND_RATIOS`: units of length and of height, b^2/R of the half-length b and the
-        # edge radius R
+        # `_UNITS_AND_RATIOS`: units of length and of height, b^2/R of the half-length b of the flat
+        # and the radius R of its rounded ends
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*members.parameters)
         works_and_error[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
@@ -862,8 +865,8 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
     by reverse slip, the error of the work, and the load of the permanent stick zone.
 
     `members` holds the loads as given, E* as `modulus`, and a contact for all, or None where
-    profiles vary; groups by shape have one contact each, in units of length and load. It is the
-    work on half-planes, exact, plus the change by the curvatures (columns (k, 1) over k ellipses).
+    profiles vary; groups by shape have one contact each, in units of length and load. The work is
+    that on half-planes, exact, plus the change by the curvatures (columns (k, 1) over k ellipses).
     One quadrature rule gives the works with and without curvatures, so that its error nearly
     cancels in the change. A curvature is a second derivative of the gap, or of the displacement of
     the faces, per unit of load [1/(stress length^2)].
@@ -1033,8 +1036,8 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
 
     The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
     edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
-    of the flat, R radius of the edges, so that one table serves all such faces. The table has a
-    quick and a careful kernel, and its largest ln a. a is the contact half-width.
+    of the flat, R radius of its rounded ends, so that one table serves all such faces. The table
+    has a quick and a careful kernel, and its largest ln a. a is the contact half-width.
     """
     scaled_ellipses = ellipses.divided_by(load_unit)
     works_and_error = np.empty((3, len(load_unit)))
@@ -1066,8 +1069,9 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
 
 @lru_cache(maxsize=32)
 def _kernel_table(first_octave: int, last_octave: int) -> LamTable:
-    """The kernel of W on a flat and rounded face for loads from 2^first_octave to 2^(last_octave +
-    1), over E* b^2/R.
+    """Table of the kernel Lam of the friction work on a flat and rounded face for loads from
+    2^first_octave to 2^(last_octave + 1), over E* b^2/R; Lam is the integral of ln(a/a(P_c)) over
+    the loads from P_c, that at the stick edge, to P.
     """
     return LamTable(_contact_in_own_units("flat_rounded", ()), first_octave, last_octave)
 
@@ -1085,7 +1089,7 @@ class EllipseLoads(NamedTuple):
 
 
 class LoadArrays(NamedTuple):
-    """The same as arrays (m,)."""
+    """Loads of a batch and its friction as arrays (m,): P0, P1, Q0, Q1, phase [rad], f."""
 
     mean_normal: Array
     normal_amplitude: Array
@@ -1295,7 +1299,7 @@ class _Batch:
         # coefficient gives that.
         friction = np.where(loads.friction > 0, loads.friction, 1.0)
         with np.errstate(over="ignore", invalid="ignore"):
-            # Q1/f beyond all bounds slides.
+            # Where Q1/f overflows the ellipse slides as a whole.
             # angles and loads of the steady cycle, in which reverse slip begins and ends
             ellipses = ellipses_of(
                 loads.mean_normal,

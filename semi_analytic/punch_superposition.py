@@ -1274,9 +1274,9 @@ def primitive_of(
     # Octaves, so that a small advance has digits of its own.
     # 23 ends of octaves below the largest advance; `advance_ratio_of_series` is 2, or less for high
     # powers
-    octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
-    corners = law.corner_advances[law.corner_advances < largest_advance]
-    ends_of_ranges = np.append(np.union1d(corners, octaves), largest_advance)
+    octave_ends = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVE_COUNT)
+    corners_inside = law.corner_advances[law.corner_advances < largest_advance]
+    ends_of_ranges = np.append(np.union1d(corners_inside, octave_ends), largest_advance)
     # smooth ranges of v for each point, which are then cut to the largest length of this kind
     panels_of_points = _panels_of_points(
         kind, x, law.least_half_width, ends_of_ranges, law.corner_advances
@@ -1529,12 +1529,12 @@ def _panels_of_points(
     begin_v, end_v = (
         _integration_variable(
             kind,
-            end_of_range[nonempty_ranges],
+            advances[nonempty_ranges],
             distance_beyond_flat[point_number],
             advance_at_v0,
             scale,
         )
-        for end_of_range in (ranges.begin, ranges.end)
+        for advances in (ranges.begin, ranges.end)
     )
     return Panels(point_number, x[point_number], advance_at_v0, scale, begin_v, end_v)
 

@@ -361,7 +361,7 @@ def quadrature_error(values: Array, size: Array) -> Array:
     """
     positive_size = np.where(size > 0, size, 1.0)
     value_by_all, value_by_second, value_by_fourth = values
-    # The limit keeps the power finite where W is as tiny as 1e-265.
+    # The limit keeps the power finite where `size` is as tiny as 1e-265.
     difference = np.minimum(np.abs(value_by_all - value_by_second) / positive_size, 1e100)
     coarser_difference = np.minimum(
         np.abs(value_by_second - value_by_fourth) / positive_size, 1e100
@@ -475,7 +475,7 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     slip_angle = ellipses.slip_angle
     # angles at which the stick edge is at x, counted back from the end: in E-G and in J-M
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
-    # the same in E-G, from its begin
+    # that of E-G, counted from the begin of E-G
     stick_edge_angle = np.maximum(slip_angle - stick_edge_angle_by_v, 0.0)
     # E-G before and after the least load, I-J, J-M
     return (
@@ -925,14 +925,16 @@ def _work_over_phases(
     corner of the profile. Each interval of angle is integrated by one of the `rules` and halved
     until its error check is below `converged_share` of W.
     """
-    corners = contact.corner_loads
+    corner_loads = contact.corner_loads
     # A corner that is nearly met counts too.
-    is_above_least_load = corners > 0.99 * np.min(ellipses.permanent_stick_load, initial=math.inf)
-    is_below_largest_load = corners < 1.01 * np.max(
+    is_above_least_load = corner_loads > 0.99 * np.min(
+        ellipses.permanent_stick_load, initial=math.inf
+    )
+    is_below_largest_load = corner_loads < 1.01 * np.max(
         ellipses.mean_load + ellipses.load_amplitude, initial=0.0
     )
     # permanent_stick_load: the least load at the stick edge
-    corners_in_range = corners[is_above_least_load & is_below_largest_load, None]
+    corners_in_range = corner_loads[is_above_least_load & is_below_largest_load, None]
     # intervals of each phase: E-G (reverse slip), I-J and J-M (forward)
     pieces_of_phases = []
     # (cuts, m) ascending, for each phase
@@ -1220,8 +1222,8 @@ def _integrals_by_group(
 
     A group is a phase of slip, or one load, P or P_c at the stick edge, through a phase; its range
     of angles is given cut into intervals, the `pieces`: group, ellipse, begin, end and number of
-    the rule. P0 is `mean_load`. Those whose error checks are too large are halved and integrated
-    again. After three halvings an error check of 1e-14 P0^2 is enough.
+    the rule. P0 is `mean_load`. Intervals whose error checks are too large are halved and
+    integrated again. After three halvings an error check of 1e-14 P0^2 is enough.
 
     Parameters
     ----------
@@ -1338,7 +1340,7 @@ class LogHalfWidth:
         """Polynomials of L = ln(half-width) for loads from 2^first_octave to 2^last_octave, or to
         where the profile ends; below, L is that of 2^first_octave. `contact` is the normal contact
         P(a) of the profile; its `extent` is the half-width where the profile ends, `corner_loads`
-        the loads under which the edge of contact is at a corner.
+        the loads under which the contact ends at a corner of the profile.
 
         The polynomials are set up along one coordinate, the sum of sqrt(P - P_b) over the corners.
         From the load P_b of each corner it grows by v = sqrt(P - P_b), in which L is smooth, up to
@@ -1368,9 +1370,9 @@ class LogHalfWidth:
         # below the first corner: ranges that halve the coordinate, down to that of 2^first_octave
         n_octaves = max(math.ceil(math.log2(corner_coordinates[1]) - first_octave / 2), 1)
         octave_coordinates = corner_coordinates[1] * 2.0 ** np.arange(-n_octaves, 0)
-        # Chebyshev series, halved until they are resolved; `edges` are their ends along the
-        # coordinate. The last argument is the size of values beside which errors are negligible: 1,
-        # or more where P(a) is not exact to round-off.
+        # Chebyshev series on ranges that are halved until they are resolved; `edges` are the ends
+        # of these ranges. The last argument is the size of values beside which errors are
+        # negligible: 1, or more where P(a) is not exact to round-off.
         series = piecewise_series_by_halving(
             log_at,
             np.append(octave_coordinates, corner_coordinates[1:]),
@@ -1643,8 +1645,8 @@ def _gauss_rule_numbers(ellipses: Ellipses) -> NDArray[np.uint8]:
     for real_part, squared_imaginary_part in singularities:
         distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
         distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
-        half_sum_of_distance = (distance_from_plus_1 + distance_from_minus_1) / 2
-        np.minimum(half_sum_of_distances, half_sum_of_distance, out=half_sum_of_distances)
+        half_sum_at_singularity = (distance_from_plus_1 + distance_from_minus_1) / 2
+        np.minimum(half_sum_of_distances, half_sum_at_singularity, out=half_sum_of_distances)
     # each rule has a least half sum of distances; the number of rules that need more
     return np.sum(half_sum_of_distances < _LEAST_HALF_SUMS_OF_DISTANCES, axis=0, dtype=np.uint8)
 
@@ -1711,15 +1713,15 @@ def phase_integrals(
     #           ellipses along axis 1; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2),
     #           k = 4 alpha beta = 4 P1 sin(t_E)
 
-    With S = sin(h y), C = cos(h y) at the nodes and a bar for the node 1 - y, which is one of the
-    same rule:
+    With S = sin(h y), C = cos(h y), Z = sin(g y), X = cos(g y) at the nodes, a bar for the node
+    1 - y, which is one of the same rule, and s the angle in the phase of slip:
 
         E-G  s = D (1 - y)   rate 2 f v S C   P_c = P_T + v S^2
                                               P - P_c = u S-bar^2
         J-M  s = D y         rate 2 f u S C   P_c = P_T + u S^2
                                               P - P_c = v S-bar^2 + k S C
-        I-J  s = 2 g y       rate 2 f u s c   P_c = P_min + (alpha c - beta s)^2
-                                              P - P_c = k s c,   s, c = sin, cos (g y)
+        I-J  s = 2 g y       rate 2 f u Z X   P_c = P_min + (alpha X - beta Z)^2
+                                              P - P_c = k Z X
 
     The integrand is `lam_kernel` times S C in E-G and J-M, times P - P_c in I-J. No difference is
     taken but one that is squared. One tangent a node stands for sine and cosine: numpy has it in
@@ -1761,7 +1763,7 @@ def phase_integrals(
     slip_zone_load_of_j_to_m += stick_load_of_e_to_g[::-1]
     stick_edge_loads[:2] += permanent_stick_load
 
-    # I-J: (alpha c - beta s)^2 is (alpha - beta tan)^2 c^2
+    # I-J: (alpha X - beta Z)^2 is (alpha - beta tan)^2 X^2, tan, X and Z of g y
     _fill_tangent(nodes, g, tangent, squared_secant)
     np.divide(tangent, squared_secant, out=slip_zone_load_of_i_to_j)
     slip_zone_load_of_i_to_j *= k
