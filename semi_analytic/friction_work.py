@@ -234,10 +234,14 @@ def _work_over_spans(
     ):
         if span_numbers:
             integrals_of_spans = integrals_along(
-                [spans_with_ranges[position] for position in span_numbers], rule
+                [spans_with_ranges[number_of_span] for number_of_span in span_numbers], rule
             )
-            for position, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
-                integrals[position, spans_with_ranges[position].integral_number] = integrals_of_span
+            for number_of_span, integrals_of_span in zip(
+                span_numbers, integrals_of_spans, strict=True
+            ):
+                integrals[number_of_span, spans_with_ranges[number_of_span].integral_number] = (
+                    integrals_of_span
+                )
 
     # halve until the sums no longer change
     if spans_to_halve:
@@ -253,7 +257,7 @@ def _work_over_spans(
             CONVERGED_CHANGE_SHARE,
         )
         allowed_error_of_span = relative_error * size_of_integrals
-        ranges_to_halve = [spans_with_ranges[position] for position in spans_to_halve]
+        ranges_to_halve = [spans_with_ranges[number_of_span] for number_of_span in spans_to_halve]
         span_number = np.repeat(
             spans_to_halve,
             [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
@@ -275,7 +279,9 @@ def _work_over_spans(
                 np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
                 allowed_error_of_span[span_number],
                 np.unique(
-                    np.concatenate([corner_times_of_spans[position] for position in spans_to_halve])
+                    np.concatenate(
+                        [corner_times_of_spans[number_of_span] for number_of_span in spans_to_halve]
+                    )
                 ),
                 first_estimate=integrals[span_number, integral_number],
             )
@@ -588,8 +594,8 @@ def _works_of_ranges(
 
 
 def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
-    """The same contact with another datum length L of the displacement U: half the largest
-    half-width, so that ln(2 L/a) is 0 where the contact is largest.
+    """A contact whose displacement U counts from a moved datum: the datum length L becomes half the
+    largest half-width, so that ln(2 L/a) is 0 where the contact is largest.
 
     A moved datum adds a multiple of Q to U, which a closed integral of U dQ does not see. It keeps
     digits where the logarithm hardly varies, as for a face that is nearly all flat. `largest_load`
@@ -613,7 +619,7 @@ def _means_along_records(
     """Mean of a function of P and P - P_c along each record of slip, (m,), and the number of
     quadrature nodes that it took.
 
-    A record is a part of a load step in which P and P_c, the load at the stick edge, change
+    A record is a portion of a load step in which P and P_c, the load at the stick edge, change
     linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
     which a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P - P_c at its
     begin and end, the number of its record as `step_number` and its share of the record as
@@ -740,7 +746,7 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     """Records of slip, cut so that a(P), the half-width of the contact, is smooth along each part
     at P and at P_c, the load at the stick edge.
 
-    A record is a part of a load step in which P and P_c change linearly; `slip_zone_load` is P -
+    A record is a portion of a load step in which P and P_c change linearly; `slip_zone_load` is P -
     P_c, `level_rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where
     P may hardly grow with a they are also at half-widths 7 % apart. In the parts returned
     `step_number` is the number of the record, and `step_share_at_end` the share of it that the part
@@ -850,7 +856,7 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """pi/(f A) times the friction work per area of all records of slip, at |x| = `x` (k,): the sum
     of int p arccosh(|x|/c) dw, (k,) [stress times force per thickness]; A = 2/E*.
 
-    A record is a part of a load step with slip. A record is cut into parts along which the edges of
+    A record is a portion of a load step with slip. It is cut into parts along which the edges of
     contact and stick pass no corner of the profile. w = +-Q - f P grows in slip, p is the pressure
     at x and c the stick half-width.
     """
@@ -1015,11 +1021,11 @@ class LoopWorkOfSeries:
         """Add the next block of load steps to the closed integral of Q dU of a cycle, as -int U dQ.
 
         U is the relative tangential displacement, A = 2/E*. U pi/A is summed record by record, a
-        record being a part of a load step with one direction of slip or none. Each takes the change
-        of Q times the mean of U along it. U follows from the integral of ln(2 L/a) over the loads
-        up to P, and up to P_c at the stick edge. L is the length of the datum of U, a the contact
-        half-width. `level_rise` is the growth of +-Q - f P along a record. The block holds its
-        records, with P and P - P_c at begin and end, and the memory curve's line of each.
+        record being a portion of a load step with one direction of slip or none. Each takes the
+        change of Q times the mean of U along it. U follows from the integral of ln(2 L/a) over the
+        loads up to P, and up to P_c at the stick edge. L is the length of the datum of U, a the
+        contact half-width. `level_rise` is the growth of +-Q - f P along a record. The block holds
+        its records, with P and P - P_c at begin and end, and the memory curve's line of each.
         """
         contact = self._contact
         records = block.records
@@ -1041,12 +1047,12 @@ class LoopWorkOfSeries:
                 slip_zone_load > 0, integral_to_stick_edge, integral_to_load
             )
             # the slope of the memory curve is +-f in the slip zones
-            part_of_slip_zones = slope_in_slip_zones[record_numbers, None] * (
+            rise_by_slip_zones = slope_in_slip_zones[record_numbers, None] * (
                 integral_to_load - integral_to_stick_edge
             )
             return (
                 slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge
-                + part_of_slip_zones
+                + rise_by_slip_zones
             )
 
         # growth of U pi/A along each record, and change of Q
@@ -1121,14 +1127,15 @@ def integrals_by_halving(
     Parameters
     ----------
     integrals_over
-        integrals_over(which (n,), low (n,), high (n,)) gives the integral of integrand which[k]
-        from low[k] to high[k], (n,), by one rule
+        integrals_over(numbers, begins, ends), (n,) each, gives the integral of integrand numbers[k]
+        from begins[k] to ends[k], (n,), by one rule
     begin, end
         (m,)
     allowed_error
-        (m,) or one: the change at which a part has converged, `CONVERGED_CHANGE_SHARE` of their
-        size where round-off leaves as much. A part of 2^-17 of its range, or one that is not
-        finite, is left as it is, and so are too many at once; the error shows that.
+        (m,) or one: the change by halving at which a part has converged, 1e-12 of the size of the
+        integrals (`CONVERGED_CHANGE_SHARE`) where round-off leaves as much. A part of 2^-17 of its
+        range, or one that is not finite, is left as it is, and so are too many at once; the error
+        shows that.
     cut_places
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
@@ -1138,8 +1145,8 @@ def integrals_by_halving(
 
     Examples
     --------
-    >>> def midpoint(which, low, high):
-    ...     return (high - low) * (low + high) / 2
+    >>> def midpoint(numbers, begins, ends):
+    ...     return (ends - begins) * (begins + ends) / 2
     >>> integrals_by_halving(
     ...     midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED_CHANGE_SHARE
     ... ).value.tolist()
@@ -1157,7 +1164,7 @@ def integrals_by_halving(
     if estimates is None:
         estimates = integrals_over(integrand_numbers, begins, ends)
 
-    # each turn halves all parts that have not converged
+    # each pass halves all parts that have not converged
     while len(integrand_numbers):
         cut_of_parts = (begins + ends) / 2
         # The cut place next above the middle, else the one below it, else the middle itself. Not
@@ -1195,7 +1202,7 @@ def integrals_by_halving(
         np.add.at(errors, integrand_numbers[is_final], changes_by_halving[is_final])
         is_halved_again = ~is_final
 
-        # the parts of the next turn
+        # the parts of the next pass
         begins_of_halves = np.r_[begins[is_halved_again], cut_of_parts[is_halved_again]]
         ends = np.r_[cut_of_parts[is_halved_again], ends[is_halved_again]]
         begins = begins_of_halves

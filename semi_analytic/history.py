@@ -149,14 +149,14 @@ class Span:
         with slip is at the friction limit, dM/d eta = +-f, from P_c = P - `slip_zone_load` up.
         """
         # P and Q at the time
-        point = instant(self.segment, time)
+        instant_at_time = instant(self.segment, time)
         if self.direction == 0:
-            return unload_to(self.sticking_piece, point.normal_load)
+            return unload_to(self.sticking_piece, instant_at_time.normal_load)
         return slip_to(
             self.sticking_piece,
             self.direction,
             self.friction,
-            point,
+            instant_at_time,
             float(self.slip_zone_load(time)),
         )
 
@@ -553,7 +553,7 @@ def _directions_on(
     since the anchor, `force_on_piece` is M. The direction is the sign of Q - M(P). It is sampled at
     some times and at turning points, and changes where Q - M(P) = 0.
     """
-    # A piece is a line, a parabola, or an arc: a part of a curved load path itself.
+    # A piece is a line, a parabola, or an arc: the course of the curved load path itself.
     is_arc = piece.arc is not None
     is_line = not is_arc and piece.bend == 0
     along_line = Combination(-piece.slope, 1.0)  # Q - slope P
@@ -678,13 +678,13 @@ class History:
             spans_of_cycles = list(self.cycles)
             if self.loading:
                 spans_of_cycles.append(self.loading)
-        times_of_parts = []
+        times_of_cycles = []
         for spans in spans_of_cycles:
             ends_of_spans = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
-            times_of_parts.append(
+            times_of_cycles.append(
                 evenly_spaced_times(ends_of_spans, initial=spans is self.loading) + spans[0].delay
             )
-        return np.unique(np.concatenate(times_of_parts)), 0
+        return np.unique(np.concatenate(times_of_cycles)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
         """Friction state at instants (n,) of the followed path: P, Q, load P - P_c of the slip
@@ -805,11 +805,11 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
         history = histories_of_path[most_cycles] = _followed_path(path, friction, most_cycles)
     if path.period is None:
         return history
-    cycles_solved = len(history.cycles)
-    cycles_covered = whole_cycles_in_time or cycles_solved
+    n_solved_cycles = len(history.cycles)
+    n_covered_cycles = whole_cycles_in_time or n_solved_cycles
     # Cycles after the last one that was solved are copies of it.
     solved_cycle_of_covered = tuple(
-        min(number, cycles_solved - 1) for number in range(cycles_covered)
+        min(number, n_solved_cycles - 1) for number in range(n_covered_cycles)
     )
     return replace(history, covered=solved_cycle_of_covered)
 

@@ -178,7 +178,7 @@ class Records(NamedTuple):
         )
 
     def slipping(self) -> Records:
-        """The records in which a part of the contact slips."""
+        """The records with slip in one direction."""
         return self.take(self.direction != 0)
 
 
@@ -466,7 +466,7 @@ def _curve_after_slip(
             remaining_level -= level_to_pass_line
             share_of_step = 1 - remaining_level / level_growth
             slip_zone_load_at_knot = passed_length + share_of_step * load_growth
-            # Q of a station inside a step plays no part in its record.
+            # Q of a station inside a step is not recorded.
             station_at_knot = (
                 load + share_of_step * load_growth,
                 force,
@@ -678,7 +678,7 @@ def _curve_after_retracing(
             next_station = end_station
         else:
             share_of_drop = 1 - fall_left / load_drop
-            # Q of a station inside a step plays no part in its record.
+            # Q of a station inside a step is not recorded.
             next_station = (
                 load - share_of_drop * load_drop,
                 force,
@@ -912,8 +912,8 @@ class LoadSeries:
         #           and the memory curve at its first row; `first_steps` number of the first step of
         #           each part; `times` of all rows
 
-        About 400 a cycle and 100 of the initial loading, evenly spread over each part of a load
-        step with its own slip, with both its ends. Of a measured record of more than 1,000 rows
+        About 400 a cycle and 100 of the initial loading, evenly spread over each record, a portion
+        of a load step, with both its ends. Of a measured record of more than 1,000 rows
         they are all rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last
         part counts.
         """
@@ -925,12 +925,12 @@ class LoadSeries:
             return times_of_answer, len(row_times) - len(times_of_answer)
         times_of_parts = []
         for part_number, part in enumerate(self.parts[first_part:], first_part):
-            # parts of steps in which the stick edge moves along one line of the memory curve
+            # portions of steps in which the stick edge moves along one line of the memory curve
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
             row_times = self.times[self.first_steps[part_number] :]
             step_begin = row_times[records.step_number]
             step_end = row_times[records.step_number + 1]
-            # A record is a part of a step, up to the share `step_share_at_end` of the step.
+            # A record ends at the share `step_share_at_end` of its step.
             time_inside_step = step_begin + records.step_share_at_end * (step_end - step_begin)
             record_ends = np.where(records.step_share_at_end == 1, step_end, time_inside_step)
             ends_of_records = np.unique(np.append(row_times[0], record_ends))
@@ -1002,19 +1002,19 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         For gross sliding or separation, with the instant and the loads.
     """
     friction = scene.friction.coefficient
-    load = scene.load
+    scene_load = scene.load
     is_long_record = False
     # _ROWS_OF_SHORT_RECORD: 1000; rows of time, P and Q
-    if isinstance(load, TimeSeriesLoad):
+    if isinstance(scene_load, TimeSeriesLoad):
         # A measured series: its rows are taken, since a load segment for each of a million would
         # take a gigabyte.
-        rows = load.series()
-        is_long_record = len(load.kept_rows()) > _ROWS_OF_SHORT_RECORD
+        rows = scene_load.series()
+        is_long_record = len(scene_load.kept_rows()) > _ROWS_OF_SHORT_RECORD
         # A series that repeats is loaded from the first row to the second, where the cycle begins.
-        loading = rows[:2] if load.repeats else rows
-        cycle = rows[1:] if load.repeats else rows[:0]
+        loading = rows[:2] if scene_load.repeats else rows
+        cycle = rows[1:] if scene_load.repeats else rows[:0]
     else:
-        path = load.path()
+        path = scene_load.path()
         loading = _rows_of(path.initial_loading)
         cycle = _rows_of(path.cycle)
 
@@ -1026,11 +1026,9 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     period = float(cycle[-1, 0] - cycle[0, 0])
 
     # number of cycles to follow at most, and of whole cycles up to the last instant
-    cycles_at_most, cycles_covered = cycles_to_follow(
-        float(cycle[0, 0]), period, scene.cycles, time
-    )
-    cycle_parts = (PathPart(cycle, k * period) for k in range(cycles_at_most))
-    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, cycles_covered)
+    most_cycles, n_covered_cycles = cycles_to_follow(float(cycle[0, 0]), period, scene.cycles, time)
+    cycle_parts = (PathPart(cycle, k * period) for k in range(most_cycles))
+    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, n_covered_cycles)
     return replace(series, is_long_record=is_long_record)
 
 
@@ -1193,11 +1191,11 @@ def _follow_cycles(
                 break
 
     # the solved cycle of each cycle that the answer covers
-    cycles_covered = whole_cycles
+    n_covered_cycles = whole_cycles
     if not whole_cycles:
-        cycles_covered = len(followed_cycles) if repeats else 1
+        n_covered_cycles = len(followed_cycles) if repeats else 1
     solved_cycle_of_covered = tuple(
-        min(number, len(followed_cycles) - 1) for number in range(cycles_covered)
+        min(number, len(followed_cycles) - 1) for number in range(n_covered_cycles)
     )
     return LoadSeries(
         friction,
@@ -1215,8 +1213,9 @@ def blocks_of_part(
 ) -> Iterator[tuple[int, StepBlock]]:
     """Number of the first step, and friction history, of each block of at most 10,000 load steps of
     a part of the path, f = `friction`; `part` holds its rows of time, P and Q and the memory curve
-    at its first row. Where `stores_curves`, blocks also hold the memory curve of each part of a
-    step.
+    at its first row. The memory curve is the tangential force carried up to each load. A record is
+    a portion of a step in which the stick edge moves along one line of it. Where `stores_curves`,
+    blocks also hold the memory curve of each record.
     """
     curve = part.curve
     for first_row in range(0, len(part.rows) - 1, _STEPS_AT_ONCE):

@@ -252,8 +252,8 @@ def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
-    """The memory curve M(eta) after unloading to P = `load` without slip: its part up to that load;
-    None where nothing is left, the curve itself where it ends below the load.
+    """The memory curve M(eta) after unloading to P = `load` without slip: what lies up to that
+    load; None where nothing is left, the curve itself where it ends below the load.
 
     M(eta) is the tangential force of the flat punches up to the load eta. A curve is given by its
     uppermost piece, which goes from the load `bottom_load` to `top_load`; `curve_below` is the

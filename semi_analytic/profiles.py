@@ -595,7 +595,7 @@ _SERIES_OF_LOAD_FUNCTION = -((-1.0) ** _SERIES_NUMBERS) * 2 / (4 * _SERIES_NUMBE
 
 def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
     """F(tau) = (1 + tau^2) arctan(tau) - tau to full relative accuracy: the load of a flat face of
-    half-length b with edges of radius R, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
+    half-length b with rounded ends of radius R, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
 
     a is the contact half-width, E* the composite modulus. For tau below 0.3, where the closed form
     loses digits, by the series 2 tau^3/3 - 2 tau^5/15 + ...
@@ -618,14 +618,14 @@ def flat_and_rounded_load_function(tau: ArrayLike) -> Array:
 
 
 def law_of_flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
-    """Contact law P(a) of a flat face of half-length b with parabolic edges of radius R
+    """Contact law P(a) of a flat face of half-length b with parabolic ends of radius R
     (Ciavarella, Hills and Monno 1998). `modulus` is E*, a the contact half-width, R = `radius`,
     b = `flat_half_length`.
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
     F(tau) = (1 + tau^2) arctan(tau) - tau is `flat_and_rounded_load_function`; the functions of the
-    law take the advance d = a - b of the edge; tau is tan(angle) where that paper has
+    law take the advance d = a - b of the edge of contact; tau is tan(angle) where that paper has
     cos(angle) = b/a.
 
     >>> law = law_of_flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
@@ -680,7 +680,7 @@ def law_of_two_curvatures(
     load_unit = outer_stiffness * b * b / 2
 
     def load(a: Array) -> Array:
-        inner_end = np.minimum(a, b)
+        inner_end = np.minimum(a, b)  # of the contact, with h'' = 1/R1
         t = np.sqrt((a - inner_end) * (a + inner_end))
         inner_load = inner_stiffness / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
         return inner_load + load_unit * flat_and_rounded_load_function(t / b)
@@ -752,9 +752,10 @@ class _TableSeries:
 
 def law_of_table(modulus: float, profile: Tabulated) -> ContactLaw:
     """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
-    constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*, a
-    the contact half-width, kappa_j the curvature behind b_j. The law is a function of the advance
-    of a beyond the half-width without load; `has_series` tells that there are more than two knots.
+    constant between knots b_j, so that P is a sum over flat punches with rounded ends. `modulus` is
+    E*, a the contact half-width, kappa_j the curvature behind b_j. The law is a function of the
+    advance of a beyond the half-width without load; `has_series` tells that there are more than two
+    knots.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -961,7 +962,7 @@ def _root_intervals(knots: Array) -> list[_RootInterval]:
 
 
 class _KnotSums(NamedTuple):
-    """P and dP/da of a table as sums over its knots, each a flat punch with rounded edges.
+    """P and dP/da of a table as sums over its knots, each a flat punch with rounded ends.
 
     Attributes
     ----------
@@ -1065,7 +1066,7 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
     roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
     distances = np.square(roots)
-    # P and dP/da/a as sums over the knots, each a flat punch with rounded edges
+    # P and dP/da/a as sums over the knots, each a flat punch with rounded ends
     knot_sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
     # at all half-widths knot + u^2, (intervals, nodes and ends) each
     load, stiffness_over_width = np.moveaxis(
@@ -1375,8 +1376,8 @@ def _series_behind_corner(
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value, and
     # its derivative jumps within round-off of the corner. So errors are compared with the values at
-    # the end. From the middle on each octave is compared with its own. What the values of a height
-    # leave uncertain is no more than noise either.
+    # the end. From the middle on each octave is compared with its own. What round-off of a height
+    # function leaves uncertain is no more than noise either.
     places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
     # relative errors of P and dP/da that are negligible; `relative_load_errors` come from the
     # round-off of a height function
