@@ -403,18 +403,18 @@ class BulkAndTilt(Frozen, Generic[V]):
         if curved_segments:
             values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
 
-        # P at the vertices, from 0 on, and both quantities there.
+        # P at the vertices, from 0 on, and the values of both quantities there.
         end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
         normal_loads = np.array([0.0, *end_loads])
         first_values, second_values = (
             self.values_at_vertices(key_value, normal_loads, float(value_at_start)).tolist()
             for key_value, value_at_start in zip(pair, values_at_cycle_start, strict=True)
         )
-        vertices = zip(first_values, second_values, strict=True)
+        pairs_at_vertices = zip(first_values, second_values, strict=True)
         straight_segments_of_pair = (
-            StraightSegment(segment.start, segment.end, first_vertex, last_vertex)
-            for segment, (first_vertex, last_vertex) in zip(
-                straight_load_segments, pairwise(vertices), strict=True
+            StraightSegment(segment.start, segment.end, begin_values, end_values)
+            for segment, (begin_values, end_values) in zip(
+                straight_load_segments, pairwise(pairs_at_vertices), strict=True
             )
         )
         return [*straight_segments_of_pair, *curved_segments]
@@ -466,10 +466,13 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
         `pair` holds what the scene states for the two: a wave or sum of waves, a number, or None
         for 0.
         """
+        # waves(): mean and (amplitude, phase in radians) of each cosine.
         means, waves = zip(
             *(
-                value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ())
-                for value in pair
+                key_value.waves()
+                if isinstance(key_value, Wave | WaveSum)
+                else (key_value or 0.0, ())
+                for key_value in pair
             ),
             strict=True,
         )
@@ -603,8 +606,8 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
 
     @abc.abstractmethod
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        """Number of the list entry that belongs to each vertex of the load path, -1 for a vertex
-        whose value is 0; and the number of the vertex up to which a single value grows with P.
+        """Index of the list entry that belongs to each vertex of the load path, -1 for a vertex
+        whose value is 0; and index of the vertex up to which a single value grows with P.
         """
 
     def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:
@@ -638,10 +641,10 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         """
         # Index of each vertex's entry in a tuple, -1 for a vertex of value 0; index of the vertex
         # at which the cycle starts.
-        entry_numbers, cycle_start = self.entries_of_vertices(len(normal_loads))
+        entry_numbers, cycle_start_vertex = self.entries_of_vertices(len(normal_loads))
         if not isinstance(key_value, tuple):
-            growth = normal_loads / (normal_loads[cycle_start] or 1.0)
-            is_before_cycle = np.arange(len(normal_loads)) < cycle_start
+            growth = normal_loads / (normal_loads[cycle_start_vertex] or 1.0)
+            is_before_cycle = np.arange(len(normal_loads)) < cycle_start_vertex
             return (key_value or 0.0) * np.where(is_before_cycle, growth, 1.0)
 
         # `rule_of_entries`: words for the message on what the entries belong to.
@@ -691,13 +694,13 @@ class PolygonLoad(StraightLoad):
     rule_of_entries = "one for each point of initial_loading and cycle"
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        """Number of the list entry that belongs to each vertex of the polygon, -1 for (0, 0); and
-        the number of the vertex at which the cycle starts.
+        """Index of the list entry that belongs to each of the `vertex_count` vertices of the
+        polygon, -1 for (0, 0); and index of the vertex at which the cycle starts.
         """
-        cycle_start = len(self.initial_loading)
+        cycle_start_vertex = len(self.initial_loading)
         # -1 for (0, 0); the return to the start of the cycle has the entry of that start.
-        entry_numbers = [*range(-1, cycle_start + len(self.cycle)), cycle_start - 1]
-        return entry_numbers[:vertex_count], cycle_start
+        entry_numbers = [*range(-1, cycle_start_vertex + len(self.cycle)), cycle_start_vertex - 1]
+        return entry_numbers[:vertex_count], cycle_start_vertex
 
     @model_validator(mode="after")
     def _require_distinct_vertices(self) -> Self:
@@ -715,11 +718,11 @@ class PolygonLoad(StraightLoad):
         path = self.path_of_actuators() if self.is_driven else self.path()
         for segment in (*path.initial_loading, *path.cycle):
             times_of_ends = np.array([segment.start, segment.end])
-            # (P, Q), both bulk stresses, and tilt and moment, at both ends of the line.
+            # (P, Q), both bulk stresses, and tilt and moment, at both ends of each line.
             end_values_of_pairs = [
-                companion.loads(times_of_ends)
-                for companion in (segment, segment.bulk, segment.tilt_and_moment)
-                if companion is not None
+                segment_of_pair.loads(times_of_ends)
+                for segment_of_pair in (segment, segment.bulk, segment.tilt_and_moment)
+                if segment_of_pair is not None
             ]
             if all(
                 value_at_begin == value_at_end
@@ -776,14 +779,14 @@ class PolygonLoad(StraightLoad):
 
 
 def _require_load_or_approach(load: EllipseLoad | HarmonicLoad, variation_key: str) -> None:
-    """Refuse a cyclic load whose normal load is not stated in exactly one way (ValueError): by the
-    mean of P, or by an approach beside a tangential displacement.
+    """Refuse keys of a cyclic load path by which P is not stated in exactly one way (ValueError):
+    by its mean, or by an approach beside a tangential displacement.
 
     Parameters
     ----------
     load
-        `mean_normal_load` is P0, 0 if not stated; `approach` is None if not stated; `is_driven` is
-        true where a tangential displacement stands in the place of Q
+        the keys: `mean_normal_load` is the mean of P, 0 if not stated; `approach` is None if not
+        stated; `is_driven` is true where a tangential displacement stands in the place of Q
     variation_key
         key of what is added to the mean of P: its amplitude or its harmonics
     """
@@ -1209,18 +1212,18 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise RowError(0, "one row is no history: two at least are needed")
 
         # Numbers, from 0, of the first row used and of the one after the last.
-        first_row, row_beyond = self.row_bounds()
-        if row_beyond - first_row < 2:
+        first_row, row_after_last = self.row_bounds()
+        if row_after_last - first_row < 2:
             raise RowError(
                 min(first_row, len(rows) - 1),
-                f"start and end leave {max(row_beyond - first_row, 0)} rows: two at least are"
+                f"start and end leave {max(row_after_last - first_row, 0)} rows: two at least are"
                 " needed",
             )
         # `RowError.refuse` raises for the first row k at which the condition holds.
         times = rows[:, 0]
         faults_of_times = ("stands there twice", "comes after a later one")
         RowError.refuse(
-            np.diff(times[first_row:row_beyond]) <= 0,
+            np.diff(times[first_row:row_after_last]) <= 0,
             lambda k: (
                 f"time = {times[k]:.12g} {faults_of_times[int(times[k] < times[k - 1])]}: the times"
                 f" must ascend{_ADVICE_ON_TIMES if self.file is not None else ''}"
@@ -1229,9 +1232,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         )
 
         if self.least_normal_load is not None and not np.any(
-            rows[first_row:row_beyond, 1] >= self.least_normal_load
+            rows[first_row:row_after_last, 1] >= self.least_normal_load
         ):
-            highest_load = float(np.max(rows[first_row:row_beyond, 1]))
+            highest_load = float(np.max(rows[first_row:row_after_last, 1]))
             raise RowError(
                 first_row,
                 f"no row reaches least_normal_load = {self.least_normal_load:.6g}: P is"
@@ -1243,9 +1246,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
                 "a cycle that repeats can't start unloaded: its first row is where the initial"
                 " loading ends",
             )
-        if self.repeats and np.any(rows[first_row, 1:] != rows[row_beyond - 1, 1:]):
+        if self.repeats and np.any(rows[first_row, 1:] != rows[row_after_last - 1, 1:]):
             raise RowError(
-                row_beyond - 1, "a cycle that repeats must end with the loads of its first row"
+                row_after_last - 1, "a cycle that repeats must end with the loads of its first row"
             )
 
     def row_bounds(self) -> tuple[int, int]:
@@ -1257,16 +1260,16 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """
         times = self.rows.values[:, 0]
         first_row = 0
-        row_beyond = len(self.rows)
+        row_after_last = len(self.rows)
         if isinstance(self.start, RecordRow):
             first_row = self.start.row - 1
         elif self.start is not None:
             first_row = int(np.argmax(np.append(times >= self.start, True)))
         if isinstance(self.end, RecordRow):
-            row_beyond = min(self.end.row, row_beyond)
+            row_after_last = min(self.end.row, row_after_last)
         elif self.end is not None:
-            row_beyond = len(times) - int(np.argmax(np.append(times[::-1] <= self.end, True)))
-        return first_row, row_beyond
+            row_after_last = len(times) - int(np.argmax(np.append(times[::-1] <= self.end, True)))
+        return first_row, row_after_last
 
     def used_rows(self) -> Table:
         """Rows (n, 3) of time, P and Q of the record from the keys `start` to `end`, with noise at
@@ -1280,13 +1283,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         [[1.0, 5.0, 0.0], [2.0, 50.0, 1.0], [3.0, 100.0, 30.0], [4.0, 0.2, 0.0]]
         """
         # Numbers, from 0, of the first row used and of the one after the last.
-        first_row, row_beyond = self.row_bounds()
+        first_row, row_after_last = self.row_bounds()
         if self.least_normal_load is None:
-            if (first_row, row_beyond) == (0, len(self.rows)):
+            if (first_row, row_after_last) == (0, len(self.rows)):
                 return self.rows
-            return Table.of_rows(self.rows.values[first_row:row_beyond])
+            return Table.of_rows(self.rows.values[first_row:row_after_last])
         # Columns: time, P, Q.
-        rows_between = self.rows.values[first_row:row_beyond].copy()
+        rows_between = self.rows.values[first_row:row_after_last].copy()
         is_below_least = rows_between[:, 1] < self.least_normal_load
         rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
         rows_between[is_below_least, 2] = 0.0
@@ -1323,25 +1326,26 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def _rows_from_rest(self) -> NDArray[np.float64]:
         """Rows (n, 3) that the path goes through, from (0, 0) on: time, P or the approach, Q or the
-        displacement U.
+        displacement U. Before rows that start loaded (0, 0) is put, by the mean time from row to
+        row.
         """
         rows = self.kept_rows()
         if not np.any(rows[0, 1:]):
             return rows
-        duration = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
-        return np.concatenate([[[rows[0, 0] - duration, 0.0, 0.0]], rows])
+        mean_interval = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
+        return np.concatenate([[[rows[0, 0] - mean_interval, 0.0, 0.0]], rows])
 
     rule_of_entries = "one for each row"
 
     def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
-        """Number of the list entry (row of the record, from 0) that belongs to each vertex of the
-        load path, -1 for a vertex at (0, 0) before the rows; and 1, the number of the vertex up to
-        which a single value grows with P.
+        """Index of the list entry (row of the record) that belongs to each of the `vertex_count`
+        vertices of the load path, -1 for a vertex at (0, 0) before the rows; and 1, the index of
+        the vertex up to which a single value grows with P.
         """
-        first_row, row_beyond = self.row_bounds()
+        first_row, row_after_last = self.row_bounds()
         # 1 where a line from (0, 0) comes before the rows
-        vertices_before = vertex_count - (row_beyond - first_row)
-        return [*[-1] * vertices_before, *range(first_row, row_beyond)], 1
+        vertices_before = vertex_count - (row_after_last - first_row)
+        return [*[-1] * vertices_before, *range(first_row, row_after_last)], 1
 
     def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)

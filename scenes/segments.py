@@ -320,7 +320,7 @@ class LoadSegment(abc.ABC):
             )
             # _ROUND_OFF_SHARE_OF_TIME: 4.5e-16 of the time
             is_round_off = last_step_length <= _ROUND_OFF_SHARE_OF_TIME * np.abs(best_time)
-            # A time that is found stays so: below round-off a step may be long again.
+            # A time that has converged stays so: below round-off a step may be long again.
             is_converged |= (least_error == 0) | has_stalled | is_round_off
             if is_converged.all():
                 return best_time
@@ -710,8 +710,7 @@ class HarmonicSegment(LoadSegment):
 
         On an ellipse, where each load has one harmonic, the combination is a constant plus
         amplitude cos(t + lead). It changes by -2 amplitude sin(middle_time + lead)
-        sin(half_interval).
-        Of several harmonics it is a sum in powers of exp(i t).
+        sin(half_interval). With several harmonics it is a sum in powers of exp(i t).
         """
         end_time = _float_or_array(time)
         begin_time = _float_or_array(time_before)
@@ -916,7 +915,7 @@ class HarmonicSegment(LoadSegment):
         if abs(delay_angle) <= 1e-15 * abs(delay):
             return super().shifted(delay)
 
-        def delayed(waves: Waves) -> Waves:
+        def delayed_waves(waves: Waves) -> Waves:
             """(amplitude, phase lag) of k = 1, 2, ..., each lag grown by k times the delay."""
             lag_changes = [
                 math.remainder(k * delay_angle, 2 * math.pi) for k in range(1, len(waves) + 1)
@@ -927,7 +926,9 @@ class HarmonicSegment(LoadSegment):
             )
 
         return replace(
-            super().shifted(delay), normal=delayed(self.normal), tangential=delayed(self.tangential)
+            super().shifted(delay),
+            normal=delayed_waves(self.normal),
+            tangential=delayed_waves(self.tangential),
         )
 
 
@@ -1110,15 +1111,15 @@ class LoadPath:
         return self.cycle[-1].end - self.cycle[0].start if self.cycle else None
 
     def segments(self, cycles: int) -> Iterator[LoadSegment]:
-        """The segments of the initial loading, then those of `cycles` revolutions, each at its own
-        time.
+        """The segments of the initial loading, then those of the first `cycles` cycles, each at its
+        own time.
         """
         yield from self.initial_loading
         for number in range(cycles):
             yield from self.segments_of_cycle(number)
 
     def segments_of_cycle(self, number: int) -> tuple[LoadSegment, ...]:
-        """The load segments of revolution `number`, counted from 0, at its own time."""
+        """The load segments of cycle `number`, counted from 0, at its own time."""
         delay = number * (self.period or 0.0)
         return tuple(segment.shifted(delay) for segment in self.cycle)
 
@@ -1182,7 +1183,7 @@ def _horner_terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
     """
     terms = []
     order_above = len(coefficients) - 1
-    # One of a thousand harmonics may be the only one: the others must cost nothing.
+    # Of a thousand harmonics only one may be present: the absent ones cost nothing.
     orders = [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]
     for k in orders:
         terms.append((complex(coefficients[k]), order_above - k))

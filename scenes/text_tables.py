@@ -137,7 +137,7 @@ class _Layout:
     units
         (n,) as written in the file, empty where a column has none
     columns_read
-        numbers (from 0) of the columns that are read
+        indices (from 0) of the columns that are read
     heading_line, first_row_line
         line numbers (from 1) of the headings, 0 for none, and of the first row
     n_lines_above
@@ -145,7 +145,7 @@ class _Layout:
     lines_between
         numbers of the lines between headings and rows that hold neither units nor numbers
     time_column
-        number (from 0) of the column that may hold times of day, None for no such column
+        index (from 0) of the column that may hold times of day, None for no such column
     """
 
     separator: str | None
@@ -248,7 +248,7 @@ def text_table(
     InputError
         One sentence that names file, line, column, value and rule.
     """
-    # File, quantities to be read, their stated columns, and what the table is to the user.
+    # `columns` are quantities; request.stated_columns: where in the file the user finds them.
     request = _Request(path, columns, stated_columns or {}, kind)
     for name, heading_or_number in request.stated_columns.items():
         if isinstance(heading_or_number, int) and heading_or_number < 1:
@@ -263,8 +263,8 @@ def text_table(
     try:
         # LARGEST_TEXT_BYTES: 268 MB
         require_readable_size(path, kind.role_of_file, LARGEST_TEXT_BYTES, kind.advice_on_size)
-        with path.open("rb") as binary:
-            first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
+        with path.open("rb") as binary_stream:
+            first_bytes = binary_stream.read(_MOST_BYTES_LOOKED_AT)
         # Character encodings that the file may have, likeliest first; each is tried in turn.
         encodings = _encodings_of(first_bytes)
         is_utf_16 = encodings[0].startswith("utf-16")
@@ -312,7 +312,7 @@ def _table_in_lines(
     # Then all rows: their numbers, and the lines that are no rows.
     has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
     rows = _read_rows(request, read_lines, layout, has_decimal_comma)
-    # `columns_read`: numbers (from 0) of the columns that are read.
+    # `columns_read`: indices (from 0) of the columns that are read.
     headings = tuple(layout.names[k] for k in layout.columns_read)
     if not layout.heading_line:
         headings = tuple(f"column {k + 1}" for k in layout.columns_read)
@@ -384,14 +384,14 @@ def _numbered_lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[L
     `path` is that of the file, for the message; `stream` is the open file.
     """
     stream.seek(0)
-    for number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
+    for line_number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
         if len(line) > longest_line:
             raise InputError(
-                f"{path}, line {number}: more than {longest_line:,} characters are no row of a"
+                f"{path}, line {line_number}: more than {longest_line:,} characters are no row of a"
                 " table"
             )
         if line.strip():
-            yield number, line.strip(" \r\n")
+            yield line_number, line.strip(" \r\n")
 
 
 def _cells_of_line(text: str, separator: str | None) -> list[str]:
@@ -441,7 +441,7 @@ def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
     """Layout of a text table without headings whose first line is a row of two numbers or more;
     None for any other first line. The columns are named "column 1" and so on.
 
-    `lines` are (number, text) of the first lines of the file. Comments among them are skipped.
+    `lines` are (line number, text) of the first lines of the file. Comments among them are skipped.
     """
     # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     lines_without_comments = [
@@ -550,10 +550,10 @@ def _layouts_with_headings_at(
     Parameters
     ----------
     request
-        file; `quantities` to be read (empty: every column); `kind` of table, which knows the
-        headings to expect; whether the user takes all columns by number
+        file; `quantities` to be read (empty: every column); `kind` of table, with the headings to
+        expect; whether the user takes all columns by number
     lines
-        (number, text) of the first lines of the file
+        (line number, text) of the first lines of the file
     index
         of the line that may hold the headings
     fewest_expected_headings
@@ -563,12 +563,12 @@ def _layouts_with_headings_at(
     # _COMMENT_MARKS: beginnings of comments: #, **, % and //
     is_comment = text.startswith(_COMMENT_MARKS)
     heading_text = text.lstrip("#*%/ ") if is_comment else text
-    # Whether lines without numbers may stand between headings and rows.
+    # Whether lines without numbers may stand between headings and rows: not below any two words.
     may_skip_lines = bool(request.quantities) or fewest_expected_headings > 0
     # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
     for separator in SEPARATORS_IN_WORDS:
         for headings in _possible_headings(heading_text, separator):
-            # Numbers (from 0) of the columns that are read; None where a quantity has no column.
+            # Indices (from 0) of the columns that are read; None where a quantity has no column.
             columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
             if request.quantities:
                 columns_read = _columns_of_quantities(request, line_number, headings)
@@ -608,7 +608,7 @@ def _layouts_with_headings_at(
 
 
 class _NamedColumns(NamedTuple):
-    """Headings of all columns of a table, and numbers (from 0) of those that are read."""
+    """Headings of all columns of a table, and indices (from 0) of those that are read."""
 
     names: list[str]
     columns_read: tuple[int, ...]
@@ -633,11 +633,11 @@ def _layout_with_headings(
     request
         file, and quantities to be read
     lines
-        (number, text) of the first lines of the file
+        (line number, text) of the first lines of the file
     separator
         between cells; None for blanks
     columns
-        `names`: headings of all columns; `columns_read`: numbers (from 0) of those that are read
+        `names`: headings of all columns; `columns_read`: indices (from 0) of those that are read
     may_skip_lines
         whether lines without numbers may stand between headings and rows
     """
@@ -697,11 +697,11 @@ def _lines_below_headings(
     Parameters
     ----------
     lines
-        (number, text) below the headings, without comments
+        (line number, text) below the headings, without comments
     separator
         between cells; None for blanks
     columns
-        `names`: headings of all columns; `columns_read`: numbers (from 0) of those that are read,
+        `names`: headings of all columns; `columns_read`: indices (from 0) of those that are read,
         in one of which a row has a number
     may_skip_lines
         whether lines that hold neither units nor numbers may stand before the first row
@@ -735,9 +735,9 @@ def _lines_below_headings(
 
 
 def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) -> list[str]:
-    """Units (n_columns,) of the columns from a line above the rows whose first cell says "units",
-    as oscilloscopes and LabVIEW write it; empty texts without such a line. `lines` are (number,
-    text).
+    """Units (n_columns,) of the columns from a line above the rows whose first cell has the word
+    "units", as oscilloscopes and LabVIEW write it; empty texts without such a line. `lines` are
+    (line number, text).
 
     The line holds a unit for each column but the first. Or it begins with the raw unit of an
     instrument, such as volts, which then is that of all columns.
@@ -809,7 +809,7 @@ def _has_number(row: str, separator: str | None, columns_read: Sequence[int]) ->
 def _time_column(
     request: _Request, headings: Sequence[str], columns_read: tuple[int, ...]
 ) -> int | None:
-    """Number (from 0) of the column of time, which may hold times of day; None without one.
+    """Index (from 0) of the column of time, which may hold times of day; None without one.
 
     Where quantities are to be read, it is the column of "time" among them, if it is. Where every
     column is read, it is the first whose heading is a usual one of time. `columns_read` are the
@@ -829,7 +829,7 @@ def _time_column(
 def _columns_of_quantities(
     request: _Request, line_number: int, headings: Sequence[str]
 ) -> tuple[int, ...] | None:
-    """Number (from 0) of the column of each quantity to be read, by the headings of a line; None
+    """Index (from 0) of the column of each quantity to be read, by the headings of a line; None
     where a quantity has no column here, or two would have the same.
 
     Parameters
@@ -845,7 +845,7 @@ def _columns_of_quantities(
     InputError
         Where several headings could be that of one quantity.
     """
-    # Numbers (from 0) of the columns that may hold each quantity.
+    # Indices (from 0) of the columns that may hold each quantity.
     candidates_of_quantities = [
         _candidate_columns(quantity, request.stated_columns.get(quantity), headings)
         for quantity in request.quantities
@@ -867,7 +867,7 @@ def _columns_of_quantities(
 def _candidate_columns(
     quantity: str, stated_column: str | int | None, headings: Sequence[str]
 ) -> list[int]:
-    """Numbers (from 0) of the columns that may hold a quantity, such as "time", by their headings.
+    """Indices (from 0) of the columns that may hold a quantity, such as "time", by their headings.
 
     Where the user states a heading or a column number (from 1) as `stated_column`, that one alone;
     none where it does not exist. Else the columns under the first of the quantity's usual headings
@@ -911,7 +911,7 @@ def _layout_without_headings(request: _Request, lines: list[Line]) -> _Layout:
         file; `quantities` to be read, empty for every column; `stated_columns`: heading or number
         (from 1) of the column of a quantity, where the user states it
     lines
-        (number, text) of the first lines of the file, without comments
+        (line number, text) of the first lines of the file, without comments
 
     Raises
     ------
@@ -961,7 +961,7 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
         file; `quantities` to be read; `stated_columns`: number (from 1) of each one's column, where
         `takes_columns_by_number`
     lines
-        (number, text) of the first lines of the file, without comments
+        (line number, text) of the first lines of the file, without comments
     first_row
         index of the first row among the lines, its separator, and its cells
 
@@ -975,7 +975,7 @@ def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -
     quantities = request.quantities
     n_columns = len(cells_of_row)
 
-    # Numbers (from 0) of the columns that are read.
+    # Indices (from 0) of the columns that are read.
     columns_read = tuple(range(len(quantities)))
     if request.takes_columns_by_number:
         columns_read = tuple(int(request.stated_columns[name]) - 1 for name in quantities)
@@ -1043,8 +1043,8 @@ def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bo
 
 
 def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputError:
-    """Error for a text table of numbers alone whose rows have `n_cells` cells, another number than
-    that of the quantities to be read.
+    """Error for a text table of numbers alone whose rows have more or fewer cells, `n_cells`, than
+    there are quantities to be read.
 
     `request` holds the path of the file and the quantities; `first_line` is its number and text,
     for the message.
@@ -1067,8 +1067,8 @@ def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
     """Error for a text table without headings for all quantities to be read: which quantities have
     none, and how the user states their columns.
 
-    `lines` are (number, text) of the first ones of the file. `request.stated_columns` holds the
-    heading or number of a quantity's column where the user states it.
+    `lines` are (line number, text) of the first ones of the file. `request.stated_columns` holds
+    the heading or number of a quantity's column where the user states it.
     """
     quantities = request.quantities
     list_of_quantities = ", ".join(quantities)
@@ -1154,7 +1154,7 @@ def _first_numeric_row(lines: list[Line], fewest_cells: int) -> FirstRow:
     """The first line that is a row of `fewest_cells` numbers or more by any separator: its index,
     separator and cells; 0, None and no cells where there is none.
 
-    `lines` are (number, text).
+    `lines` are (line number, text).
     """
     for k, (_, text) in enumerate(lines):
         # SEPARATORS_IN_WORDS: tab, semicolon, comma, and None for blanks
@@ -1169,7 +1169,7 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
     """The first line with numbers in the given columns (from 0), whatever its other cells hold: its
     index, separator and cells; None where there is none. The line after it must have them too.
 
-    `lines` are (number, text).
+    `lines` are (line number, text).
 
     >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
     >>> _first_row_with_numbers(rows, [3, 4])
@@ -1197,9 +1197,10 @@ def _headings_above_rows(
     """Headings that stand above the first row of a text table whose columns are taken by number:
     number (from 1) of their line, headings (n_columns,) and units (n_columns,).
 
-    `lines` are (number, text) of those above the row, `separator` stands between cells (None for
-    blanks). Of the lines with `n_columns` cells the last one holds the headings; if its cells are
-    units, the one before does. 0 and empty tuples where other lines stand between headings and row.
+    `lines` are (line number, text) of those above the row, `separator` stands between cells (None
+    for blanks). Of the lines with `n_columns` cells the last one holds the headings; if its cells
+    are units, the one before does. 0 and empty tuples where other lines stand between headings and
+    row.
     """
     lines_with_all_cells = [
         (number, cells_of_line)
@@ -1231,9 +1232,9 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
     Parameters
     ----------
     lines
-        (number, text) of all lines of the file
+        (line number, text) of all lines of the file
     layout
-        `separator` between cells (None for blanks), line number of the first row, and numbers (from
+        `separator` between cells (None for blanks), line number of the first row, and indices (from
         0) of the columns that are read
     """
     for line_number, text in lines:
@@ -1290,9 +1291,9 @@ class _RowReader:
     def lines(self) -> Iterator[Line]:
         """Number and text of each row of the table, from its first one on, without comments.
 
-        The attribute `line_numbers` then holds the numbers. `read_lines` yields all lines of the
-        file; `layout` says in which line the first row is; `request` holds file, quantities and
-        kind of table.
+        The attribute `line_numbers` then holds the line numbers of the rows. `read_lines` yields
+        all lines of the file; `layout` holds the line number of the first row; `request` holds
+        file, quantities and kind of table.
 
         Raises
         ------
@@ -1304,9 +1305,9 @@ class _RowReader:
         line_numbers = self.line_numbers
         first_row_line = self.layout.first_row_line
         del line_numbers[:]
-        for number, text in self.read_lines():
+        for line_number, text in self.read_lines():
             # _COMMENT_MARKS: beginnings of comments: #, **, % and //
-            if number < first_row_line or text.startswith(_COMMENT_MARKS):
+            if line_number < first_row_line or text.startswith(_COMMENT_MARKS):
                 continue
             # MOST_ROWS: 2,000,000 rows are read
             if len(line_numbers) == MOST_ROWS:
@@ -1315,18 +1316,19 @@ class _RowReader:
                     f" {MOST_ROWS:,}"
                     f" rows, the most that are read; {self.request.kind.advice_on_size}"
                 )
-            line_numbers.append(number)
+            line_numbers.append(line_number)
             if may_end_in_comment and "#" in text:
-                yield number, text.split("#", 1)[0].rstrip()
+                yield line_number, text.split("#", 1)[0].rstrip()
             else:
-                yield number, text
+                yield line_number, text
 
     def rows_for_loadtxt(self) -> Iterator[str]:
         """Text of each row for `numpy.loadtxt`, with a decimal point.
 
-        A bare ValueError ends it at a row with too few or too many cells, or with a point in a
-        table with decimal commas: the rows are then read cell by cell, which reports the fault.
-        `layout` holds the separator (None for blanks), the headings, and the numbers (from 0) of
+        Iteration ends with a bare ValueError at a row with too few or too many cells, or with a
+        point in a table with decimal commas. The caller then reads the rows cell by cell, which
+        reports the fault.
+        `layout` holds the separator (None for blanks), the headings, and the indices (from 0) of
         the columns that are read.
         """
         # `has_decimal_comma`: the decimal sign of the file is a comma.
@@ -1361,7 +1363,7 @@ def _read_rows(
     read_lines
         yields number and text of the lines, from the first one on at each call
     layout
-        the separator, the headings `names`, and the numbers (from 0) of the columns that are read
+        the separator, the headings `names`, and the indices (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
@@ -1410,16 +1412,16 @@ def _read_rows_cell_by_cell(
     rows
         number and text of the lines from the first row on
     layout
-        the headings `names`, the separator, and the numbers (from 0) of the columns that are read
+        the headings `names`, the separator, and the indices (from 0) of the columns that are read
     has_decimal_comma
         whether the decimal sign is a comma
 
     Raises
     ------
     InputError
-        For the first row with a fault: another number of cells, or a cell that is no number.
+        For the first row with a fault: too few or too many cells, or a cell that is no number.
     """
-    clock = ClockColumn()
+    clock = ClockColumn()  # turns times of day into seconds, row after row
     values = array("d")
     line_numbers = array("q")
     text_since_last_row: list[Line] = []
@@ -1446,11 +1448,11 @@ def _read_rows_cell_by_cell(
         numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
         lines_left_out.append(f"line {numbers_in_words}: the headings once more")
     if text_since_last_row:
-        first_line, first_text = text_since_last_row[0]
+        first_line_number, first_text = text_since_last_row[0]
         n_lines = len(text_since_last_row)
         count_in_words = "1 line" if n_lines == 1 else f"{n_lines} lines"
         lines_left_out.append(
-            f"{count_in_words} behind the rows, from line {first_line} on:"
+            f"{count_in_words} behind the rows, from line {first_line_number} on:"
             f" {shortened_repr(first_text)}"
         )
     return _Rows(
@@ -1485,7 +1487,7 @@ def _values_of_row(
     line
         number and text of the row
     layout
-        the headings `names`, the separator (None for blanks), the numbers (from 0) of the columns
+        the headings `names`, the separator (None for blanks), the indices (from 0) of the columns
         that are read, and that of the column that may hold times of day
     has_decimal_comma
         whether the decimal sign is a comma
@@ -1495,7 +1497,7 @@ def _values_of_row(
     Raises
     ------
     InputError
-        For another number of cells than of headings, or a cell that is no finite number.
+        For more or fewer cells than headings, or a cell that is no finite number.
     """
     line_number, row_text = line
     names = layout.names
@@ -1516,18 +1518,18 @@ def _values_of_row(
         )
 
     # A number in each column that is read; a time of day counts in the column of time.
-    numbers: list[float] = []
+    row_values: list[float] = []
     for column in layout.columns_read:
         cell = cells[column]
-        number = _number_in_cell(cell, has_decimal_comma)
+        cell_value = _number_in_cell(cell, has_decimal_comma)
         reason_of_clock = ""
-        if number is None and column == layout.time_column:
+        if cell_value is None and column == layout.time_column:
             try:
-                number = clock.seconds(cell)
+                cell_value = clock.seconds(cell)
             except ValueError as reason:
                 reason_of_clock = f": {reason}"
         # LARGEST_NUMBER: 1e100, the largest number that is read
-        if number is None or not abs(number) <= LARGEST_NUMBER:
+        if cell_value is None or not abs(cell_value) <= LARGEST_NUMBER:
             advice = reason_of_clock
             # _GROUPED_DIGITS: pattern of a number with marks between thousands
             if _GROUPED_DIGITS.match(cell):
@@ -1545,5 +1547,5 @@ def _values_of_row(
                 " finite"
                 f" number of at most {LARGEST_NUMBER:g}{advice}"
             )
-        numbers.append(number)
-    return numbers
+        row_values.append(cell_value)
+    return row_values

@@ -172,14 +172,21 @@ def dimensionless_tilt_and_strain(
     """Tilt alpha and bulk strain e of the bodies per P and per Q, made dimensionless: o = (alpha_P,
     alpha_Q, e_P, e_Q) P0/(a0/R).
 
-    a0/R = 4 P0/(pi E* a0) by Hertz' law, for any profile; a0 is `half_width`, E* `modulus`.
+    a0/R, the slope at the edge of a Hertzian contact, is taken for any profile as 4 P0/(pi E* a0).
+    So P0 drops out, and the factor is pi E* a0/4.
 
     Parameters
     ----------
     effects
         what the finite bodies add to the compliance of half-planes, each number with its
         uncertainty
+    half_width, modulus
+        a0 [length] and E* [stress]
+
+    # notation: P normal, Q tangential load, a0 contact half-width under the load P0, R radius of a
+    #           parabola with that half-width
     """
+    # P0/(a0/R)
     load_over_slope = math.pi * modulus * half_width / 4
     # TILT_AND_STRAIN_NAMES: attributes of `effects` with tilt under P and Q, strain under P and Q.
     return tuple(getattr(effects, name).value * load_over_slope for name in TILT_AND_STRAIN_NAMES)
@@ -517,7 +524,7 @@ class _HalfPlanePath:
             bound = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
 
         kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
-        of a parabola's punches up to this one. Half-planes, kn = kt = 0, turn at other instants.
+        of a parabola's punches up to this one. Half-planes, kn = kt = 0, have other turning points.
         The fourth order is left out of the bound here.
 
         Parameters
@@ -849,7 +856,7 @@ class PathSeries:
 
     def _excess_over_limit(self, rows: Indices, n_places: int) -> tuple[Array, Array]:
         """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p),
-        at instants `rows` (n,), and the sign of q there: (n,) each, the first [stress].
+        at instants `rows` (n,), and the sign of q there: (n,) each, the excess in [stress].
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
         The maximum is over `n_places` places from the middle to the edge of the path's largest
@@ -862,8 +869,8 @@ class PathSeries:
         largest_excess = np.zeros(len(rows))
         signs_of_shear = np.zeros(len(rows))
         # Many instants at once, _ROWS_AT_ONCE = 2000, to bound the memory.
-        for first in range(0, len(rows), _ROWS_AT_ONCE):
-            chunk = slice(first, first + _ROWS_AT_ONCE)
+        for chunk_start in range(0, len(rows), _ROWS_AT_ONCE):
+            chunk = slice(chunk_start, chunk_start + _ROWS_AT_ONCE)
             shear = fields_of_places.shear_of_memory(rows[chunk])
             limit = self.followed_path.friction * fields_of_places.pressure(rows[chunk])
             excess = np.nan_to_num(np.abs(shear) - limit)
@@ -1359,11 +1366,12 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
 
     The dissipation is measured over the last cycle of the answer. Errors that are 0 are left out.
     """
-    # The path is followed twice: `paths` holds both, and `paths.rows` the ends of the steps.
+    # The path is followed twice: `paths` holds both, and `paths.rows` the ends of the steps. Clock
+    # readings in between give the seconds that each part of the computation took.
     clock_at_start = clock.perf_counter()
     paths = _followed_paths(question)
     path_with_bodies = paths.path_with_bodies
-    history_done = clock.perf_counter()
+    clock_after_history = clock.perf_counter()
 
     # Points: those asked for, or 200 across the widest contact and 5 % beyond.
     x = question.x
@@ -1387,13 +1395,16 @@ def _findings_of_symmetric_scene(question: Question) -> Findings:
     values_over_time["stick_edges"] = (
         values_over_time["stick_edges"] + stick_centres[row_numbers, None]
     )
-    fields_done = clock.perf_counter()
+    clock_after_fields = clock.perf_counter()
 
     # Friction work of the cycles, W(x), and errors by the name of the value.
     friction_work = _works_and_density(paths, point_fields, distance, tilt_and_strain)
     errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
-    seconds = {"history": history_done - clock_at_start, "fields": fields_done - history_done}
-    seconds["dissipation"] = clock.perf_counter() - fields_done
+    seconds = {
+        "history": clock_after_history - clock_at_start,
+        "fields": clock_after_fields - clock_after_history,
+    }
+    seconds["dissipation"] = clock.perf_counter() - clock_after_fields
     termination, message = _termination_and_message(paths)
     fields_at_points = {
         name: np.take(field, index_of_distance, axis=1)
@@ -1605,7 +1616,7 @@ def contact_splits_error() -> InputError:
 
 
 def _first_steady_cycle(followed_path: FollowedPath, rows: PathRows) -> int | None:
-    """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
+    """Index of the first cycle, 0 or 1, that ends in the friction state it started from; None where
     neither does. A path without cycles counts as steady (0) if it ends unloaded.
 
     `followed_path` holds the friction state at each instant. `rows` has the instants with their
@@ -1626,7 +1637,7 @@ def _covered_cycles(
     Parameters
     ----------
     question
-        scene with its number of cycles, and the instants `time`, None if none are asked for
+        scene with its number of `cycles`, and the instants `time`, None if none are asked for
     half_plane_path
         load path with the ends of its cycles, `cycle_ends`, and its `period`, None if it does not
         repeat
@@ -1635,14 +1646,14 @@ def _covered_cycles(
     """
     if half_plane_path.period is None:
         return (0,)
-    cycles = question.scene.cycles
+    n_cycles_of_scene = question.scene.cycles
     n_cycles_to_steady = 2 if steady_from is None else steady_from + 1
     # Whole cycles up to the last of the instants; 0 without instants or within the first cycle.
     _, n_whole_cycles = cycles_to_follow(
-        half_plane_path.cycle_ends[0], half_plane_path.period, cycles, question.time
+        half_plane_path.cycle_ends[0], half_plane_path.period, n_cycles_of_scene, question.time
     )
     # Without whole cycles at given instants: those of the scene, up to the first steady one.
-    n_cycles = n_whole_cycles or min(cycles, n_cycles_to_steady)
+    n_cycles = n_whole_cycles or min(n_cycles_of_scene, n_cycles_to_steady)
     followed_cycles = tuple(min(cycle, 1) for cycle in range(n_cycles))
     if question.wants_last_cycle_alone:
         return followed_cycles[-1:]
@@ -1805,7 +1816,7 @@ def _states(point_fields: PointFields, distance: Array, row_numbers: Indices) ->
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
     states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
 
-    # At these instants points inside the contact slip further than the memory curve says.
+    # At these instants points inside the contact slip further than by the memory curve.
     for index, extra_slip in point_fields.inner_slips(row_numbers):
         state_of_extra_slip = states_by_direction[extra_slip.direction + 1]
         states[index] = np.where(
@@ -1980,15 +1991,15 @@ def _works_and_errors(
         and paths.rows.period is not None
     )
     loop_work = path_with_bodies.loop_work(paths.last_cycle) if has_loop_work else math.nan
-    last_work = float(exact_works[-1])
-    if last_work <= 0:
+    exact_last_work = float(exact_works[-1])
+    if exact_last_work <= 0:
         return friction_works, loop_work, {}
 
     # Errors of the steps: half of that of half-planes, and twice the change by halved steps.
-    step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / last_work - 1)
+    step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / exact_last_work - 1)
     change_by_halving = abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1]))
-    step_error += _FACTOR_ON_HALVING * change_by_halving / last_work
-    error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / last_work
+    step_error += _FACTOR_ON_HALVING * change_by_halving / exact_last_work
+    error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / exact_last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
 
@@ -2001,7 +2012,9 @@ def _works_and_errors(
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop_work:
         loop_work_of_half_planes = path_of_half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = abs(loop_work_of_half_planes / last_work - 1) + uncertainty_by_bodies
+        errors["loop_work"] = (
+            abs(loop_work_of_half_planes / exact_last_work - 1) + uncertainty_by_bodies
+        )
     return friction_works, loop_work, errors
 
 

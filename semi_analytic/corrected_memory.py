@@ -570,7 +570,7 @@ class PunchTable:
         lower_s = np.zeros(len(normal_load))
         upper_s = np.full(len(normal_load), self.largest_s)
         edge_s = known_s
-        newton_steps = _NEWTON_STEPS_FROM_KNOWN_EDGE
+        n_newton_steps = _NEWTON_STEPS_FROM_KNOWN_EDGE
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
                 middle_s = (lower_s + upper_s) / 2
@@ -578,10 +578,10 @@ class PunchTable:
                 lower_s = np.where(carries_less_or_equal, middle_s, lower_s)
                 upper_s = np.where(carries_less_or_equal, upper_s, middle_s)
             edge_s = (lower_s + upper_s) / 2
-            newton_steps = _NEWTON_STEPS_AFTER_BISECTION
+            n_newton_steps = _NEWTON_STEPS_AFTER_BISECTION
 
         # Newton's method: the load that the edge still misses, over its rate d/ds.
-        for _ in range(newton_steps):
+        for _ in range(n_newton_steps):
             missing_load = normal_load - carried_load(edge_s)
             # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
             curvature_at_edge = (
@@ -769,9 +769,11 @@ class _Bound(NamedTuple):
         The bound is linear in the loads eta, G and G_4 that the punches up to there carry:
         `constant` plus a slope times each. The sign is that of the direction of slip, +1 or -1.
         """
-        at_top = self.constant + self.profile_slope * piece.profile_load
-        at_top += self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
-        return self.direction * (at_top - piece.locked_in_force)
+        bound_at_top = self.constant + self.profile_slope * piece.profile_load
+        bound_at_top += (
+            self.parabola_slope * piece.parabola_load + self.fourth_slope * piece.fourth_load
+        )
+        return self.direction * (bound_at_top - piece.locked_in_force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -932,6 +934,7 @@ class FollowedPath:
             the table of punches, direction of slip, and number of the piece of the memory curve
             before the step on which each lies; 0 if it was outside the contact
         """
+        # Gauss' rule with k = 8 nodes on each interval: a node is a flat punch.
         gauss_nodes, gauss_weights = _GAUSS_RULE_OF_WORK
         interval_length_s = (intervals.outer_s - intervals.inner_s)[:, None]
         s = (
@@ -950,9 +953,8 @@ class FollowedPath:
         bound_after = self._coulomb_bound(punches, row, direction, load_after)
         locked_in_force = self._locked_in_forces(punches, intervals.piece_number)
 
-        # F before the step.
-        # Both positive along the slip. In gross sliding the curvature of the faces may move a punch
-        # against the slide.
+        # Both are positive along the slip; `locked_in_force` is F before the step. In gross sliding
+        # the curvature of the faces may move a punch against the slide.
         bound_rise = direction * (bound_after - bound_before)
         force_change = direction * (bound_after - locked_in_force)  # |dF|
 
@@ -1061,6 +1063,7 @@ class FollowedPath:
             each as three arrays (n,) over the steps: direction of slip, 0 for no slip; s of the
             inner end; s of the outer end
         """
+        # Each: instant at which the step ends, s of inner and outer end, piece, direction of slip.
         intervals: list[tuple[int, float, float, int, int]] = []
         # top_s: outer end of each piece; numbers_below: number of the piece below it;
         # uppermost_pieces: number of the outermost piece of the memory curve at each instant.
@@ -1082,13 +1085,13 @@ class FollowedPath:
             while outer_s > inner_end_of_zone:
                 number_below = piece_number if is_beyond_edge else numbers_below[piece_number]
                 inner_s = max(top_s[number_below], inner_end_of_zone)
-                number_of_interval = 0 if is_beyond_edge else piece_number
+                piece_of_interval = 0 if is_beyond_edge else piece_number
                 while math.ceil(outer_s) - 1 > inner_s:
                     kink_s = float(math.ceil(outer_s) - 1)
-                    intervals.append((row, kink_s, outer_s, number_of_interval, direction))
+                    intervals.append((row, kink_s, outer_s, piece_of_interval, direction))
                     outer_s = kink_s
                 if outer_s > inner_s:
-                    intervals.append((row, inner_s, outer_s, number_of_interval, direction))
+                    intervals.append((row, inner_s, outer_s, piece_of_interval, direction))
                     outer_s = inner_s
                 piece_number = number_below
                 is_beyond_edge = False
@@ -1318,7 +1321,7 @@ def follow(
     [0.632455532, 0.632455532]
     """
     # (10, n): loads, curvatures and edge of contact at each instant.
-    rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
+    columns = _columns_of_path(table, normal_load, tangential_load, curvatures)
     # T_22: the second moment of the shear adds to the curvature of the faces under Q. The path of
     # half-planes gives that moment.
     if curvatures.tangential_mixed:
@@ -1326,11 +1329,11 @@ def follow(
             path_of_half_planes = follow(
                 table, friction, normal_load, tangential_load, Curvatures()
             )
-        shear_second_moment = _estimated_shear_second_moment(table, rows, path_of_half_planes)
-        rows[_INDEX_OF_TANGENTIAL_CURVATURE] += (
+        shear_second_moment = _estimated_shear_second_moment(table, columns, path_of_half_planes)
+        columns[_INDEX_OF_TANGENTIAL_CURVATURE] += (
             2 * curvatures.tangential_mixed * shear_second_moment
         )
-    return _followed_rows(table, friction, rows)
+    return _followed_rows(table, friction, columns)
 
 
 def _estimated_shear_second_moment(
@@ -1378,8 +1381,8 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth_coefficient
     Parameters
     ----------
     at_edge
-        |            moments of the flat punches up to the edge of contact: of the profile, x^2/2,
-        x^4/24
+        moments of the flat punches up to the edge of contact: of those of the profile, of x^2/2
+        and of x^4/24
     curvature, fourth_coefficient
         kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
     """

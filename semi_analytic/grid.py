@@ -382,7 +382,7 @@ class Grid:
         alpha: p > 0 where the gap is 0, and p = 0 where it is open.
 
         Solved by an active set: cells with tension are opened and cells that overlap are closed,
-        until none changes. The contact is a row of cells without gaps between them.
+        until none changes. All cells from the first to the last that touches count as contact.
 
         Parameters
         ----------
@@ -398,18 +398,21 @@ class Grid:
             Where the active set does not converge, or the contact meets the end of the grid.
         """
         # x (g, k): middles of the cells of g grids.
-        height = gap_without_tilt + tilt * self.x
+        unloaded_gap = gap_without_tilt + tilt * self.x
         # Cells in contact before: number of the first, and how many, (g,) each.
         contact = self._contact
         if not contact.n_cells.all():
             # First guess: five cells about the least gap.
-            contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
+            contact = ContactCells(
+                np.argmin(unloaded_gap, axis=1) - 2, np.full(len(unloaded_gap), 5)
+            )
 
         # At most 200 iterations; begin: number of the first cell in contact on each grid.
         for _ in range(_MOST_ACTIVE_SET_ITERATIONS):
-            pressure = np.zeros(height.shape)
-            approach = np.zeros(len(height))
-            # C p = delta - height over the cells in contact; the sum of p is P over the cell width.
+            pressure = np.zeros(unloaded_gap.shape)
+            approach = np.zeros(len(unloaded_gap))
+            # C p = delta - unloaded gap over the cells in contact; the sum of p is P over the cell
+            # width.
             # Grids with equally many cells in contact have one stiffness: traction_per_shift (m,)
             # are the tractions that displace m cells by 1, total_per_shift their sum.
             for n_cells in np.unique(contact.n_cells).tolist():
@@ -421,10 +424,10 @@ class Grid:
                 )
                 approach[grids_of_size] = (
                     load / self.cell_width
-                    + height[cells_in_contact] @ cell_stiffness.traction_per_shift
+                    + unloaded_gap[cells_in_contact] @ cell_stiffness.traction_per_shift
                 ) / cell_stiffness.total_per_shift
                 pressure_by_height = (
-                    height[cells_in_contact] @ cell_stiffness.root.T
+                    unloaded_gap[cells_in_contact] @ cell_stiffness.root.T
                 ) @ cell_stiffness.root
                 pressure[cells_in_contact] = (
                     approach[grids_of_size, None] * cell_stiffness.traction_per_shift
@@ -432,8 +435,8 @@ class Grid:
                 )
             # _compliance: C (k, k) of all cells.
             is_inside = self._contact_mask(contact)
-            gap = height - approach[:, None] + pressure @ self._compliance
-            is_touching = np.where(is_inside, pressure > 0, gap < 0)
+            loaded_gap = unloaded_gap - approach[:, None] + pressure @ self._compliance
+            is_touching = np.where(is_inside, pressure > 0, loaded_gap < 0)
             if np.array_equal(is_touching, is_inside):
                 break
             # All cells from the first to the last that touches.
@@ -493,9 +496,11 @@ class Grid:
                     self.increments_without_early_slip += 1
                 continue
             # Newly touched cells get a third of the slip that they would have made without contact.
-            is_new = self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
+            is_new_cell = (
+                self._contact_mask(contact)[group] & ~self._contact_mask(cells_in_both)[group]
+            )
             slip_at_begin[group] += np.where(
-                is_new, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
+                is_new_cell, _SLIP_SHARE_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
             )
         return self._solve_increment_of(
             force, displacement, friction_limit, contact, slip_at_begin, np.arange(len(self.x))
@@ -535,7 +540,7 @@ class Grid:
             of the displacement (n,)
         """
         # The cells that are solved for lie in the same number of columns in each grid.
-        is_inside = self._contact_mask(contact)[grids]
+        is_in_contact = self._contact_mask(contact)[grids]
         n_cells = int(contact.n_cells[grids].max())
         cell_stiffness = self._stiffness_of_cells(n_cells)
         first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
@@ -545,7 +550,7 @@ class Grid:
 
         # Slip of the increment if there were neither shear nor U.
         free_slip = (displacement - slip_at_begin)[grids_and_columns]
-        is_touching_in_columns = is_inside[grid_rows, columns]
+        is_touching_in_columns = is_in_contact[grid_rows, columns]
         limit_in_columns = np.where(is_touching_in_columns, friction_limit[grids_and_columns], 0.0)
 
         # 1e-12 of the largest f p, for round-off.
@@ -581,8 +586,8 @@ class Grid:
         )
 
         # From these columns to all cells of the grids.
-        all_shear = np.zeros(is_inside.shape)
-        all_directions = np.zeros(is_inside.shape, dtype=int)
+        all_shear = np.zeros(is_in_contact.shape)
+        all_directions = np.zeros(is_in_contact.shape, dtype=int)
         all_shear[grid_rows, columns] = shear_in_columns
         all_directions[grid_rows, columns] = directions_in_columns
 
@@ -600,13 +605,14 @@ class Grid:
         """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
         the tilt alpha; the fields at its end, by their names in `GridFields`.
 
-        Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
-        (g,). Work is taken by the trapezoidal rule. The grids are in the new state afterwards.
-        Where P is not positive nothing touches, and Q has no effect.
+        Tractions, slip and state of contact are (g, k) for g grids of k cells; approach, U, moments
+        and friction work (g,). Work is taken by the trapezoidal rule. The next increment starts
+        from the shear, slip and cells in contact that are stored here. Where P is not positive
+        nothing touches, and Q has no effect.
 
-        U has two datums. The state, `_displacement`, holds U as it is solved for, against a datum
-        at the distance of the grid's length. The field "displacement" is U against a datum at
-        distance 1: U of the state minus `datum_compliance` Q. Likewise the approach.
+        U has two datums. The attribute `_displacement` stores U as it is solved for, against a
+        datum at the distance of the grid's length. The field "displacement" is U against a datum at
+        distance 1: that U minus `datum_compliance` Q. Likewise the approach.
 
         Parameters
         ----------
@@ -641,16 +647,18 @@ class Grid:
             )
         shear, slip, slip_directions, displacement_in_grid = tangential_solution
 
-        # Mean shear times the slip of the increment.
+        # Mean shear times the slip of the increment; then open, stick or slip of each cell.
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
         state_in_contact = _STATES_BY_DIRECTION[slip_directions]
-        state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(np.int8)
+        contact_state = np.where(self._contact_mask(self._contact), state_in_contact, OPEN).astype(
+            np.int8
+        )
         fields: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
             "pressure": normal_solution.pressure,
             "shear": shear,
             "slip": slip,
-            "state": state,
+            "state": contact_state,
             "approach": normal_solution.approach - self.datum_compliance * load,
             "displacement": displacement_in_grid - self.datum_compliance * force,
             "moment": self.cell_width * np.sum(self.x * normal_solution.pressure, axis=1),
@@ -768,8 +776,8 @@ class Grid:
         """Bring the grids to the loads P, Q, bulk strain eps and tilt alpha (4,), starting from a
         slip that is known from other grids.
 
-        `slip` returns that slip at points x. Where |q| would exceed f p, cells slip further in this
-        step.
+        `slip` returns that slip at points x. Where |q| would exceed f p, cells slip further in the
+        increment that is made here.
         """
         load, force, strain, tilt = loads.tolist()
         # The cells of each grid take the slip at their middles.
@@ -851,7 +859,9 @@ def _sliding_cells(
             raise ArithmeticError("all cells slip")
         shear_in_slip = direction * friction_limit
         # Slip of the increment that brings the shear of the sliding cells to the limit.
-        slip = _slip_of_sliding(cell_stiffness, is_sliding, shear_in_full_stick - shear_in_slip)
+        slip = _slip_of_sliding_cells(
+            cell_stiffness, is_sliding, shear_in_full_stick - shear_in_slip
+        )
         shear = shear_in_full_stick
         if np.any(is_sliding):
             shear_in_stick = shear_in_full_stick - slip @ cell_stiffness.matrix
@@ -866,23 +876,23 @@ def _sliding_cells(
     raise ArithmeticError("the slip zones do not converge")
 
 
-def _slip_of_sliding(
+def _slip_of_sliding_cells(
     cell_stiffness: CellStiffness, is_sliding: NDArray[np.bool_], shear_excess: Array
 ) -> Array:
-    """Slip v of the sliding cells in an increment, (g, k), 0 in all cells that stick [length]: the
-    solution of G v = q_0 - q over the sliding cells.
+    """Slip v of the sliding cells in an increment, (g, k) for g grids of k cells, 0 in all cells
+    that stick [length]: the solution of G v = q_0 - q over the sliding cells.
 
     `shear_excess` (g, k) is q_0 - q: q_0 is the shear if no cell slid, q = +-f p. G is the
     stiffness of the cells in contact, `cell_stiffness.matrix` (k, k). Grids have different numbers
     of sliding cells: their systems are filled up to one size with unit rows.
     """
     slip = np.zeros(shear_excess.shape)
-    most_sliding = int(np.max(np.sum(is_sliding, axis=1)))
-    if not most_sliding:
+    most_sliding_cells = int(np.max(np.sum(is_sliding, axis=1)))
+    if not most_sliding_cells:
         return slip
     # As many rows n as the grid with most sliding cells has; sliding cells come first.
     n_cells = is_sliding.shape[1]
-    columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
+    columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding_cells]
     is_real_row = np.take_along_axis(is_sliding, columns_sliding_first, axis=1)
     # Rows and columns of G of these cells, (g, n, n).
     stiffness = cell_stiffness.matrix.ravel().take(
@@ -890,7 +900,7 @@ def _slip_of_sliding(
     )
     if not is_real_row.all():
         stiffness *= is_real_row[:, :, None] & is_real_row[:, None, :]
-        diagonal = np.arange(most_sliding)
+        diagonal = np.arange(most_sliding_cells)
         stiffness[:, diagonal, diagonal] += ~is_real_row
     right_side = np.where(
         is_real_row, np.take_along_axis(shear_excess, columns_sliding_first, axis=1), 0.0
@@ -1158,7 +1168,6 @@ class _Answers:
         """Storage for what `grids` grids find at so many instants and points, before anything is
         followed: zeros, and NaN for edges.
 
-
         Parameters
         ----------
         grids, instants, points
@@ -1232,8 +1241,8 @@ class _Answers:
 
 
 class _State(NamedTuple):
-    """State of g grids at an instant: q/(f p) and slip s at m points (g, m), edges of stick (g, 2),
-    and the largest number of stick zones of a grid.
+    """What g grids find at an instant: q/(f p) and slip s at m points (g, m), edges of stick
+    (g, 2), and the largest number of stick zones of a grid.
     """
 
     friction_ratio: Array
@@ -1243,8 +1252,8 @@ class _State(NamedTuple):
 
 
 def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance: Array) -> _State:
-    """State of g grids at one instant: q/(f p) and slip at points x (m,), (g, m) each, the outer
-    edges of stick (g, 2), and the largest number of stick zones of a grid.
+    """Shear, slip and stick zones of g grids at one instant: q/(f p) and slip s at points x (m,),
+    (g, m) each, the outer edges of stick (g, 2), and the largest number of stick zones of a grid.
 
     q/(f p) is interpolated between cells, 0 without contact; slip follows from all tractions. A
     cell that sticks at the edge of contact sticks up to that edge, wherever it lies in the cell:
@@ -1255,7 +1264,7 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
     grid
         the g grids; x (g, k) are the middles of their cells
     fields
-        tractions and state of the cells, at all increments
+        tractions of the cells and their state of contact (open, stick or slip), at all increments
     instant
         number of the increment
     compliance
@@ -1273,9 +1282,9 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
     slip = displacement[:, None] - strain * x - displacement_by_shear
     friction_ratio = np.zeros((n_grids, len(x)))
     stick_edges = np.full((n_grids, 2), np.nan)
-    stick_zones = 1
-    for grid_number, state_of_cells in enumerate(fields.state[instant]):
-        touching_cells = np.flatnonzero(state_of_cells != OPEN)
+    n_stick_zones = 1
+    for grid_number, contact_states in enumerate(fields.state[instant]):
+        touching_cells = np.flatnonzero(contact_states != OPEN)
         if not len(touching_cells):
             continue
         cell_middles = grid.x[grid_number]
@@ -1283,11 +1292,11 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
         ratios_of_cells = fields.shear[instant, grid_number, touching_cells] / friction_limit
         friction_ratio[grid_number] = np.interp(x, cell_middles[touching_cells], ratios_of_cells)
         # Numbers of the first cell of each stick zone and of the cell behind its last, in turn.
-        sticks_in_padded_row = np.concatenate([[False], state_of_cells == STICK, [False]]).astype(
+        sticks_in_padded_row = np.concatenate([[False], contact_states == STICK, [False]]).astype(
             int
         )
         ends_of_stick_zones = np.flatnonzero(np.diff(sticks_in_padded_row))
-        stick_zones = max(stick_zones, len(ends_of_stick_zones) // 2)
+        n_stick_zones = max(n_stick_zones, len(ends_of_stick_zones) // 2)
         if len(ends_of_stick_zones):
             first_sticking_cell = ends_of_stick_zones[0]
             last_sticking_cell = ends_of_stick_zones[-1] - 1
@@ -1303,7 +1312,7 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
                 else cell_middles[last_sticking_cell] + grid.cell_width / 2
             )
             stick_edges[grid_number] = (left_edge, right_edge)
-    return _State(friction_ratio, slip, stick_edges, stick_zones)
+    return _State(friction_ratio, slip, stick_edges, n_stick_zones)
 
 
 def _follow_cycles(
@@ -2037,9 +2046,9 @@ def cycle_works(
 def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:
     """Times at which a solution on grids is given where the caller asks for none, (n,) ascending.
 
-    They are as many as every second increment of all `cycles`, equally spaced, and fewer of the
-    initial loading; of the last cycle only with `last_cycle_alone`. `increments` are those of a
-    cycle.
+    They are as many as every second increment of all cycles, equally spaced, and fewer of the
+    initial loading; of the last cycle only with `last_cycle_alone`. `cycles` is the number of
+    cycles, `increments` that of the increments in each.
     """
     if last_cycle_alone and path.period is not None:
         start_of_last_cycle = path.cycle_start + (cycles - 1) * path.period

@@ -219,9 +219,9 @@ class ConvexProfile(abc.ABC):
         """Centre m and half-length c of the contact under a load P and a tilt alpha [rad], arrays
         that broadcast [length].
 
-        They minimise int h d theta + pi alpha m - A P ln(c), with x = m + c cos(theta), A = 2/E*.
-        `load_product` is A P [length]. Where P is not positive, m is where the profile touches
-        first, and c is 0.
+        They minimise int h d theta + pi alpha m - A P ln(c). h(x) is the profile, at x = m + c
+        cos(theta), 0 <= theta <= pi; A = 2/E*. `load_product` is A P [length]. Where P is not
+        positive, m is where the profile touches first, and c is 0.
 
         Raises
         ------
@@ -279,16 +279,16 @@ class ConvexProfile(abc.ABC):
         # notation: h gap between the unloaded faces, theta angle of a point x = m + c cos(theta) of
         #           the contact, h d theta is integrated from 0 to pi
         """
-        # Start wider than the contact: then the residual of either end is nearly a convex function
-        # of that end, and hardly depends on the other.
+        # Start wider than the contact, from left_start to right_start: then the residual of either
+        # end is nearly a convex function of that end, and hardly depends on the other.
         # knots: places where h'' is not smooth; typical_half_length: of a contact of this profile.
-        leftmost = first_touch - self.typical_half_length
-        rightmost = first_touch + self.typical_half_length
+        left_start = first_touch - self.typical_half_length
+        right_start = first_touch + self.typical_half_length
         if len(self.knots):
-            leftmost = np.minimum(leftmost, self.knots[0] - self.typical_half_length)
-            rightmost = np.maximum(rightmost, self.knots[-1] + self.typical_half_length)
-        m = (leftmost + rightmost) / 2
-        c = (rightmost - leftmost) / 2
+            left_start = np.minimum(left_start, self.knots[0] - self.typical_half_length)
+            right_start = np.maximum(right_start, self.knots[-1] + self.typical_half_length)
+        m = (left_start + right_start) / 2
+        c = (right_start - left_start) / 2
 
         # `balance` gives the mean slope, A times the carried load, and integrals of h'' over a
         # contact.
@@ -576,8 +576,8 @@ class PiecewiseParabola(ConvexProfile):
                 np.abs((sine_of_point + sine_of_knot) / (sine_of_point - sine_of_knot))
             )
         # Knots whose term vanishes, or is not finite.
-        is_zero = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
-        logarithm = np.where(is_zero, 0.0, logarithm)
+        is_zero_term = (distance_to_knot == 0) | (knot_angles.sine == 0) | ~np.isfinite(logarithm)
+        logarithm = np.where(is_zero_term, 0.0, logarithm)
         terms_of_knots = root * knot_angles.theta - distance_to_knot * logarithm
         pressure = terms_of_knots @ self.jumps + np.pi * self.curvature[0] * root[..., 0]
         return np.where(root[..., 0] > 0, pressure, 0.0)
@@ -632,8 +632,8 @@ class PiecewiseParabola(ConvexProfile):
         tilt alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the
         point that does not move.
 
-        It is the mean of h + alpha x over the angle theta, x = m + c cos(theta): that of the
-        parabola left of all knots, plus what the jumps of h'' add.
+        It is the mean of h + alpha x over the angle theta, x = m + c cos(theta), with the profile
+        h(x): that of the parabola left of all knots, plus what the jumps of h'' add.
 
         Each jump J of h'' at a knot b adds J/(2 pi) [theta (b - m)^2 + c^2 (theta/2 - 3/2 sin
         cos)], with the sine and cosine of the angle theta of that knot.
@@ -813,13 +813,13 @@ class CurvedProfile(ConvexProfile):
         knot_root = np.sqrt(np.maximum((c - distance_to_knot) * (c + distance_to_knot), 0.0))
         knot_theta = np.arctan2(knot_root, distance_to_knot)
         angles_of_part_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
-        knots_within = np.clip(distance_to_knot + m, m - c, m + c)
-        places_of_part_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
+        clipped_knots = np.clip(distance_to_knot + m, m - c, m + c)
+        places_of_part_ends = np.concatenate([m + c, clipped_knots, m - c], axis=-1)
         angle_spans = np.diff(angles_of_part_ends)[..., None]
 
         # A node is placed from the nearer end of its part, so that its distance from a knot keeps
-        # its digits. The rule has its distances from begin and end, `distance_from_begin` and
-        # `distance_from_end`, on [0, 1].
+        # its digits. `rule` is for the range [0, 1]: it has the distances of its nodes from 0,
+        # `distance_from_begin`, and from 1, `distance_from_end`.
         is_nearer_begin = self.rule.distance_from_begin < 0.5
 
         def at_nearer_end(at_part_ends: Array) -> Array:
@@ -828,20 +828,22 @@ class CurvedProfile(ConvexProfile):
                 is_nearer_begin, at_part_ends[..., :-1, None], at_part_ends[..., 1:, None]
             )
 
-        angle_from_end = np.where(
+        angle_from_nearer_end = np.where(
             is_nearer_begin,
             angle_spans * self.rule.distance_from_begin,
             -angle_spans * self.rule.distance_from_end,
         )
-        half_sine = np.sin(angle_from_end / 2)
+        half_sine = np.sin(angle_from_nearer_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
 
         # Of the angle at that end.
         sine = at_nearer_end(np.sin(angles_of_part_ends))
         cosine = at_nearer_end(np.cos(angles_of_part_ends))
-        # c [cos(end) - cos(end + angle_from_end)] as a product
-        distance_from_end = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
-        xi = at_nearer_end(places_of_part_ends) - distance_from_end
+        # c [cos(end) - cos(end + angle_from_nearer_end)] as a product
+        distance_from_nearer_end = (
+            2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
+        )
+        xi = at_nearer_end(places_of_part_ends) - distance_from_nearer_end
         weights = angle_spans * self.rule.weight / np.pi
         if len(self.knots):
             # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
@@ -950,8 +952,10 @@ class CurvedProfile(ConvexProfile):
         alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the point
         that does not move.
 
-        It is the mean of h + alpha x over the angle theta of x = m + c cos(theta).
+        It is the mean of h + alpha x over the angle theta of x = m + c cos(theta); `height` is the
+        profile h(x).
         """
+        # xi: quadrature nodes of the contact; weights with the sum 1.
         xi, _, weight = self._nodes_of_contact(m, c)
         return np.asarray(np.sum(weight * self.height(xi), axis=-1) + np.asarray(tilt) * m)
 
@@ -965,6 +969,7 @@ class CurvedProfile(ConvexProfile):
         nothing to it and is not used.
         """
         del tilt
+        # xi: quadrature nodes of the contact, with t = xi - m and weights of the sum 1.
         xi, distance_from_centre, weight = self._nodes_of_contact(m, c)
         lever = (
             m[..., None] * distance_from_centre
@@ -1428,8 +1433,8 @@ class TiltedProfile:
             half_width = np.where(c > 0, c, 1.0)
             least_tilt = np.where(moment_excess > 0, tilt, least_tilt)
             largest_tilt = np.where(moment_excess > 0, largest_tilt, tilt)
-            # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
-            # more than about a third of it.
+            # A change d alpha of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p, with t = x - m and
+            # A = 2/E*. No step moves a contact by more than about a third of it.
             longest_step = self._compliance * load / (4 * half_width)
             step = 2 * self._compliance * moment_excess / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
@@ -1447,10 +1452,10 @@ class TiltedProfile:
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Pressure p >= 0 at x under loads [stress], 0 outside the contact."""
-        value = self.shape.pressure(
+        scaled_pressure = self.shape.pressure(
             np.asarray(x, dtype=float), *self.intervals.centre_and_half_width(load)
         )
-        return np.asarray(np.maximum(value, 0.0) / (np.pi * self._compliance))
+        return np.asarray(np.maximum(scaled_pressure, 0.0) / (np.pi * self._compliance))
 
     pressure_rise = pressure
 
@@ -1473,7 +1478,8 @@ class TiltedProfile:
         a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
         # corner_loads: loads at which an end of contact meets a knot of the profile.
-        # Without such loads one rule that is graded towards both ends; else one on each panel.
+        # Without such loads one rule that is graded towards both ends; else one on each panel
+        # between two of them.
         if not len(self.corner_loads):
             return graded_nodes(begin, end)
         nodes_of_panels = panel_nodes(begin, end, self.corner_loads)
@@ -1563,8 +1569,10 @@ class TiltedProfile:
                 np.broadcast_to(values, needs_edge_movement.shape)[needs_edge_movement]
                 for values in (np.sign(t), advance, load_rise, c)
             )
-            to_edge = self.intervals.edge_movement(edge_side, upper_load, rise_since_x)
-            difference_of_squares[needs_edge_movement] = to_edge * (2 * upper_half_width - to_edge)
+            distance_to_edge = self.intervals.edge_movement(edge_side, upper_load, rise_since_x)
+            difference_of_squares[needs_edge_movement] = distance_to_edge * (
+                2 * upper_half_width - distance_to_edge
+            )
         return (self.tangential_fraction - self.pressure_skewness * t) / np.sqrt(
             np.where(difference_of_squares > 0, difference_of_squares, np.inf)
         )
