@@ -61,24 +61,24 @@ def advise(
     >>> round(advice.work.value, 3)
     -0.027
     """
-    problem = scene_of(scene)
-    if not problem.friction.coefficient:
+    stated_scene = scene_of(scene)
+    if not stated_scene.friction.coefficient:
         raise InputError(
-            f"{problem.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
+            f"{stated_scene.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
             " relative to it"
         )
 
     # Corrected theory first; `reason_for_size_alone` is "" where its uncertainty was checked.
     advice = None
     try:
-        advice = advise_by_numbers(problem, limit, effects)
+        advice = advise_by_numbers(stated_scene, limit, effects)
         reason_for_kernels = advice.reason_for_size_alone
     except InputError as refusal:
         reason_for_kernels = str(refusal)
     if advice is not None and not reason_for_kernels:
         return advice
     try:
-        return advise_by_kernels(problem, limit, reason_for_kernels)
+        return advise_by_kernels(stated_scene, limit, reason_for_kernels)
     except (InputError, ConvergenceError) as refusal:
         if advice is not None:
             return replace(advice, refusal_of_kernels=str(refusal))

@@ -128,21 +128,20 @@ def changes_of(
     Raises
     ------
     InputError
-        Where theory is not given and dissipates nothing: no error is relative to it.
+        Where theory is not given and dissipates nothing, so that no relative change exists.
     """
     import halfplane_fe
     import semi_analytic
 
-    # `uncertainties` of a solution: of its values, by name; WORK is "dissipation".
     scene = solution.scene
     theory = theory or _dissipating_theory(scene)
     # Largest values of theory over all places and instants of the last cycle.
     largest_values_of_theory = semi_analytic.extremes(theory, names=("edge_tension",))
-    stated_uncertainties = solution.uncertainties
+    stated_uncertainties = solution.uncertainties  # by name of the solution's value
     last_cycle = solution.last_cycle
     largest_half_width = np.nanmax(solution.contact_half_width[last_cycle])
 
-    # Each change from theory's value, the solution's value and its uncertainty.
+    # Each change from theory's value, the solution's value and its uncertainty. WORK: "dissipation"
     changes = {
         WORK: _change_from_theory(
             "dissipation",

@@ -158,7 +158,8 @@ class Advice:
         no uncertainty that was checked against finite elements. "" where it gives one.
 
         `parts` holds the change by tilt and bulk strain, where it is known, under ODD_PART;
-        `neglected_part` is their size where it is not; `work` is the change of the dissipation.
+        `neglected_part` is its estimated size where it is not known; `work` is the change of the
+        dissipation.
         """
         if has_coupled_tractions(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
@@ -357,9 +358,9 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     """Split the difference of the dissipation W between finite elements of real bodies and
     half-plane theory into its causes.
 
-    The answer has a reason in place of the parts where W was not compared, or where no method finds
-    the causes for these bodies. It has one, too, where a part does not converge or has no error
-    estimate.
+    What is returned (`Why`) holds the difference and its parts by cause. It has a reason instead of
+    the parts where W was not compared, or where no method finds the causes for these bodies. It has
+    one, too, where a part does not converge or has no error estimate.
 
     Parameters
     ----------
@@ -637,8 +638,8 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> tuple[float, float]:
-    """Sizes of the tilt and of the bulk strain of the bodies, |alpha_P| + |alpha_Q| and
-    |e_P| + |e_Q|: dimensionless, each the sum of that under P and that under Q.
+    """Sizes of the tilt |alpha_P| + |alpha_Q| and of the bulk strain |e_P| + |e_Q| of the bodies:
+    dimensionless, each the sum of the response to P and of that to Q.
 
     `effects` are the elastic responses that the bodies add to half-planes, `half_width` is the
     largest of the contact [length].
@@ -650,10 +651,11 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
     # E* of both materials.
     modulus = composite_modulus(scene.material)
     # The four responses by name, made dimensionless with half-width and E*.
-    odd_numbers = dimensionless_tilt_and_strain(effects, half_width, modulus)
+    dimensionless_responses = dimensionless_tilt_and_strain(effects, half_width, modulus)
     # TILT_AND_STRAIN_NAMES: names of these four responses
     sizes = {
-        name: abs(number) for name, number in zip(TILT_AND_STRAIN_NAMES, odd_numbers, strict=True)
+        name: abs(number)
+        for name, number in zip(TILT_AND_STRAIN_NAMES, dimensionless_responses, strict=True)
     }
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
@@ -695,7 +697,7 @@ def _sentence_on_limit(advice: Advice) -> str:
     advice
         `verdict` on the `limit`; `reason_for_size_alone`: why the uncertainty was not checked, ""
         where it was; `refusal_of_kernels`: why half-planes with the compliance of the bodies added
-        are no way out, "" where that was not tried; `parts` of the change by cause;
+        cannot be solved either, "" where that was not tried; `parts` of the change by cause;
         `neglected_part`: size of causes that were not followed
     """
     limit_in_words = f"the limit of {100 * advice.limit:g} %"

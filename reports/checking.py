@@ -238,8 +238,10 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
     ):
         # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
         exact_least_load = max(2 * largest_sliding_load, _LARGEST_NOISE_SHARE / 50 * largest_load)
-        second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
-        least_load = float(np.floor(exact_least_load / second_digit) + 1) * second_digit
+        unit_of_second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
+        least_load = (
+            float(np.floor(exact_least_load / unit_of_second_digit) + 1) * unit_of_second_digit
+        )
         return (
             f"{row_in_words}. Rows of so little load are noise where it is: write"
             f" load.least_normal_load = {least_load:.6g}"
@@ -389,11 +391,10 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
     """Which of theory and finite elements can solve a scene whose load path is admissible: for each
     the reason why it refuses, "" where it accepts.
 
-
     Parameters
     ----------
     scene
-        `load.is_driven`: a displacement is prescribed in the place of Q; `bodies.faces_are_true`: a
+        `load.is_driven`: a displacement is prescribed instead of Q; `bodies.faces_are_true`: a
         face is modelled with its curve
     source
         name of the scene in messages
@@ -410,7 +411,7 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
     ------
     InputError
         One sentence, for what no engine answers: rows of a table that do not define the profile,
-        real bodies that finite elements refuse (theory has half-planes in their place), a contact
+        real bodies that finite elements refuse (theory replaces them by half-planes), a contact
         wider than the narrower face of the bodies, and what both engines refuse.
     """
     # Under prescribed displacements each engine finds loads of its own. Theory then needs the
@@ -465,7 +466,7 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
     ------
     InputError
         Naming `source`, where no engine is left: theory refuses too, as `reason_of_theory` states,
-        or has half-planes in the place of bodies of a finite size.
+        or replaces bodies of a finite size by half-planes.
     """
     import halfplane_fe
 
@@ -491,8 +492,8 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     """Refuse a scene whose contact at the largest load, by half-plane theory, is more than 1.1
     times as wide as the narrower face of the two bodies (InputError); nothing is meshed.
 
-    On a layer, a body thinner than three quarters of its face, the contact is narrower than
-    theory's. The limit is 10 there, and finite elements look at contacts below it. `source` names
+    On a layer, a body thinner than three quarters of its face, the contact is narrower than by
+    theory, so the limit is 10 there; finite elements check narrower contacts later. `source` names
     the scene in the message.
     """
     from halfplane_fe.supports import least_face_half_width
@@ -549,24 +550,25 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     Raises
     ------
     InputError
-        Where theory can't press the profile with that load: a table or function that ends within
-        the contact, a shape under which the contact would split, a tilt of a profile that bends
+        Where theory can't solve the profile under that load: a table or function that ends within
+        the contact, a profile with which the contact would split, a tilt of a profile that bends
         down somewhere.
     """
     from semi_analytic.elasticity import composite_modulus
 
     largest_load, time = _largest_load_and_time(scene)
-    # x of both edges, and the pressure as a function of x; None where the quick way does not hold.
+    # x of both edges, and the pressure as a function of x; None where the quick formula for convex
+    # profiles does not hold.
     contact = _contact_of_convex_profile(scene, largest_load, time)
     if contact is None:
         contact = _contact_by_theory(scene, largest_load, time, source)
     half_width = (contact.right_edge - contact.left_edge) / 2
     peak_pressure = _peak_pressure(contact, scene)
     typical_pressure = peak_pressure
-    if not np.isfinite(peak_pressure):  # at the tip of a wedge: the mean pressure in its place
+    if not np.isfinite(peak_pressure):  # at the tip of a wedge: take the mean pressure
         typical_pressure = largest_load / (2 * half_width)
 
-    # Slope of the gap at both edges, by differences over 2e-6 of their x.
+    # Slope of the gap at both edges: differences of its height (2, 2) over 2e-6 of their x.
     contact_edges = np.array([contact.left_edge, contact.right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
@@ -581,8 +583,8 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
 
 
 def _peak_pressure(contact: _Contact, scene: Scene) -> float:
-    """Largest pressure of a contact [stress], the largest at points that are dense at the edges and
-    around it; infinite at the tip of a wedge.
+    """Largest pressure of a contact [stress], among points x that are dense at the edges and around
+    the largest; infinite at the tip of a wedge.
 
     `contact` holds x of both edges [length], and `pressure` as a function of x (n,).
     `profile.kinks` are the distances from x = 0 at which the curvature of the profile jumps.
@@ -635,13 +637,13 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
     tilt_or_moment = _tilt_or_moment_at(scene, time)
     if "moment" in tilt_or_moment:
         return None
-    # 1/(pi A) with A = 2/E*: `shape` takes A P and gives pi A p
+    # 1/(pi A) with A = 2/E*: `convex` takes A P and gives pi A p
     pressure_scale = composite_modulus(scene.material) / (2 * np.pi)
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         # A convex profile gives middle and half-width of the contact under a load and a tilt.
-        shape = convex_profile(scene.profile)
-        middle_x, half_width = shape.contact_centre_and_half_width(
+        convex = convex_profile(scene.profile)
+        middle_x, half_width = convex.contact_centre_and_half_width(
             load / (np.pi * pressure_scale), tilt
         )
     except InputError:
@@ -649,7 +651,7 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
 
     def pressure(x: Array) -> Array:
         """Pressure [stress] at places x (n,); 0 out of contact."""
-        return pressure_scale * np.maximum(shape.pressure(x, middle_x, half_width), 0.0)
+        return pressure_scale * np.maximum(convex.pressure(x, middle_x, half_width), 0.0)
 
     return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
 
@@ -901,6 +903,7 @@ def remarks_on_input(scene: Scene, contact: _LargestContact) -> list[str]:
                 modulus < _SOFT_MODULUS and material.poisson_ratio < _POISSON_RATIO_OF_RUBBER
             )
             if is_too_stiff or is_too_soft:
+                # `in_template`: the sentence of this name, filled with these values.
                 sentences.append(
                     in_template(
                         "odd_modulus",

@@ -296,12 +296,12 @@ def results_folder(
     except OSError as reason:
         raise _error_of_unwritable_folder(out, reason) from reason
 
-    results = staging / "results"
+    new_results_folder = staging / "results"
     with ExitStack() as cleanup:
         cleanup.callback(_remove_hidden, staging)
         try:
-            results.mkdir(mode=0o700)
-            yield results
+            new_results_folder.mkdir(mode=0o700)
+            yield new_results_folder
             is_moving = True
             _move_results(staging, folder, stale_prefixes, out)
         except InputError as fault:
@@ -316,7 +316,7 @@ def results_folder(
                 _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
                 raise
             sentence = ""
-            if is_moving or _remove_all_except(results, solutions):
+            if is_moving or _remove_all_except(new_results_folder, solutions):
                 cleanup.pop_all()  # nothing is removed
                 sentence = _place_of_rescued_files(staging)
             raise InputError(f"{_error_of_unwritable_folder(out, fault)}{sentence}") from fault
@@ -510,11 +510,11 @@ def _move_results(
     FilledBefore
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """
-    results = staging / "results"
+    new_results_folder = staging / "results"
     # Where replaced files go, to be put back after an error.
     old_results_folder = staging / "before"
     # Names of files as paths relative to the folder.
-    new_names = _names_of_files(results)
+    new_names = _names_of_files(new_results_folder)
     # The folder exists and is locked against other runs; `inner_folders` makes folders in it.
     with (
         _existing_folder(folder),
@@ -555,8 +555,8 @@ def _move_results(
                     os.rename(folder / name, old_results_folder / name)
                     undo_steps.callback(os.rename, old_results_folder / name, folder / name)
                 for name in sorted(new_names, key=lambda name: (name == _PAGE_NAME, name)):
-                    os.replace(results / name, folder / name)
-                    undo_steps.callback(os.replace, folder / name, results / name)
+                    os.replace(new_results_folder / name, folder / name)
+                    undo_steps.callback(os.replace, folder / name, new_results_folder / name)
                 os.replace(last_manifest, folder / MANIFEST)
                 undo_steps.pop_all()
         except KeyboardInterrupt as stop:

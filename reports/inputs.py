@@ -121,7 +121,7 @@ QUANTITIES_UNDER_DISPLACEMENT = {
     "largest_tangential_load": TheoryQuantity("largest tangential load", "load", 1, 1, 1, 0),
     RATIO: TheoryQuantity("largest |Q|/(f P)", "ratio", 0, 0, 0, 0),
 }
-"""Where a displacement is prescribed in the place of Q."""
+"""Where a displacement is prescribed instead of Q."""
 
 
 @dataclass(frozen=True)
@@ -305,10 +305,11 @@ def uncertain_value(
     quantity
         its name in words, and the kind of its unit
     value
-        its size at the stated inputs
+        the computed value at the stated inputs
     changes_by_inputs
-        for each input its `key`, and `changes`: by one standard uncertainty of it, for each value
-        by key, the change as (value, uncertainty), the uncertainty being the change of second order
+        for each input its `key`, and `changes`: an estimate for each computed value by key. Its
+        `value` is the change by one standard uncertainty of the input, its `uncertainty` the change
+        of second order
     key
         key of this value in `changes`
     correlation
@@ -335,8 +336,8 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
     only: the other values take too long. Under a prescribed displacement (`load.is_driven`) slip
     and edge tension are not among them. The largest |Q| is, and with friction the largest ratio
-    |Q|/(f P). The values are then those at the solution's own instants and points; a parabola has
-    its largest pressure at x = 0.
+    |Q|/(f P). The values are then the largest among the instants and places x at which the solution
+    is computed; a parabola has its largest pressure at x = 0.
 
     Parameters
     ----------
@@ -353,19 +354,21 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     """
     import semi_analytic
 
-    # A displacement is prescribed in the place of Q.
+    # A displacement is prescribed instead of Q.
     if scene.load.is_driven:
-        places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default points
+        places = 0.0 if isinstance(scene.profile, Hertz) else None  # the default places
         # WORK, PEAK, RATIO: "dissipation", "peak_pressure" and "sliding_ratio"
         solution = semi_analytic.solve(scene, x=places, effects=effects, fields=(WORK, "pressure"))
         # Indices of the solution's instants in the last cycle.
-        instants = solution.last_cycle
+        cycle_indices = solution.last_cycle
         values = {
             WORK: solution.dissipation,
-            PEAK: float(solution.pressure[instants].max()),
-            "half_width": float(np.max(solution.contact_half_width[instants])),
+            PEAK: float(solution.pressure[cycle_indices].max()),
+            "half_width": float(np.max(solution.contact_half_width[cycle_indices])),
             "permanent_stick": solution.permanent_stick_half_width,
-            "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[instants]))),
+            "largest_tangential_load": float(
+                np.max(np.abs(solution.tangential_load[cycle_indices]))
+            ),
         }
         if scene.friction.coefficient:
             values[RATIO] = largest_load_ratio(solution)
@@ -441,7 +444,8 @@ def change_by_central_differences(
     Returns
     -------
     _ChangeByInput
-        The key of the input and, for each value by name, the change with its second order as error.
+        The key of the input and, for each value by name, the change, with the change of second
+        order as its uncertainty.
 
     Raises
     ------
@@ -499,8 +503,10 @@ def _changes_by_differences(
 
 
 def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
-    """Relative change of E* by one standard uncertainty of a constant of a material: a central
-    difference over E*, the composite modulus of both materials.
+    """Relative change of the composite modulus E* by one standard uncertainty of a constant of a
+    material: a central difference of E*, divided by E*.
+
+    # notation: 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u of the lower and the upper body
 
     `uncertain_input` is that constant, such as Young's modulus: `key` names it, and
     `standard_uncertainty` is relative.
@@ -530,7 +536,7 @@ def changes_of_theory(
     Parameters
     ----------
     scene
-        `load.is_driven`: a displacement is prescribed in the place of Q; `unsymmetric`: it has bulk
+        `load.is_driven`: a displacement is prescribed instead of Q; `unsymmetric`: it has bulk
         stress, tilt or an unsymmetric profile; `inputs`: its uncertain inputs
     values_at_inputs
         theory's values by name at the stated inputs
@@ -548,12 +554,13 @@ def changes_of_theory(
         """Values of a changed scene, by name."""
         return values_of_theory(changed_scene, effects_of(changed_scene))
 
-    laws_hold = not (scene.load.is_driven or scene.unsymmetric)
-    if not laws_hold:
+    have_scaling_laws = not (scene.load.is_driven or scene.unsymmetric)
+    if not have_scaling_laws:
         return [
             change_by_central_differences(values_at, scene, uncertain_input, values_at_inputs)
             for uncertain_input in scene.inputs
         ]
+    # The scaling laws of this scene: they give x dV/dx of each value V for an input x.
     laws = _ScalingLaws(scene, values_at_inputs, values_at)
     return [
         _change_by_laws(laws, scene, uncertain_input, values_at_inputs, values_at)
@@ -579,7 +586,7 @@ def _change_by_laws(
         as stated; a `Hertz` profile is a parabola
     uncertain_input
         the input: its key, such as "material.young_modulus", and its standard uncertainty, relative
-        to its value (of a phase: degrees)
+        to the input (of a phase: in degrees)
     values_at_inputs
         the values by name with the input as it is
     values_at
@@ -593,7 +600,7 @@ def _change_by_laws(
     key = uncertain_input.key
     standard_uncertainty = uncertain_input.standard_uncertainty
     if key.startswith("bodies.") and not key.endswith(".radius"):
-        # a size of a body, which half-plane theory does not know; a radius is part of the profile
+        # half-plane theory has no size of a body; a radius belongs to the profile
         return _ChangeByInput(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
         return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_friction())
@@ -663,11 +670,12 @@ class _ScalingLaws:
         """
         if not isinstance(self.scene.profile, Hertz):
             return self.derivative_by_load("normal_load")
-        heights = self._values_times_exponent("height_exponent")
+        # For each value V: its exponent in the law of heights, times V.
+        terms_by_height = self._values_times_exponent("height_exponent")
         derivatives_by_radius = self.derivative_by_radius()
         derivatives_by_q = self.derivative_by_tangential_load()
         return {
-            key: heights[key] + derivatives_by_radius[key] - derivatives_by_q[key]
+            key: terms_by_height[key] + derivatives_by_radius[key] - derivatives_by_q[key]
             for key in self.values_at_inputs
         }
 
@@ -738,14 +746,14 @@ def with_blocks(scene: Scene) -> Scene:
     """The scene with each pad replaced by a block of its size, where a displacement is prescribed:
     the profile then is the gap between flat faces. Else the scene itself.
 
-    The extra compliance of the pads' arcs is left out, which hardly matters for changes of W. With
-    5 % more friction W changes by -5.37 % for blocks by theory, by -5.38 % for a pad with a/R =
-    0.014 by finite elements.
+    The extra compliance of the pads' arcs is left out, which hardly matters for changes of the
+    dissipation W. With 5 % more friction W changes by -5.37 % for blocks by theory. It changes by
+    -5.38 % by finite elements for a pad whose contact half-width is 0.014 of its radius.
     """
-    # `is_driven`: a displacement is prescribed in the place of Q.
+    # `is_driven`: a displacement is prescribed instead of Q.
     if not scene.load.is_driven:
         return scene
-    # Bodies to be replaced: a block with the pad's other keys.
+    # Bodies to be replaced, by name: each a block with all keys of the pad but "kind".
     blocks = {}
     for name in ("lower", "upper"):
         body = getattr(scene.bodies, name)
@@ -817,7 +825,7 @@ def _reason_without_difference(scene: Scene) -> str:
     """Why the effect of the inputs on theory's error (finite bodies/half-planes − 1) cannot be
     computed, in words; "" where it can.
 
-    `load.is_driven`: a displacement is prescribed in the place of Q. `bodies.half_planes`: both
+    `load.is_driven`: a displacement is prescribed instead of Q. `bodies.half_planes`: both
     bodies are half-planes. `bodies.faces_are_true`: a face is modelled with its curve.
     """
     if scene.load.is_driven:
@@ -867,8 +875,8 @@ def changes_of_difference(
     by_quick_formula = quick_formula_holds(scene, effects)
 
     def values_at(changed_scene: Scene) -> _ValueByName:
-        # Elastic responses depend on the bodies and their materials alone.
         """Differences of the two models for a changed scene, by name."""
+        # Elastic responses depend on the bodies and their materials alone.
         changed_effects = effects
         if changed_scene.bodies != scene.bodies or changed_scene.material != scene.material:
             changed_effects = halfplane_fe.body_effects(changed_scene)
@@ -923,14 +931,15 @@ class _LawOfModulus:
         changes = {}
         for key in derivatives_by_p:
             change = -relative_uncertainty * (derivatives_by_p[key] + derivatives_by_q[key])
-            # The difference is nearly linear in 1/E, whose second order is u times its first.
+            # V is nearly linear in 1/E, whose change of second order is u times that of first
+            # order, u being the relative uncertainty.
             changes[key] = Estimate(change, abs(change) * relative_uncertainty)
         return _ChangeByInput(modulus.key, changes)
 
 
 def quick_formula_holds(scene: Scene, effects: BodyEffects) -> bool:
     """Whether the quick formula for W (`semi_analytic.dissipation`) holds for both models, at the
-    scene's inputs and at changed ones.
+    scene's inputs and at changed inputs.
 
     It holds for elliptical load paths without bulk stress and tilt, on a symmetric profile. No size
     of a body may be uncertain, and by `effects`, the elastic responses, faces neither tilt nor
@@ -940,12 +949,12 @@ def quick_formula_holds(scene: Scene, effects: BodyEffects) -> bool:
 
     # Tilt and strain of the faces, which loads on finite bodies may cause.
     # TILT_AND_STRAIN_NAMES: names of the responses by which faces tilt and stretch
-    has_odd_part = any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES)
+    faces_tilt_or_stretch = any(getattr(effects, name).value for name in TILT_AND_STRAIN_NAMES)
     has_uncertain_body = any(
         uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
     )
     is_ellipse = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
-    return is_ellipse and not has_uncertain_body and not has_odd_part
+    return is_ellipse and not has_uncertain_body and not faces_tilt_or_stretch
 
 
 def difference_at(scene: Scene, effects: BodyEffects, *, by_quick_formula: bool) -> _ValueByName:
@@ -1009,6 +1018,7 @@ def _works_by_quick_formula(scene: Scene, effects: BodyEffects) -> tuple[float, 
             phase_degrees=load.phase_degrees,
             effects=body_effects,
         )
+        # `value`: the dissipation W
         return float(batch.value)
 
     work_of_half_planes = work_with(None)
@@ -1033,9 +1043,10 @@ def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
     """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola; NaN for
     other profiles.
 
-    By theory p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi), N and N_Q the curvatures of the bodies' faces
-    per normal and tangential load. `effects` are the elastic responses that finite bodies add to
-    half-planes: N is `normal_curvature`, N_Q `normal_curvature_under_shear`.
+    By theory the largest pressure is p0 = sqrt(P E* (1/R + N P + N_Q Q)/pi), R the radius of the
+    parabola, N and N_Q the curvatures of the bodies' faces per normal and tangential load.
+    `effects` are the elastic responses that finite bodies add to half-planes: N is
+    `normal_curvature`, N_Q `normal_curvature_under_shear`.
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
@@ -1056,6 +1067,7 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
     if isinstance(scene.load, TimeSeriesLoad):
         rows = scene.load.series()
         return rows[:, 1], rows[:, 2]
+    # Load segments of the cycle, or of the path where nothing repeats.
     path = scene.load.path()
     loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
@@ -1078,13 +1090,13 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     if scene.load.is_driven or scene.unsymmetric or _is_long_record(scene):
         return None
     is_ellipse = isinstance(scene.load, EllipseLoad)
-    moves_compound_profile = isinstance(scene.profile, Compound) and any(
+    has_uncertain_compound_profile = isinstance(scene.profile, Compound) and any(
         uncertain_input.key.startswith("profile.") for uncertain_input in scene.inputs
     )
     # N_DRAWS = 100,000 draws all at once, or N_FEW_DRAWS = 200 solved one by one.
     # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
-    count = N_DRAWS if is_ellipse and not moves_compound_profile else N_FEW_DRAWS
-    drawn_changes = drawn_changes_of(scene, count)
+    n_draws = N_DRAWS if is_ellipse and not has_uncertain_compound_profile else N_FEW_DRAWS
+    drawn_changes = drawn_changes_of(scene, n_draws)
     compute_values = values_of_ellipses if is_ellipse else values_one_by_one
 
     # W and more by name, (count,) each; and which draws slide, (count,).
@@ -1092,7 +1104,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     # Fractions of the draws; WORK is "dissipation".
     sliding_share = float(np.mean(is_sliding))
     return Draws(
-        count=count,
+        count=n_draws,
         sliding=sliding_share,
         impossible=float(np.mean(~np.isfinite(values[WORK]))) - sliding_share,
         values={key: _statistics_of(drawn_values) for key, drawn_values in values.items()},
@@ -1118,8 +1130,9 @@ def drawn_changes_of(scene: Scene, count: int) -> dict[str, Array]:
     a phase in degrees. They have normal distributions with the stated standard uncertainties and
     correlations.
 
-    With the correlation matrix R = V D V^T the columns of V sqrt(D) z have this correlation, z
-    being independent normal numbers of variance 1.
+    The correlation matrix is R = V D V^T, with its eigenvectors in V and its eigenvalues in the
+    diagonal matrix D. Then V sqrt(D) z has these correlations, z being independent normal numbers
+    of variance 1.
     """
     assert scene.uncertainty is not None  # there are inputs
     eigenvalues, eigenvectors = np.linalg.eigh(scene.uncertainty.correlation_matrix())
@@ -1173,8 +1186,8 @@ def values_of_ellipses(
     modulus_factor = factors_of_one
     if any(key.startswith("material.") for key in drawn_changes):
         modulus_factor = _composite_moduli(scene, drawn_changes) / composite_modulus(scene.material)
-    load = scene.load
-    assert isinstance(load, EllipseLoad)  # for the type checker: others take no batch
+    load_ellipse = scene.load
+    assert isinstance(load_ellipse, EllipseLoad)  # for the type checker: others take no batch
     normal_factor = factor_of_input("normal_load") / modulus_factor
     tangential_factor = factor_of_input("tangential_load") / modulus_factor
 
@@ -1189,11 +1202,11 @@ def values_of_ellipses(
         profile=profile,
         material=scene.material,
         friction_coefficient=scene.friction.coefficient * factor_of_input("friction"),
-        mean_normal_load=load.mean_normal_load * normal_factor,
-        normal_amplitude=load.normal_amplitude * normal_factor,
-        mean_tangential_load=load.mean_tangential_load * tangential_factor,
-        tangential_amplitude=load.tangential_amplitude * tangential_factor,
-        phase_degrees=load.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
+        mean_normal_load=load_ellipse.mean_normal_load * normal_factor,
+        normal_amplitude=load_ellipse.normal_amplitude * normal_factor,
+        mean_tangential_load=load_ellipse.mean_tangential_load * tangential_factor,
+        tangential_amplitude=load_ellipse.tangential_amplitude * tangential_factor,
+        phase_degrees=load_ellipse.phase_degrees + drawn_changes.get("phase_degrees", 0.0),
     )
     # from W at the stated E*_0 to W at the modulus of the draw
     # WORK, STICK: "dissipation" and "permanent_stick"
@@ -1251,15 +1264,15 @@ def _numbers_of_drawn_profiles(scene: Scene, drawn_changes: Mapping[str, Array])
             name = key.removeprefix("profile.")
             numbers[name] = numbers[name] * (1 + change)
 
-    # Sum of the curvatures of the cylinders, of which the profile's radius follows.
-    curvature: Any = 0.0
+    # Sum of the curvatures of the cylinders, from which the profile's radius follows.
+    sum_of_curvatures: Any = 0.0
     for body in ("lower", "upper"):
-        shape = getattr(scene.bodies, body)
-        if isinstance(shape, Cylinder):
+        cylinder = getattr(scene.bodies, body)
+        if isinstance(cylinder, Cylinder):
             change = drawn_changes.get(f"bodies.{body}.radius", np.zeros(()))
-            curvature = curvature + 1 / (shape.radius * (1 + change))
+            sum_of_curvatures = sum_of_curvatures + 1 / (cylinder.radius * (1 + change))
     if scene.bodies.relative_radius() is not None:
-        numbers["radius"] = 1 / curvature
+        numbers["radius"] = 1 / sum_of_curvatures
     return {name: value for name, value in numbers.items() if value is not None}
 
 
@@ -1361,7 +1374,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     Parameters
     ----------
     scene
-        with uncertain `inputs`; `load.is_driven`: a displacement is prescribed in the place of Q
+        with uncertain `inputs`; `load.is_driven`: a displacement is prescribed instead of Q
     effects
         elastic responses that the scene's bodies add to half-planes; None where they are not
         computed yet
@@ -1491,7 +1504,7 @@ def _effects_of_driven(
 
     They are `effects` where the bodies and materials are those of `scene`; else they are computed.
     `changed_scene` is `scene` with other values of its uncertain inputs. `load.is_driven`: a
-    displacement is prescribed in the place of Q.
+    displacement is prescribed instead of Q.
     """
     if not changed_scene.load.is_driven or changed_scene.bodies.half_planes:
         return None

@@ -491,7 +491,9 @@ class LoadCycles:
         """
         cycles_by_work = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)
         listed_cycles = cycles_by_work[:_MOST_LISTED_CYCLES]
-        instants = np.unique(np.linspace(0, len(self.time) - 1, _MOST_LISTED_INSTANTS).astype(int))
+        listed_indices = np.unique(
+            np.linspace(0, len(self.time) - 1, _MOST_LISTED_INSTANTS).astype(int)
+        )
         return {
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
@@ -500,8 +502,8 @@ class LoadCycles:
             "not_listed": len(self.cycles) - len(listed_cycles),
             "cycles": [asdict(cycle) for cycle in listed_cycles],
             "cumulative": {
-                "time": self.time[instants],
-                "dissipation": self.cumulative[instants],
+                "time": self.time[listed_indices],
+                "dissipation": self.cumulative[listed_indices],
             },
         }
 
@@ -510,8 +512,8 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     """Cycles of Q in a measured record of loads, by rainflow count, with the dissipation of each.
 
     None for other loads, for results of other programs, and where the solution does not hold the
-    work of each instant. Of a record that repeats it is the last period. Its cycles are counted
-    from where Q is largest, so that all are closed.
+    work of each instant. Of a record that repeats, they are the cycles of the last period, counted
+    from the largest Q, so that all are closed.
 
     Parameters
     ----------
@@ -527,14 +529,14 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         return None
     rows = load.series()
 
-    # Rows of one period, and its distance in time from the last one solved.
-    period = 0.0
+    # Rows of the first period, its duration, and the time from it to the last period solved.
+    period_duration = 0.0
     shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
     if load.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
         # _TIME: column of the times
-        period = float(rows[-1, _TIME] - rows[0, _TIME])
-        shift_to_last = period * (len(solution.cycle_dissipation) - 1)
+        period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
+        shift_to_last = period_duration * (len(solution.cycle_dissipation) - 1)
 
     # Instants within the rows, and the dissipation since the first of them, (m,) each.
     times_and_work = _times_and_work_since_first_row(solution, rows, shift_to_last)
@@ -551,9 +553,9 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         return LoadCycles(tuple(cycles), time, work_so_far, last_whole_cycle)
 
     # A cycle may end in the period after that in which it starts: both have the same work.
-    time_of_two_periods = np.concatenate([time, time[1:] + period])
+    time_of_two_periods = np.concatenate([time, time[1:] + period_duration])
     work_of_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
-    shift_to_last_but_one = max(shift_to_last - period, 0.0)
+    shift_to_last_but_one = max(shift_to_last - period_duration, 0.0)
     shifted_cycles = [
         replace(
             cycle,
@@ -623,8 +625,8 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     """
     # _TANGENTIAL, _TIME: columns of Q and of the time
     row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
-    period = float(rows[-1, _TIME] - rows[0, _TIME])
-    shift_by_period = np.array([period, 0.0, 0.0])
+    period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
+    shift_by_period = np.array([period_duration, 0.0, 0.0])
     rows_of_next_period = rows[1 : row_of_largest + 1] + shift_by_period
     counted_rows = np.concatenate([rows[row_of_largest:], rows_of_next_period])
     cycles = rainflow_cycles(counted_rows[:, _TIME], counted_rows[:, _TANGENTIAL])
@@ -646,10 +648,10 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
     """
     # Numbers of the rows at which Q turns.
     # _TANGENTIAL: column of Q
-    turns = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
-    if len(turns) < 3:
+    turning_rows = rows_of_turns(rows[:, _TANGENTIAL])[-3:]
+    if len(turning_rows) < 3:
         return None
-    times, _, loads_at_turns = rows[turns].T.tolist()
+    times, _, loads_at_turns = rows[turning_rows].T.tolist()
     start, _, end = times
     work_at_start, work_at_end = np.interp([start, end], time, work_so_far).tolist()
     largest_load = max(loads_at_turns)
@@ -680,11 +682,11 @@ def _times_and_work_of_steps(
     # Ends of the load cycles of Q, a period earlier where they lie beyond the rows.
     # _TIME: column of the times
     row_times = rows[:, _TIME]
-    period = np.ptp(row_times)
+    period_duration = np.ptp(row_times)
     repeats = scene.load.repeats  # type: ignore[union-attr]
     cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
     is_in_next_period = cycle_ends > row_times[-1]
-    cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period, cycle_ends))
+    cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period_duration, cycle_ends))
 
     # Those that do not fall on a row.
     row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
@@ -815,8 +817,8 @@ def page_section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str
     """What the page shows of measured data; None where nothing was measured.
 
     By the names in the template: "read" how files were read; "said" sentences on the record of
-    loads; "cycles" name and load cycles of each solution; "most" numbers, from 0, of up to ten load
-    cycles with most dissipation.
+    loads; "cycles" name and load cycles of each solution; "most" indices, from 0, of up to ten load
+    cycles of the first solution, those with most dissipation.
     """
     tables_read = read_as_by_key(scene)
     record_check = check_record(scene)

@@ -91,12 +91,12 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     Measurements are simulated: random noise is added to the fitted curve, and the curve is fitted
     again. The uncertainty is twice the standard deviation of the values under these fits, plus a
     bias, the size of their mean change. For a smoothing spline the bias is at least the change
-    under a tenth of the smoothing: what smoothing takes from the rows, the fitted curve has lost
-    already.
+    under a tenth of the smoothing: the fitted curve, from which measurements are simulated, is
+    smoothed already.
 
     Residuals with a pattern along x are no noise. Then each simulated measurement gets this pattern
     too, moved along x. Of other fits than a smoothing spline, 1.25 times the change by such a
-    spline through the same rows is added: it follows shapes that the fitted kind does not have.
+    spline through the same rows is added: a spline follows shapes that the fitted kind cannot take.
 
     Parameters
     ----------
@@ -125,14 +125,16 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
     # noise).
     work_method = _work_method_of(scene)
     # _MOST_MARCHED_RESAMPLES: 30; MARCHED: W by a solution along the load path
-    count = (
+    n_resamples = (
         min(resamples, _MOST_MARCHED_RESAMPLES) if work_method is _WorkMethod.MARCHED else resamples
     )
     pattern = _pattern_of_residuals(scene)
 
     # W, a and p0 under the fitted profile, (3,), and under each simulated one, (n, 3).
     values_of_fit = _values_under_fit(scene, work_method)
-    values_of_resamples = _values_with_other_noise(scene, fit, pattern, work_method, count, seed)
+    values_of_resamples = _values_with_other_noise(
+        scene, fit, pattern, work_method, n_resamples, seed
+    )
     changes = values_of_resamples - values_of_fit
     # The mean change is the error that the fit makes by itself at this noise: a curve that may not
     # bend down, or is smoothed, has one.
@@ -160,13 +162,14 @@ def fit_uncertainty(scene: Scene, resamples: int = _N_RESAMPLES, seed: int = 0) 
         # _FACTOR_ON_SPLINE_CHANGE: 1.25, since a spline follows other shapes to some per cent only
         uncertainty += _FACTOR_ON_SPLINE_CHANGE * np.abs(values_of_spline - values_of_fit)
 
+    # `Spread`: a value with its uncertainty
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
         dissipation=None if work_method is _WorkMethod.LEFT_OUT else work,
         half_width=half_width,
         peak_pressure=peak_pressure,
-        resamples=count,
-        failed=count - len(values_of_resamples),
+        resamples=n_resamples,
+        failed=n_resamples - len(values_of_resamples),
         seed=seed,
     )
 
@@ -325,22 +328,22 @@ def _work_of_ellipse(scene: Scene) -> float:
     Raises
     ------
     InputError
-        Where it has no value, as where all slides.
+        Where it has no value, such as under gross sliding.
     """
     load = scene.load
-    names = (
+    keys_of_load = (
         "mean_normal_load",
         "normal_amplitude",
         "mean_tangential_load",
         "tangential_amplitude",
         "phase_radians",
     )
-    # `reason` is 0 where W has a value.
+    # `value` is W; `reason` is 0 where W has a value.
     batch = semi_analytic.dissipation(
         profile=scene.profile,
         material=scene.material,
         friction_coefficient=scene.friction.coefficient,
-        **{name: getattr(load, name) for name in names},
+        **{name: getattr(load, name) for name in keys_of_load},
     )
     if batch.reason:
         reason = semi_analytic.Reason(int(batch.reason)).name.lower()

@@ -150,14 +150,14 @@ def _swings_of(rows: Array, is_loaded: Mask) -> _Swings | None:
     # _TANGENTIAL: column of Q
     tangential_load = np.where(is_loaded, rows[:, _TANGENTIAL], 0.0)
     # Indices of the rows at which Q turns, small swings left out.
-    turns = rows_of_turns(tangential_load)
+    turning_rows = rows_of_turns(tangential_load)
     # _FEWEST_CYCLES: 3, with two turning points each
-    if len(turns) < 2 * _FEWEST_CYCLES:
+    if len(turning_rows) < 2 * _FEWEST_CYCLES:
         return None
     return _Swings(
-        turns=turns,
-        ranges=np.abs(np.diff(tangential_load[turns])),
-        means=(tangential_load[turns[1:]] + tangential_load[turns[:-1]]) / 2,
+        turns=turning_rows,
+        ranges=np.abs(np.diff(tangential_load[turning_rows])),
+        means=(tangential_load[turning_rows[1:]] + tangential_load[turning_rows[:-1]]) / 2,
     )
 
 

@@ -398,11 +398,11 @@ class Panel:
         low_y = self.y.low
         high_y = self.y.high
         if self.has_equal_scales:
-            panel_width = self.width - room_left - room_right
-            panel_height = self.height - room_above - room_below
-            length_of_unit = max((high_x - low_x) / panel_width, (high_y - low_y) / panel_height)
-            low_x, high_x = _about_the_middle(low_x, high_x, length_of_unit * panel_width)
-            low_y, high_y = _about_the_middle(low_y, high_y, length_of_unit * panel_height)
+            area_width = self.width - room_left - room_right
+            area_height = self.height - room_above - room_below
+            units_per_pixel = max((high_x - low_x) / area_width, (high_y - low_y) / area_height)
+            low_x, high_x = _about_the_middle(low_x, high_x, units_per_pixel * area_width)
+            low_y, high_y = _about_the_middle(low_y, high_y, units_per_pixel * area_height)
         # ends in numbers, then in places of the drawing
         x_scale = Scale(low_x, high_x, room_left, self.width - room_right, self.x.log)
         y_scale = Scale(low_y, high_y, self.height - room_below, room_above, self.y.log)
@@ -695,8 +695,8 @@ def _path_data(
 
     Points that repeat the one before to a hundredth are left out; of a line of more than 2000
     points (`_LONGEST_LINE_DRAWN_WHOLE`) so are those that can't be seen. Then points are left out
-    that lie within `tolerance` [pixels] of the straight line between their neighbours. One pass
-    looks at every other point; there are `passes`.
+    that lie within `tolerance` [pixels] of the chord between their neighbours. One pass looks at
+    every other point; there are `passes`.
 
     >>> (
     ...     _path_data([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
@@ -728,7 +728,7 @@ def _path_data(
     y = y[is_kept]
     is_first = is_first[is_kept]
 
-    # leave out points on the line between their neighbours
+    # leave out points on the chord between their neighbours
     for _ in range(passes):
         is_kept = ~_is_on_chord(x, y, is_first, tolerance)
         x = x[is_kept]
@@ -762,7 +762,7 @@ def _is_on_chord(
     is_first
         (n,) True where another line begins: neither this point nor the one before is left out
     """
-    # indices of the points that are looked at (`middle`), and of their neighbours
+    # indices of the points that are looked at (`middle_points`), and of their neighbours
     points_before = slice(0, len(x) - 2, 2)
     middle_points = slice(1, len(x) - 1, 2)
     points_after = slice(2, None, 2)
@@ -928,7 +928,7 @@ class _Pen:
                     _png(mark.pixels, mark.colours, all_colours=self.is_standalone)
                 )
                 data_address = "data:image/png;base64," + picture.decode()
-                box = {
+                place_and_size = {
                     "x": left_x,
                     "y": top_y,
                     "width": right_x - left_x,
@@ -936,7 +936,7 @@ class _Pen:
                 }
                 return _element(
                     "image",
-                    **box,
+                    **place_and_size,
                     href=data_address,
                     preserveAspectRatio="none",
                     **self.look_attributes("map"),
@@ -1248,13 +1248,13 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
         )
 
     # the element around all of them
-    box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
+    view_box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if is_standalone:
-        return _element("svg", "".join(elements), **box, **place)
+        return _element("svg", "".join(elements), **view_box, **place)
     return _element(
         "svg",
         "".join(elements),
-        **box,
+        **view_box,
         role="img",
         aria_label=panel.alt,
         class_=_classes_of(panel),

@@ -220,8 +220,8 @@ def measures(
 
     - Smith, Watson and Topper (1970; on critical planes Socie 1987): s_n,max (range of e_n)/2, for
       tension only;
-    - Fatemi and Socie (1988): (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0;
-    - Findley (1959): (range of tau)/2 + k s_n,max.
+    - Fatemi and Socie (1988): (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0, k a constant;
+    - Findley (1959): (range of tau)/2 + k s_n,max, k another constant than that before.
 
     Crossland (1956): amplitude of sqrt(J2), the radius of the least sphere around the path of the
     stress deviator (Papadopoulos 1994, by the steps of Badoiu and Clarkson 2003); and largest
@@ -279,13 +279,15 @@ def measures(
             "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2
         }
         if criteria.fatemi_socie is not None:
-            k, yield_stress = criteria.fatemi_socie
+            k_of_fatemi_socie, yield_stress = criteria.fatemi_socie
             strain_amplitude = shear_amplitude / shear_modulus
-            fatemi_socie = strain_amplitude * (1 + k * largest_normal_stress / yield_stress)
+            fatemi_socie = strain_amplitude * (
+                1 + k_of_fatemi_socie * largest_normal_stress / yield_stress
+            )
             measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
         if criteria.findley is not None:
-            k = criteria.findley
-            measures_on_plane["Findley"] = shear_amplitude + k * largest_normal_stress
+            k_of_findley = criteria.findley
+            measures_on_plane["Findley"] = shear_amplitude + k_of_findley * largest_normal_stress
         for name, value in measures_on_plane.items():
             largest_values[name] = np.maximum(value, largest_values.get(name, value))
 

@@ -81,7 +81,7 @@ def instants_of(
         For another word, and for a time outside of the solved path. The path ends with the
         revolution after which the solution repeats.
     """
-    label_at: dict[float, str] = {}
+    label_by_time: dict[float, str] = {}
     for text in texts:
         if text == "events":
             # instants and loads of the cycle; no event lies before the first row of a load table
@@ -92,11 +92,11 @@ def instants_of(
                 index_of_first_row(cycle, solution.scene),
             ):
                 if cycle.normal_load[event.index] > 0:
-                    label_at[float(cycle.time[event.index])] = event.label
+                    label_by_time[float(cycle.time[event.index])] = event.label
         else:
             time = instant_of(text, option, float(solution.time[0]), float(solution.time[-1]))
-            label_at.setdefault(time, f"asked for {text}")
-    return tuple(Instant(time, label_at[time]) for time in sorted(label_at))
+            label_by_time.setdefault(time, f"asked for {text}")
+    return tuple(Instant(time, label_by_time[time]) for time in sorted(label_by_time))
 
 
 def require_series(every: int | None, frames: int | None) -> None:
@@ -227,8 +227,8 @@ def write_fields(
         [np.arange(len(nodes_of_line) - 1), np.arange(1, len(nodes_of_line))]
     )
     entries = []
-    for number, snapshot in enumerate(snapshots):
-        report(number, total, f"time {snapshot.time:.6g}")
+    for snapshot_number, snapshot in enumerate(snapshots):
+        report(snapshot_number, total, f"time {snapshot.time:.6g}")
         instant_index = int(np.argmin(np.abs(solution.time - snapshot.time)))
         # name, points, cells and nodal values of the bodies and of the contact line
         parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
@@ -260,7 +260,7 @@ def write_fields(
 
         # a file each, with an entry of the collection
         for part_number, (part_name, points, cells, values_of_part) in enumerate(parts):
-            file_name = f"{part_name}_{number:03d}.vtu"
+            file_name = f"{part_name}_{snapshot_number:03d}.vtu"
             meshes.write_vtu(folder / file_name, points, cells, values_of_part)
             entries.append(meshes.PvdEntry(snapshot.time, part_number, part_name, file_name))
     meshes.write_pvd(folder / _NAME_OF_COLLECTION, entries)
@@ -326,7 +326,9 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
         return None
     tensions: list[dict[str, Any]] = []
     for body in snapshot.bodies:
-        edges = zip(body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True)
+        values_at_edges = zip(
+            body.edge_tension, body.edge_tension_uncertainty, body.edges, strict=True
+        )
         tensions += [
             {
                 "value": float(value),
@@ -334,7 +336,7 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
                 "body": body.name,
                 "x": float(x),
             }
-            for value, uncertainty, x in edges
+            for value, uncertainty, x in values_at_edges
             if np.isfinite(x)
         ]
     return max(tensions, key=lambda tension: tension["value"], default=None)

@@ -262,14 +262,14 @@ def mesh(
     for body_name, sign_of_y, body in placed_bodies:
         ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
         sides[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
-        quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
+        quality |= {f"{body_name} {measure}": value for measure, value in body.quality.items()}
 
     # the three views
     points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides.values()])
     least_corner = points.min(axis=0)
     largest_corner = points.max(axis=0)
     edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
-    # name, centre and half of the side of each square view, over a_ref
+    # name, centre and half of the width of each square view, over a_ref
     views = (
         (
             "whole",
@@ -281,11 +281,11 @@ def mesh(
     )
 
     # the legend, and the boundaries
-    keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
+    legend_entries = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     if with_boundaries:
         boundaries, keys_of_boundaries = _marks_of_boundaries(bodies, half_width)
-        keys += keys_of_boundaries
+        legend_entries += keys_of_boundaries
 
     # a panel for each view; the boundaries are drawn on the first
     panels = []
@@ -320,7 +320,7 @@ def mesh(
         " largest contact.",
         tuple(panels),
         {"quantity": list(quality), "value": list(quality.values())},
-        tuple(keys),
+        tuple(legend_entries),
         columns=3,
     )
 
@@ -356,7 +356,7 @@ def _marks_of_boundaries(
     """
     # BOUNDARIES: their names in a mesh; the upper body is turned over
     marks: list[Mark] = []
-    keys = []
+    legend_entries = []
     for boundary in BOUNDARIES:
         bodies_with_boundary = []
         for sign_of_y, body in zip((1.0, -1.0), bodies, strict=True):
@@ -366,8 +366,8 @@ def _marks_of_boundaries(
                 bodies_with_boundary.append(body)
         if bodies_with_boundary:
             support = _support_in_words(bodies_with_boundary, boundary)
-            keys.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
-    return marks, keys
+            legend_entries.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
+    return marks, legend_entries
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:

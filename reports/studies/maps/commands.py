@@ -67,6 +67,7 @@ def make_map(name: str, options: Options) -> Answer:
 
     def terminal_output() -> Iterator[Part]:
         """What the terminal shows: the table of least heights, and the path of the page."""
+        # Sheet: a table on the terminal, of title, heads and rows
         title = "height/a from which theory is within 1; 5; 10 %"
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
         yield page
@@ -79,6 +80,7 @@ def make_map(name: str, options: Options) -> Answer:
         }
         return {"passed": True, "heights": heights, "page": page}
 
+    # EXIT_WITHIN: exit code 0
     return Answer(EXIT_WITHIN, terminal_output(), content)
 
 
@@ -102,8 +104,8 @@ def advise(scene: str, options: Options) -> Answer:
             " for 5 %"
         )
 
-    # Half-planes have no such error, which one sentence states. Else the advice is by elastic
-    # responses of the bodies, or by half-planes with their compliance (kernels).
+    # Half-planes have no such error, as the sentence `_MODEL_ITSELF` states. Else the advice is by
+    # elastic responses of the bodies, or by half-planes with their compliance (kernels).
     scene_read = read(scene)
     if are_half_planes(scene_read) and scene_read.friction.coefficient:
         return _answer_in_words(scene_read, limit, Verdict.WITHIN, _MODEL_ITSELF)

@@ -110,8 +110,8 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
     the bodies' compliance added (kernels).
 
     They are solved on the mesh of the maps, or on the default one where the mesh of the maps leaves
-    the edge tension uncertain by more than 0.02. A single instant that few nodes see is then taken
-    for the largest.
+    the edge tension uncertain by more than 0.02. There the largest tension comes from a single
+    instant, which few nodes resolve.
     """
     changes = changes_of(halfplane_fe.solve(scene, MESH_OF_MAPS, bodies="kernel"))
     tension = changes.get("edge_tension")

@@ -184,16 +184,16 @@ class Case:
         # of forward slip as the event J is after I.
         start_of_forward = min(span.begin.time for span in spans if span.direction > 0)
         time_of_j = start_of_forward + self.time_of("J") - self.time_of("I")
-        spans_of: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
+        spans_by_phase: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
         for span in spans:
             middle_time = (span.begin.time + span.end.time) / 2
             if span.direction < 0:
-                spans_of["EG"].append(span)
+                spans_by_phase["EG"].append(span)
             elif span.direction > 0 and middle_time < time_of_j:
-                spans_of["IJ"].append(span)
+                spans_by_phase["IJ"].append(span)
             elif span.direction > 0:
-                spans_of["JM"].append(span)
-        return {phase: tuple(phase_spans) for phase, phase_spans in spans_of.items()}
+                spans_by_phase["JM"].append(span)
+        return {phase: tuple(phase_spans) for phase, phase_spans in spans_by_phase.items()}
 
     def density_of_phases(self, x: ArrayLike) -> dict[str, Array]:
         """Part of the pointwise dissipation W(x), the friction work per area of a steady cycle, in
@@ -351,13 +351,17 @@ class Formulas:
         if mirrored_time >= case.time_of("A"):
             return float(self.loads(mirrored_time)[0])
 
-        # On the parabola, with `slope` alpha - f.
+        # On the parabola.
         normal_load, tangential_load = self.loads(t)
         q_minus_f_p = float(tangential_load - case.friction * normal_load)
-        slope = alpha - case.friction
-        # The root P of beta P^2 + slope P = Q - f P at t: the one that stays finite for beta = 0;
-        # slope < 0.
-        return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
+        alpha_minus_f = alpha - case.friction
+        # The root P of beta P^2 + (alpha - f) P = Q - f P at t: the one that stays finite for
+        # beta = 0; alpha - f < 0.
+        return (
+            2
+            * q_minus_f_p
+            / (alpha_minus_f - math.sqrt(alpha_minus_f * alpha_minus_f + 4 * beta * q_minus_f_p))
+        )
 
     def shear_of_full_stick(self, x: Array, load: float) -> Array:
         """Shear traction q, (n,), at points x (n,) after loading without slip up to the normal load

@@ -53,6 +53,7 @@ def paper(options: Options) -> Answer:
         f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
         f" {n_proven} proven by evaluation"
     )
+    # Sheet: a table on the terminal, of title, heads and rows
     parts: list[Part] = [
         Sheet("What the paper states in words", heads_of_statements, rows_of_statements),
         Sheet("Misprints of the paper", heads_of_misprints, rows_of_misprints),

@@ -279,15 +279,15 @@ def _figure_2(case: Case) -> Plate:
     friction = case.friction
     loads_on_limit = np.array([0.0, 4.6])  # P at both ends of the drawn Coulomb limit
     # letter -> P, Q and the load at the stick edge
-    loads_at = {
+    loads_by_letter = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load])
         / case.unit_load
         for letter, event in case.events.items()
     }
     # loads at E, G and J; Z and T have the loads at the stick edge at E and G
-    p_e, q_e, p_z = loads_at["E"].tolist()
-    p_g, q_g, p_t = loads_at["G"].tolist()
-    p_j, q_j, _ = loads_at["J"].tolist()
+    p_e, q_e, p_z = loads_by_letter["E"].tolist()
+    p_g, q_g, p_t = loads_by_letter["G"].tolist()
+    p_j, q_j, _ = loads_by_letter["J"].tolist()
     q_z = q_e - friction * (p_e - p_z)
     q_t = q_g + friction * (p_g - p_t)
 
@@ -304,7 +304,7 @@ def _figure_2(case: Case) -> Plate:
         *_text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
         *_text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
         _line(*case.scaled_loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),
-        *_letters_around_ellipse(case, loads_at),
+        *_letters_around_ellipse(case, loads_by_letter),
         *_text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True),
     ]
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
@@ -313,7 +313,7 @@ def _figure_2(case: Case) -> Plate:
 
     # the CSV file: a row for each event
     letters_in_order = sorted(case.events, key=case.time_of)
-    loads_in_order = np.array([loads_at[letter] for letter in letters_in_order])
+    loads_in_order = np.array([loads_by_letter[letter] for letter in letters_in_order])
     table: Table = {
         "letter": letters_in_order,
         "t": [case.time_of(letter) for letter in letters_in_order],
@@ -323,17 +323,17 @@ def _figure_2(case: Case) -> Plate:
     return _plate("figure_02", [panel], table)
 
 
-def _letters_around_ellipse(case: Case, loads_at: Mapping[str, Array]) -> Iterator[Mark]:
+def _letters_around_ellipse(case: Case, loads_by_letter: Mapping[str, Array]) -> Iterator[Mark]:
     """The marks of the letters of the events in the plane of P and Q: each letter outside the
     ellipse, with a dot on it; letters at equal loads stand together.
 
-    `loads_at` is letter -> P, Q (and more), over P0/3, a third of the mean normal load. `case` is
-    the paper's ellipse of loads on one profile; `unit_load` is P0/3.
+    `loads_by_letter` is letter -> P, Q (and more), over P0/3, a third of the mean normal load.
+    `case` is the paper's ellipse of loads on one profile; `unit_load` is P0/3.
     """
     # P and Q -> letters of the events at these loads
     letters_at_point: dict[tuple[float, float], list[str]] = {}
     for letter in LETTERS:
-        p, q = loads_at[letter][:2].round(6).tolist()
+        p, q = loads_by_letter[letter][:2].round(6).tolist()
         letters_at_point.setdefault((p, q), []).append(letter)
 
     # the centre of the ellipse is at P0, which is 3 times P0/3, and the mean Q
@@ -517,29 +517,29 @@ def _figure_4a(case: Case) -> Plate:
     normal load (`unit_load`); half-widths over the contact half-width at the mean load.
     """
     # event -> direction of slip after it: 1 forward, -1 reverse, 0 stick
-    direction_after = {"B": 1, "E": -1, "G": 0, "I": 1, "M": 0}
+    direction_by_event = {"B": 1, "E": -1, "G": 0, "I": 1, "M": 0}
     start_of_loading = case.scene.load.path().start
     slip_events = [
         (start_of_loading, 0),
-        *((case.time_of(letter), direction) for letter, direction in direction_after.items()),
+        *((case.time_of(letter), direction) for letter, direction in direction_by_event.items()),
     ]
     # Half-widths and directions of slip, with 181 instants between events. P turns at C, F and K,
     # at which slip neither begins nor ends: so many instants come near enough to them.
     zones = _zones(case, slip_events, 181)
     normal_load = case.scaled_loads(zones.time)[0]
     path_of_p = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(normal_load)))])
-    path_length_at = {
+    path_length_by_letter = {
         letter: float(np.interp(case.time_of(letter), zones.time, path_of_p))
         for letter in sorted(case.events)
     }
 
     # zones, with letters (_text_at) on the contact edge; at some events the axis shows P itself
     marks = list(zones.marks(path_of_p))
-    for letter, path_length in path_length_at.items():
+    for letter, path_length in path_length_by_letter.items():
         marks += _text_at(path_length, case.half_width_at(letter), letter, (0.0, 9.0), dot=True)
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [
-        (path_length_at[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
+        (path_length_by_letter[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
         for letter in "ACDFHKLM"
     ]
     x_max = float(path_of_p[-1]) + 0.05
@@ -804,8 +804,8 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     x = np.concatenate([[x_min], x_in_zone, [x_max]])
 
     # W(x) by phases, and its peak
-    density_of = case.density_of_phases(x)
-    density = sum_over_phases(density_of)
+    density_by_phase = case.density_of_phases(x)
+    density = sum_over_phases(density_by_phase)
     peak_fraction = float(peak.fraction)
     peak_place = float(peak.place) / case.unit_length
     peak_value = float(peak.value) * case.unit_length / case.unit_work
@@ -813,9 +813,9 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     # _line(x, y, label, look), _text_at(x, y, text, shift)
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
-        _line(x, density_of["IJ"], "forward, I–J", "c1 dash"),
-        _line(x, density_of["JM"], "forward, J–M", "c4 dashdot"),
-        _line(x, density_of["EG"], "reverse, E–G", "c0 dot"),
+        _line(x, density_by_phase["IJ"], "forward, I–J", "c1 dash"),
+        _line(x, density_by_phase["JM"], "forward, J–M", "c4 dashdot"),
+        _line(x, density_by_phase["EG"], "reverse, E–G", "c0 dot"),
         *(
             _line([edge, edge], [0.0, 1.12 * peak_value], "", "faint dot fine")
             for edge in (stick_edge, contact_edge)
@@ -840,7 +840,7 @@ def _figure_of_density(name: str, case: Case, peak: PeakBatch) -> Plate:
     y_axis = Axis(0.0, 1.22 * peak_value, "W(x) · a(P₀) / (A f² P₀²)")
     panel = _panel(name, x_axis, y_axis, marks, "Pointwise dissipation over x", (640.0, 400.0))
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
-    table |= {f"in {phase}": density_of[phase] for phase in ("IJ", "JM", "EG")}
+    table |= {f"in {phase}": density_by_phase[phase] for phase in ("IJ", "JM", "EG")}
     return _plate(name, [panel], table, fraction=peak_fraction, place=peak_place)
 
 

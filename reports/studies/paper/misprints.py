@@ -40,12 +40,12 @@ def prove_misprints(paper: Paper) -> dict[str, VerdictAndNumbers]:
     `paper` holds the paper's ellipse of loads on its two profiles, and the peaks of W(x), the
     dissipation per area, on each.
     """
-    proof_of = _misprints_of_cycle(paper.hertz_case) | _misprints_of_slip(paper.hertz_case)
-    proof_of |= _misprints_of_work(paper.hertz_case, float(paper.peaks[0].place))
-    proof_of["(25)"] = _sliding_condition(paper.hertz_case)
-    proof_of["flat-and-rounded law"] = _rounded_law(paper.rounded_case)
-    proof_of["reference [7]"] = (None, {})
-    return proof_of
+    proof_by_misprint = _misprints_of_cycle(paper.hertz_case) | _misprints_of_slip(paper.hertz_case)
+    proof_by_misprint |= _misprints_of_work(paper.hertz_case, float(paper.peaks[0].place))
+    proof_by_misprint["(25)"] = _sliding_condition(paper.hertz_case)
+    proof_by_misprint["flat-and-rounded law"] = _rounded_law(paper.rounded_case)
+    proof_by_misprint["reference [7]"] = (None, {})
+    return proof_by_misprint
 
 
 def _relative_error(value: float, reference: float) -> float:
@@ -349,7 +349,8 @@ def _rounded_law(case: Case) -> VerdictAndNumbers:
     integral of half-plane theory's pressure; (1 + kappa)/mu is 2 A, the compliance of the
     half-planes. Returns whether it is proven, and both sides.
 
-    # notation: a half-width of contact, b of the flat, R radius of the edges; the right side is
+    # notation: a half-width of contact, b of the flat, R radius of the edges; mu shear modulus,
+    #           kappa = 3 - 4 nu in plane strain; the right side is
     #           (pi - 2 t)/(4 sin^2 t) - cot(t)/2, with sin t = b/a
 
     `case` is the paper's ellipse of loads on this profile: `unit_length` is the half-width a at the
@@ -809,12 +810,16 @@ class _PartsOfWork:
         return factor_of_root * np.sqrt(difference_of_squares) / self.engine_density
 
     def mended(self, phase: str) -> float:
-        """Part of W(x) in a phase of slip by the mended equations, over half-plane theory's W(x):
-        with arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J.
+        """Part of W(x), the work per area, in a phase of slip ("EG", "IJ" or "JM") by the mended
+        equations, over half-plane theory's W(x) at the point `x`: with arccosh(x/c) and |C dP|,
+        where C dP is C dP_Y from I to J.
+
+        # notation: c half-width of the stick zone, P_Y the load whose contact half-width is c, C
+        #           multiplier of the paper's equation (14)
         """
 
         def rate(time: Array) -> Array:
-            """Integrand over time."""
+            """Integrand over time: `root_factor` is what all readings of the equation share."""
             stick_edge_load = self.formulas.stick_edge_load(phase, time)
             arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
             load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))

@@ -353,15 +353,15 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     points x of figure 5 (`POINTS`), are over a0, the contact half-width at the mean load.
     """
     revolution = 2 * math.pi  # period of the loads
-    time_of = {letter: case.time_of(letter) for letter in LETTERS}
+    time_by_letter = {letter: case.time_of(letter) for letter in LETTERS}
 
     # width of the slip zone at many instants of the phases G-I and I-M, over a0
-    slip_width_in_stick = _slip_zone_width(case, time_of["G"], time_of["I"])
-    slip_width_in_slip = _slip_zone_width(case, time_of["I"], time_of["M"])
+    slip_width_in_stick = _slip_zone_width(case, time_by_letter["G"], time_by_letter["I"])
+    slip_width_in_slip = _slip_zone_width(case, time_by_letter["I"], time_by_letter["M"])
     numbers_of_stick = {
         "deepest slip in G-I": float(slip_width_in_stick.max()),
         "least slip in I-M": float(slip_width_in_slip.min()),
-        "share of the cycle": (time_of["I"] - time_of["G"]) / revolution,
+        "share of the cycle": (time_by_letter["I"] - time_by_letter["G"]) / revolution,
     }
 
     # least half-widths of the stick zone: where slip ends; `front_load` is the normal load whose
@@ -369,8 +369,8 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     stick_edge_at_e, stick_edge_at_g, stick_edge_at_m = (
         float(case.scaled_half_width(case.events[letter].front_load)) for letter in "EGM"
     )
-    forward_duration = (time_of["M"] - time_of["I"]) / revolution
-    reverse_duration = (time_of["G"] - time_of["E"]) / revolution
+    forward_duration = (time_by_letter["M"] - time_by_letter["I"]) / revolution
+    reverse_duration = (time_by_letter["G"] - time_by_letter["E"]) / revolution
 
     # Each statement with its verdict and numbers. _ROUNDING_ERROR: 1e-10. A number that the paper
     # prints (0.73, to 2 decimals) is confirmed if half-plane theory's rounds to it.
@@ -385,7 +385,9 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
             verdict_of_condition(stick_edge_at_e < case.permanent_stick_half_width),
             {"first cycle": stick_edge_at_e, "steady": case.permanent_stick_half_width},
         ),
-        "slip advances from B to E": _advance_of_slip(case, time_of["B"], time_of["E"]),
+        "slip advances from B to E": _advance_of_slip(
+            case, time_by_letter["B"], time_by_letter["E"]
+        ),
         "slip as deep forward as in reverse": (
             verdict_of_condition(abs(stick_edge_at_m - stick_edge_at_g) <= _ROUNDING_ERROR),
             {"forward": stick_edge_at_m, "reverse": stick_edge_at_g},
@@ -525,8 +527,8 @@ def _point_history(case: Case, x: float) -> VerdictAndNumbers:
     middle_times = (times[1:] + times[:-1]) / 2
     states = case.solve(time=middle_times, x=[x], fields=("state",)).state[:, 0]
     state_names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
-    letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
-    letters = [letter_of[name] for name in state_names]
+    letter_by_state = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
+    letters = [letter_by_state[name] for name in state_names]
 
     # what the paper states for x, in these letters, from each possible begin
     stated_letters = _sequence(_STATED_HISTORIES[x])
@@ -607,14 +609,16 @@ def friction_delays_slip(case: Case) -> VerdictAndNumbers:
     # FRICTIONS: coefficients of the paper's figure 4b; the mean shear force is set to zero
     cases = [case.with_zero_mean_shear(f) for f in sorted(FRICTIONS)]
     # letter of an event -> its times [rad], from the least coefficient to the largest
-    times_of = {
+    times_by_letter = {
         letter: np.array([case_of_friction.time_of(letter) for case_of_friction in cases])
         for letter in "EGI"
     }
-    is_later = {letter: bool(np.all(np.diff(times) > 0)) for letter, times in times_of.items()}
+    is_later = {
+        letter: bool(np.all(np.diff(times) > 0)) for letter, times in times_by_letter.items()
+    }
     shifts = {
         f"shift of {letter} in degrees": math.degrees(times[-1] - times[0])
-        for letter, times in times_of.items()
+        for letter, times in times_by_letter.items()
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]

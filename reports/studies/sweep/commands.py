@@ -76,6 +76,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
         with stages.stage("sweep", "points") as report_progress:
             table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
     except KeyboardInterrupt:
+        # EXIT_INTERRUPTED: exit code 130
         complain(f"halfplane: interrupted; {stored_in_words()}; resume with: {command_again}")
         return Answer(EXIT_INTERRUPTED)
     except StoreError as fault:
@@ -86,6 +87,7 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     # how far the sweep is, for JSON: counts, failures, notes
     table_path = prepared_sweep.store.folder / "index.csv"
     json_content = _content(prepared_sweep.store) | {"file": str(table_path)}
+    # EXIT_WITHIN, EXIT_NOT_CONVERGED: exit codes 0 and 3
     exit_code = EXIT_WITHIN if (table["status"] == "done").all() else EXIT_NOT_CONVERGED
     return Answer(
         exit_code,
@@ -130,7 +132,8 @@ def _result_parts(
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import coordinates_in_words
 
-    # points with their values
+    # points with their values; `in_short`: without status and seconds
+    # Sheet: a table on the terminal, of title, heads, rows and indices of right-aligned columns
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
     study = sweep.study
@@ -190,6 +193,7 @@ def status(folder: Path, _: Options) -> Answer:
         """What the terminal shows of a sweep: a table of the numbers of its points, then damaged
         files, failures (at most 20, `_MOST_ROWS`), and the time left. `json_content` has all of it.
         """
+        # Sheet: a table of title, heads, rows and indices of right-aligned columns
         counts = [(state, str(count)) for state, count in json_content["points"].items()]
         title = json_content["title"] or str(folder)
         yield Sheet(title, ("points", "number"), counts, (1,))
@@ -209,6 +213,7 @@ def status(folder: Path, _: Options) -> Answer:
         if seconds_left is not None:
             yield f"about {seconds_left:.0f} s of work left at the rate of the last results"
 
+    # EXIT_WITHIN: exit code 0
     return Answer(EXIT_WITHIN, terminal_output(), lambda: json_content)
 
 

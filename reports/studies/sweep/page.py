@@ -366,7 +366,7 @@ class _QuantityFigure:
         """
         panels: list[Panel | Cell]
 
-        # one axis: curves
+        # one axis: curves; `Key` is an entry of the legend: style of a line, and words
         if len(number_axes) == 1:
             panels = [self.curve_panel(stem, masks, number_axes[0])]
             legend = tuple(

@@ -386,8 +386,8 @@ def solve_waiting_points(
     Raises
     ------
     InputError
-        Where no workers can be had, their code differs from ours, results can't be stored, or a
-        process died with points.
+        Where no workers can be had, their code differs from that of this process, results can't be
+        stored, or a worker process died while it solved points.
     """
     store = sweep.store
     points = sweep.points
@@ -513,23 +513,27 @@ class _RunOfTasks:
         signal of Ctrl-C, or of the system to end. `pool.width` is how many tasks are worked on at
         once.
         """
-        task_of: dict[Future[str], Task] = {}  # future of an answer -> task, of those handed out
-        while (tasks or task_of) and not signals:
+        task_by_future: dict[
+            Future[str], Task
+        ] = {}  # tasks handed out, by the future of their answer
+        while (tasks or task_by_future) and not signals:
             # hand out, as JSON text
-            while tasks and len(task_of) <= self.pool.width:
+            while tasks and len(task_by_future) <= self.pool.width:
                 questions = [point.question.as_json() for point in tasks[0]]
                 task_text = json.dumps({"versions": code_versions(), "points": questions})
                 future = self._submit(task_text)
-                task_of[future] = tasks.popleft()
+                task_by_future[future] = tasks.popleft()
 
             # store what has come; _ROUND_SECONDS: 0.5 s
-            for future in wait(task_of, timeout=_ROUND_SECONDS, return_when=FIRST_COMPLETED).done:
-                self._store_answers(future, task_of.pop(future))
-            if task_of:
+            for future in wait(
+                task_by_future, timeout=_ROUND_SECONDS, return_when=FIRST_COMPLETED
+            ).done:
+                self._store_answers(future, task_by_future.pop(future))
+            if task_by_future:
                 self.pool.require_alive()  # InputError where tasks will never come back
 
             # report the progress
-            n_handed_out = sum(map(len, task_of.values()))
+            n_handed_out = sum(map(len, task_by_future.values()))
             progress_in_words = f"{self.n_failed} failed, {n_handed_out} handed out"
             if self.lost_points:
                 progress_in_words += f", {len(self.lost_points)} lost with a worker"

@@ -224,13 +224,13 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         return f"{quantity_in_words}, finite elements/theory − 1", "%"
     _, unit_of_length, unit_of_stress = units(scene)
     unit_of_energy = energy_unit(scene)
-    unit_of = {
+    unit_by_dimension = {
         "stress": unit_of_stress,
         "length": unit_of_length,
         "energy / thickness": unit_of_energy,
         "energy / area": f"{unit_of_energy}²",
     }
-    return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_of[unit]
+    return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_by_dimension[unit]
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:

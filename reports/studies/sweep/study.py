@@ -350,7 +350,7 @@ def points_of_study(
     from halfplane_fe.supports import check_supports
 
     points: list[Point] = []
-    number_of: dict[str, int] = {}  # address -> number of its point
+    number_by_address: dict[str, int] = {}  # number of a point by its address
     scene_text = study.scene.model_dump_json()
     for number, coordinates in enumerate(grid_points(study.axes)):
         if number == _MOST_POINTS:
@@ -374,12 +374,12 @@ def points_of_study(
                 sentence = f"{words_of_point}: {sentence}"
             raise InputError(sentence) from fault
 
-        if point.address in number_of:
+        if point.address in number_by_address:
             raise InputError(
-                f"{words_of_point} asks the same as point {number_of[point.address]}: an axis has a"
-                " value twice, or moves nothing"
+                f"{words_of_point} asks the same as point {number_by_address[point.address]}: an"
+                " axis has a value twice, or moves nothing"
             )
-        number_of[point.address] = number
+        number_by_address[point.address] = number
         points.append(point)
         report(number + 1)
     return tuple(points)

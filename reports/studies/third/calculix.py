@@ -263,7 +263,7 @@ def solve_with_calculix(
 ) -> ThirdSolver:
     """Solve a scene with the finite-element program CalculiX: write its input deck into a temporary
     folder, run the program, read the result, and compare it with half-plane theory. A run that
-    fails is reported in `failure` of the answer.
+    fails is reported in `failure` of what is returned.
 
     Parameters
     ----------
@@ -291,24 +291,24 @@ def solve_with_calculix(
     code = f"CalculiX {calculix_version(program)}"
     with stages.stage("deck"):
         deck = build_deck(scene, settings, scales)
-        answer = ThirdSolver(code, deck, deck_text(deck, command, versions()))
+        third_solver = ThirdSolver(code, deck, deck_text(deck, command, versions()))
 
     # TIME_LIMIT: 1800 s
-    with tempfile.TemporaryDirectory(prefix="halfplane-third-") as name:
-        folder = Path(name)
-        (folder / "third.inp").write_text(answer.text, encoding="utf-8")
+    with tempfile.TemporaryDirectory(prefix="halfplane-third-") as folder_name:
+        folder = Path(folder_name)
+        (folder / "third.inp").write_text(third_solver.text, encoding="utf-8")
         try:
             with stages.stage(code, "per cent of the load path") as show_progress:
                 run_record = run_calculix(
                     program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, show_progress
                 )
         except ConvergenceError as failure:
-            return replace(answer, failure=str(failure))
+            return replace(third_solver, failure=str(failure))
         with stages.stage("reading CalculiX"):
             report_on_answer = score_deck(folder / "third.frd", deck, code)
 
     return replace(
-        answer,
+        third_solver,
         comparison=report_on_answer.comparison,
         guesses=report_on_answer.guesses,
         run_record=run_record,

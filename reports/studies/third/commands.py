@@ -86,6 +86,7 @@ def export(job: Job) -> Answer:
     ]
     path = str(job.folder / file)
     content = {"passed": True, **deck_size, "file": path, "seconds": stages.seconds}
+    # EXIT_WITHIN: exit code 0; Sheet: a table on the terminal, of title, heads and rows
     return Answer(
         EXIT_WITHIN,
         [Sheet("Deck for CalculiX", ("what", "value"), rows), path],

@@ -218,15 +218,15 @@ class Deck:
         the ends of a pulled block.
         """
         deck_body = (self.lower, self.upper)[body_number]
-        shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body_number]
-        if not deck_body.ends or not isinstance(shape, Block):
+        body = (self.scene.bodies.lower, self.scene.bodies.upper)[body_number]
+        if not deck_body.ends or not isinstance(body, Block):
             return None
         mean_stress = self.bulk_stress[body_number]
         if mean_stress is None:
             mean_stress = np.zeros(len(self.time))
         stress_by_half_of_q = np.zeros(len(self.time))
-        if shape.base == "rollers" and body_number == 0:
-            stress_by_half_of_q = self.tangential_load / (2 * shape.height)
+        if body.base == "rollers" and body_number == 0:
+            stress_by_half_of_q = self.tangential_load / (2 * body.height)
         if not (mean_stress.any() or stress_by_half_of_q.any()):
             return None
         return mean_stress + stress_by_half_of_q, mean_stress - stress_by_half_of_q
@@ -453,7 +453,7 @@ def _body(
     cells[:, is_clockwise] = cells[:, is_clockwise][[0, 3, 2, 1]]
 
     # name of a boundary -> both nodes of each facet on it, (2, k)
-    nodes_of = {
+    nodes_by_boundary = {
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
 
@@ -463,7 +463,7 @@ def _body(
     nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
     keys_of_sides = nodes_of_sides @ key_factors
 
-    def sides_on(facets: Indices) -> Indices:
+    def sides_of_facets(facets: Indices) -> Indices:
         """Number of the element and of its side 1 to 4, (k, 2), for each facet of the mesh, whose
         nodes are `facets` (2, k).
         """
@@ -476,15 +476,15 @@ def _body(
     # the left and the right end of a block that bulk stress pulls
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
-        facets_of_ends = nodes_of["sides"]
+        facets_of_ends = nodes_by_boundary["sides"]
         is_right = places[0, facets_of_ends].mean(axis=0) > 0
-        left_end = sides_on(facets_of_ends[:, ~is_right])
-        right_end = sides_on(facets_of_ends[:, is_right])
+        left_end = sides_of_facets(facets_of_ends[:, ~is_right])
+        right_end = sides_of_facets(facets_of_ends[:, is_right])
         pulled_ends = (left_end, right_end)
 
     # nodes that may touch, from left to right; nodes that supports hold, by direction x (1), y (2)
-    contact_nodes = np.unique(nodes_of["contact"])
-    held_nodes = _held_nodes(mesh, nodes_of)
+    contact_nodes = np.unique(nodes_by_boundary["contact"])
+    held_nodes = _held_nodes(mesh, nodes_by_boundary)
     nodes_from_left = contact_nodes[np.argsort(places[0, contact_nodes])]
     return DeckBody(
         name=name,
@@ -492,7 +492,7 @@ def _body(
         first_element=first_element,
         nodes=read_only_copy(places.T),
         elements=read_only_copy(cells.T + first_node, np.int64),
-        contact_faces=sides_on(nodes_of["contact"]),
+        contact_faces=sides_of_facets(nodes_by_boundary["contact"]),
         contact_nodes=read_only_copy(nodes_from_left + first_node, np.int64),
         held={
             direction: read_only_copy(np.unique(np.concatenate(nodes)) + first_node, np.int64)
@@ -503,17 +503,20 @@ def _body(
     )
 
 
-def _held_nodes(mesh: BodyMesh, nodes_of: Mapping[str, Indices]) -> dict[int, list[Indices]]:
+def _held_nodes(
+    mesh: BodyMesh, nodes_by_boundary: Mapping[str, Indices]
+) -> dict[int, list[Indices]]:
     """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body:
     direction -> one array of nodes for each support.
 
-    `nodes_of` holds the two nodes of each facet on a boundary, (2, k), by the boundary's name.
+    `nodes_by_boundary` holds both nodes of each of the k facets on a boundary, (2, k), by the
+    boundary's name.
     `mesh.supports` is how each supported boundary is held: "rollers" let it move along x, "guided"
     along y. `mesh.mesh.p` (2, n) has the places of the nodes.
     """
     held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
-        nodes = np.unique(nodes_of[boundary])
+        nodes = np.unique(nodes_by_boundary[boundary])
         # _HELD_DIRECTIONS: kind of support -> directions in which it holds
         for direction in _HELD_DIRECTIONS[support]:
             held_nodes[direction].append(nodes)
