@@ -232,10 +232,10 @@ def _face_by_stress(
     # notation: p pressure, q shear
     """
     y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
-    height = mesh.points[:, 1] - y_of_face
+    height_above_face = mesh.points[:, 1] - y_of_face
     # within a millionth of the mesh's longest side; material_heights: negative at the top face of
     # the lower body
-    is_on_face = (np.abs(height) <= SAME_PLACE_SHARE * longest_side(mesh.points)) & (
+    is_on_face = (np.abs(height_above_face) <= SAME_PLACE_SHARE * longest_side(mesh.points)) & (
         mesh.material_heights < 0
     )
     if not is_on_face.any():
@@ -329,7 +329,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     # coordinates (n, 3), and how far the material lies above each point
     all_points, material_heights = _points_of_ids(mesh, all_ids)
     body = _body_of_face(path, material_heights)
-    # of the points in one plane z = const, ascending in x
+    # rows of `all_points` that lie in one plane z = const, ascending in x
     rows, _, plane_notes = one_plane(all_points, np.arange(len(all_ids)))
     notes = [f"contact values stand at the slave face, that of the {body} body"]
     if all_ids.shape[1] > 1:
@@ -465,22 +465,22 @@ def _body_of_face(path: Path, material_heights: Array) -> str:
 
 
 def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integers, list[str]]:
-    """Rows of the nodes of the slave face in the mesh, and notes. Of a flat face these are all
-    nodes at its height; of a curved one those that touch at some time, `touching_rows`.
+    """Rows, in the arrays of the mesh, of the nodes of the slave face, and notes. Of a flat face
+    these are all nodes at its y; of a curved one those that touch at some time, `touching_rows`.
 
     `mesh.material_heights` are how far the material of each node lies above it: their sign tells
     the bodies apart.
     """
-    height = mesh.points[:, 1]
+    y_of_nodes = mesh.points[:, 1]
     # a millionth of the mesh's longest side
     tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
-    if np.ptp(height[touching_rows]) > tolerance:
+    if np.ptp(y_of_nodes[touching_rows]) > tolerance:
         return touching_rows, [
             "the slave face is curved: points that never carry a contact value are left out, and x"
             " is that of the slave's nodes"
         ]
     is_of_same_body = mesh.material_heights * mesh.material_heights[touching_rows[0]] > 0
-    is_at_height = np.abs(height - height[touching_rows].mean()) <= tolerance
+    is_at_height = np.abs(y_of_nodes - y_of_nodes[touching_rows].mean()) <= tolerance
     return np.flatnonzero(is_at_height & is_of_same_body), []
 
 
@@ -568,8 +568,8 @@ def _pair_loads(
             f"{file.path}: several contact pairs (slave faces {names}); name one by surface of a"
             " mapping"
         )
-    # The last of each time, which the two files round differently. CalculiX writes 0 and NaN for
-    # node-to-surface pairs, touching or not: no statement on the loads.
+    # The last force of each time counts; both files round the time, so that it may differ by 1e-5.
+    # CalculiX writes 0 and NaN for node-to-surface pairs, touching or not: they state no load.
     finite_pairs = [pair for pair in reversed(pairs) if np.isfinite(pair.normal).all()]
     forces_on_lower = []
     for time in times:

@@ -62,8 +62,9 @@ def pressure_on_layer(
     """Pressure (k, n) at points x (n,) under each of k loads P, of half-planes covered by a soft
     layer [stress]: the faces sink into each other by `layer_compliance` times p.
 
-    On closed cells A p + layer_compliance p = approach - gap, A being the influence matrix, and p
-    adds up to P. Cells that pull are opened until none does.
+    On closed cells A p + layer_compliance p = normal approach - initial gap, A being the influence
+    matrix (n_cells, n_cells) [length/stress], and p adds up to P. Cells that pull are opened until
+    none does.
 
     Parameters
     ----------
@@ -237,18 +238,21 @@ def _shear_after_step(
     slip_scale = largest_limit * float(np.abs(np.diag(matrix)).max())
     slip_direction = np.zeros(len(coulomb_limit))  # 1 or -1; 0 of cells that stick
     for attempt in range(_MOST_STATES_AT_ONCE + 2 * len(coulomb_limit)):
-        is_stick = is_pressed & (slip_direction == 0)
-        if not is_stick.any():
+        is_sticking = is_pressed & (slip_direction == 0)
+        if not is_sticking.any():
             break
         shear = np.where(is_pressed, slip_direction * coulomb_limit, 0.0)
         load_on_stick_cells = tangential_load - cell_width * float(shear.sum())
-        right_side = -stick_displacement[is_stick] - matrix[is_stick] @ shear
-        # stick cells: U - A q = stick_displacement, and the loads add up to Q
-        shear[is_stick], tangential_displacement = _tractions_and_rigid_motion(
-            matrix, is_stick, right_side, cell_width, load_on_stick_cells
+        right_side = -stick_displacement[is_sticking] - matrix[is_sticking] @ shear
+        # stick cells: U - A q = stick_displacement, and the shear of all cells adds up to Q; U is
+        # the rigid motion
+        shear[is_sticking], tangential_displacement = _tractions_and_rigid_motion(
+            matrix, is_sticking, right_side, cell_width, load_on_stick_cells
         )
         slip = tangential_displacement - matrix @ shear - stick_displacement
-        excess_of_shear = np.where(is_stick, (np.abs(shear) - coulomb_limit) / largest_limit, 0.0)
+        excess_of_shear = np.where(
+            is_sticking, (np.abs(shear) - coulomb_limit) / largest_limit, 0.0
+        )
         slip_against_shear = np.where(
             is_pressed & (slip_direction != 0), -slip * slip_direction / slip_scale, 0.0
         )
@@ -262,7 +266,7 @@ def _shear_after_step(
             attempt >= _MOST_STATES_AT_ONCE
         ):  # one cell at a time, which ends where all at once do not
             changes_state = violation == violation.max()
-        new_direction = np.where(is_stick, np.sign(shear), 0.0)
+        new_direction = np.where(is_sticking, np.sign(shear), 0.0)
         slip_direction = np.where(changes_state, new_direction, slip_direction)
     raise InputError("no state of stick and slip on cells")
 

@@ -105,12 +105,17 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
 
 def _finding_beyond_coulomb_limit(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """The finding of a wrong factor of the shear, for a result within every tolerance whose shear
-    exceeds f p. Nothing otherwise.
+    exceeds the Coulomb limit f p. Nothing otherwise. `discrepancy` holds the tractions of result
+    and reference.
+
+    # notation: f coefficient of friction, p pressure
     """
+    # checks of the laws of contact on the result; "cone": the Coulomb limit
     checks = discrepancy.comparison.result_certificates
     if not discrepancy.has_shear or all(check.holds for check in checks if check.name == "cone"):
         return
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
+    # None where a factor of the shear leaves more than noise
     fit = judgement.fit_of_shear_factor()
     if fit is not None:
         yield from _findings_of_fit(judgement, Attribution(fit), has_trace=False)

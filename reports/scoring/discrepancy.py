@@ -267,6 +267,7 @@ class Residual:
         counts. White noise has its variance; values that are smooth over points or instants have
         far less.
         """
+        # [0]: the mean square, without the number of pairs; _axes: 1 in x, 0 in time
         return min(self._noise_along(axis)[0] for axis in self._axes)
 
     @property
@@ -319,8 +320,9 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     """(k,) share of a period at each instant of a result's last cycle, from the start of the load
     path's cycle.
 
-    From 0 to 1, or from somewhere between to one period later. Of instants that are no whole
-    cycle each counts from the start of its own revolution. The time itself where nothing repeats.
+    It runs from 0 to 1; for a cycle that begins later on the path, from there to one period later.
+    Instants that are no whole cycle are each counted from the start of their revolution. On a path
+    without a period it is the time itself.
     """
     path = comparison.scene.load.path()
     result_cycle = comparison.result_cycle

@@ -111,7 +111,9 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     fields: dict[str, ArrayLike | None] = {}
     values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
     for quantity, values_at_instants in values.items():
-        fields[quantity] = np.array([factors[quantity] * row for row in values_at_instants])
+        fields[quantity] = np.array(
+            [factors[quantity] * values_of_instant for values_of_instant in values_at_instants]
+        )
     x = converted_values(mapping, "x", mesh.points[surface_points, 0])
     times = _times_of(path, frames, mapping)
     notes = [source_in_words, *notes_on_parts, *notes_on_surface]
@@ -363,11 +365,12 @@ def _surface_points(
     the lower one count. InputError where no face lies there.
     """
     # y above the lower body's face, in the file's unit
-    height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
+    height_above_face = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)
     tolerance = SAME_PLACE_SHARE * longest_side(mesh.points)
-    is_on_face = np.abs(height) <= tolerance
-    # of the cells at a point: negative at the face of the lower body, NaN without cells
+    is_on_face = np.abs(height_above_face) <= tolerance
+    # how far the middles of its cells lie above a point: negative at the face of the lower body,
+    # NaN without cells
     material_height = height_of_material(mesh.points, bulk_cells)
     points_of_face = {
         "lower": np.flatnonzero(is_on_face & (material_height < 0)),
@@ -377,8 +380,8 @@ def _surface_points(
     if mapping.surface is not None:
         surface_points = _marked_points(path, mesh, mapping.surface)
         notes = [f"the surface is what {mapping.surface} marks"]
-    elif np.ptp(height) <= tolerance or not bulk_cells:
-        surface_points = np.arange(len(height))
+    elif np.ptp(height_above_face) <= tolerance or not bulk_cells:
+        surface_points = np.arange(len(height_above_face))
         notes = [f"{mesh.name} is taken for the surface alone, since it has no cells of a body"]
     elif bodies_with_face:
         body = bodies_with_face[0]
@@ -390,9 +393,9 @@ def _surface_points(
             f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
             " by y_offset, or what marks it by surface of a mapping"
         )
-    height_at_surface = material_height[surface_points]
-    if np.any(height_at_surface < 0) and np.any(height_at_surface > 0):
-        surface_points = surface_points[height_at_surface < 0]
+    material_height_at_surface = material_height[surface_points]
+    if np.any(material_height_at_surface < 0) and np.any(material_height_at_surface > 0):
+        surface_points = surface_points[material_height_at_surface < 0]
         notes.append("the surface has points of both bodies: those of the lower one were taken")
     points_in_plane, _, plane_notes = one_plane(mesh.points, surface_points)
     body = "upper" if np.any(material_height[points_in_plane] > 0) else "lower"

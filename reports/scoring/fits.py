@@ -254,8 +254,8 @@ class Search:
         have this fault.
 
         `searched_causes` are all causes of the search, this one included. Where there are several,
-        the size that this one has when fitted alone is among the starts, with every third of its
-        other starts for the shear. `channels` are the tractions that are fitted: pressure, shear or
+        the size that this one has when fitted alone is among the starts; few of its other starts
+        remain. `channels` are the tractions that are fitted: pressure, shear or
         both.
         """
         starts = tuple(cause.start_sizes(self.discrepancy))
@@ -264,6 +264,8 @@ class Search:
         fit_alone = self.best_fit((cause,), channels)
         if fit_alone is None:
             return starts[:1]
+        # beside other causes: the size found alone, with every third of the other starts for the
+        # shear; for the pressure with the other starts only where these are three at most
         if SHEAR in channels:
             return (*starts[::_STRIDE_OF_STARTS], fit_alone.sizes[0])
         return (

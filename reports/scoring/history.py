@@ -460,7 +460,7 @@ def _times_in_order(
     Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
     all. A place is the index of a sample. It costs 1000 times (`_COST_OF_DISTANCE`) the square of
     its distance from the instant's loads over that of the instant that lies farthest from the path.
-    A step of time costs the square of its length over the mean one. So of places that are equally
+    A step of time costs the square of its ratio to the mean step. So of places that are equally
     near, to and fro on one line or in one revolution after another, the evenest are taken. Noise
     next to a turning point may put an instant before the last one, by a small part of a revolution.
 

@@ -331,7 +331,8 @@ class Judgement:
         else:
             best_fit = single_fits[0]
             is_traction_explained = self.is_traction_explained(best_fit, PRESSURE)
-        # n_values: number of values in contact
+        # n_values: number of values in contact; share: norm of what the fit leaves over the norm of
+        # the whole difference
         is_nearly_all_explained = (
             share_of_difference_left(best_fit, self.fit_without_causes, (PRESSURE,))
             <= _LARGEST_SHARE_LEFT_IF_COMPLETE
@@ -423,7 +424,9 @@ class Judgement:
         return min(possible_fits, key=lambda fit: fit.mean_square((PRESSURE,)), default=None)
 
     def _needs_both_causes(self, pair: Fit) -> bool:
-        """Whether neither cause of a pair does as well alone."""
+        """Whether a fit of two causes (`pair`) leaves less of the pressure difference than either
+        cause alone.
+        """
         fits_alone = [self.search.best_fit((cause,), (PRESSURE,)) for cause in pair.causes]
         return all(fit is None or self._leaves_less(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
@@ -493,7 +496,7 @@ class Judgement:
                 explanations.append(fit)
         return explanations
 
-    # ------------------------------------------------------------------------- what rows exclude
+    # ------------------------------------------------------------------ what integrals exclude
     def _is_not_excluded(self, fit: Fit, fit_before: Fit, channels: Sequence[int]) -> bool:
         """Whether nothing excludes a fit of causes (known faults): neither the integral of the
         pressure over x, nor that of the shear, nor fitted sizes that are next to none. `fit_before`
@@ -548,10 +551,11 @@ class Judgement:
         """Whether the sum of the result's pressures over x excludes the causes (known faults) of a
         fit.
 
-        A wrong factor of loads, pressures or x multiplies this sum by a known factor,
-        `Cause.resultant_factor`; None where a cause leaves the sum. Such a factor is excluded where
-        the sum remains near P. Nodal forces instead of pressures ("coarse_edge") add up to P: they
-        are excluded where the sum is not P. The reason is kept in `reason_by_cause`.
+        A wrong factor of loads, pressures or x multiplies this sum by a known ratio, which
+        `resultant_factor` of the cause computes from its fitted size; None where a cause leaves the
+        sum. Such a cause is excluded where the sum remains near P. Nodal forces instead of
+        pressures ("coarse_edge") add up to P: they are excluded where the sum is not P. The reason
+        is kept in `reason_by_cause`.
 
         # notation: P normal load
         """
@@ -570,10 +574,10 @@ class Judgement:
         if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason
             return True
-        # of two factors the sum shows only the product
+        # of two ratios the sum shows only the product
         if len(predicted_ratios) != 1 or not np.isfinite(measured_ratio):
             return False
-        # the sum follows the predicted factor by at least a third
+        # the sum follows the predicted ratio by at least a third of its difference from 1
         if abs(measured_ratio - 1) > _SHARE_OF_FACTOR_IN_SUM * abs(predicted_ratios[0] - 1):
             return False
         if len(fit.causes) == 1:
@@ -716,7 +720,7 @@ class Judgement:
     def is_traction_explained(self, fit: Fit, channel: int) -> bool:
         """Whether a fit of causes (known faults) leaves nothing of a traction but noise, or next to
         nothing: 3 % of the difference (norm), and of the traction. `channel` is PRESSURE or SHEAR.
-        The fit without a cause is right too where the difference is within the tolerance.
+        Without a cause it also does where the difference is within the tolerance of the scene.
 
         # notation: f coefficient of friction, p_ref scale of pressure
         """

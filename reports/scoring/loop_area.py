@@ -32,16 +32,21 @@ _FACTOR_ON_SCATTER = 1.12
 
 @dataclass(frozen=True)
 class LoopArea:
-    """Area of the polygon of the rows, the mean of whole cycles [energy per thickness], and what it
-    is uncertain by.
+    """Area of a measured loop, the mean of its whole cycles [energy per thickness], and what it is
+    uncertain by.
 
     Attributes
     ----------
+    value
+        the area W
     error_by_distance
-        of the rows from each other: a polygon of twice the step errs four times as much. That
-        is three times the error; half of the difference is stated
+        error by the distance between neighbouring rows: half of the difference from the area by
+        every second row. That difference is three times the error, since a polygon with twice the
+        step errs four times as much
     error_by_scatter
         1.96 standard deviations, from the scatter of U and Q
+    n_cycles
+        number of whole cycles
     """
 
     value: float
@@ -93,29 +98,29 @@ def polygon_area(
     """Area W of a measured loop of Q over U per cycle [energy per thickness], by the polygon
     through its rows. With it come its errors by the distance of the rows and by their noise (95 %).
     As many whole cycles count as the rows cover, at least one; where they cover less, the gap
-    counts as an error.
+    between last and first row counts as an error.
 
     Parameters
     ----------
     displacement, load
         relative tangential displacement U and load Q of the rows, (n,) each
     phase
-        (n,) cycles since any instant
+        (n,) number of cycles that have passed at each row, counted from any instant
     displacement_noise, load_noise
         sigma of U and Q
 
     Examples
     --------
     >>> angle = 2 * np.pi * np.arange(100) / 100
-    >>> found = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
-    >>> abs(found.value + np.pi) < found.error_by_distance < 0.01
+    >>> area = polygon_area(-np.sin(angle), np.cos(angle), angle / (2 * np.pi), 0.0, 0.0)
+    >>> abs(area.value + np.pi) < area.error_by_distance < 0.01
     True
 
     # notation: sigma standard deviation of the noise
     """
     covered_cycles = float(phase[-1] - phase[0])
-    # A row is missing where the last one is a step before the first; phases are known to a
-    # hundredth.
+    # The last row may lie one step of rows before the end of a cycle; phases are known to a
+    # hundredth of a cycle.
     missing_cycles = 1.6 * covered_cycles / (len(phase) - 1) + 0.01
     n_cycles = max(math.floor(covered_cycles + missing_cycles), 1)
     end_phase = float(phase[0]) + n_cycles
@@ -221,9 +226,10 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     """Area W of a measured loop of load Q over displacement U, per cycle [energy per thickness]:
     that of the fitted loop plus the area between this loop and the rows, with its errors.
 
-    A row that lies beside the loop by (dU, dQ) represents the loop from half-way to its neighbours:
-    dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter moves each row, and with
-    it the fit: drift above all, which one cycle hardly shows.
+    A row that lies beside the loop by (u, q) in U and Q stands for the piece of the loop between
+    the midpoints to its neighbours. It changes W by the integral of q dU - u dQ over this piece, to
+    first order. Scatter moves each row, and with it the fit: its drift of U above all, which one
+    cycle hardly shows.
 
     Parameters
     ----------
@@ -244,7 +250,8 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     area_per_sigma = np.empty(len(place_on_loop))
     area_per_sigma[order_on_loop] = _area_per_sigma(loop, fit, order_on_loop)
     area_beside_fit = float(area_per_sigma @ fit.distances.signed_distance)
-    # the same by the first, third, ... and by the second, fourth, ... row along the loop
+    # the same area by every second row along the loop, once from the first row and once from the
+    # second
     area_beside_fit_by_half_the_rows = [
         float(
             _area_per_sigma(loop, fit, half_of_rows) @ fit.distances.signed_distance[half_of_rows]
@@ -283,8 +290,9 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     ----------
     loop, fit
         the fitted loop, and the distances of the rows from it, in sigma, with their derivatives by
-        its seven parameters. `misfit.widening` is the factor by which correlated neighbours widen
-        an interval; `interval_ends` are parameters (7,) at both ends of the interval of f, or None
+        its seven parameters. `degrees_of_freedom` is the number of rows minus that of fitted
+        parameters; `misfit.widening` is the factor by which correlated neighbours widen an
+        interval; `interval_ends` are parameters (7,) at both ends of the interval of f, or None
     area_per_sigma
         (n,) change of the area by a distance of one sigma of each row, where the loop stays
 
@@ -333,6 +341,8 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
 
     Parameters
     ----------
+    loop
+        the fitted loop
     fit
         `distances`: unit normal (n, 2) of the loop and place along it (n,), 0 to 1 on the rising
         and 1 to 2 on the falling branch; `sigma` of the noise of U and of Q

@@ -120,7 +120,8 @@ def find_branches(
     noise = max(row_noise(load), resolution / math.sqrt(12))
     range_of_load = _least_and_largest_load(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
-    # rows_before, rows_after: of each crossing; period: of one cycle, where the rows are repeated
+    # rows with three crossings or more; rows_before, rows_after: last row before and first row
+    # after each crossing; period: of one cycle, where the rows are repeated
     record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
     # times at which Q passes the middle of its range
     crossing_times = _crossing_times(
@@ -138,8 +139,8 @@ def find_branches(
     first_turn_is_highest = not bool(record.rises_at_crossing[0])
     if record.is_repeated:
         # The two turning points in the middle of a record that was repeated are known best: they
-        # are taken again in the two periods before and after. The list now begins with the second
-        # turning point of the record, which is of the other kind.
+        # are taken again in the two periods before and after. `turn_times` now begins with a copy
+        # of the second turning point, which is of the other kind, highest or lowest.
         turn_times = np.concatenate(
             [turn_times[1:3] + n_periods * record.period for n_periods in range(-2, 3)]
         )
@@ -344,7 +345,7 @@ def _times_of_turns(
     rises_at_crossing
         (k,) whether Q rises there
     highest_after_centre, lowest_after_centre
-        time from the centre between two crossings to the highest and to the lowest Q
+        time from the middle between two crossings to the highest and to the lowest Q
 
     # notation: Q tangential load
     """
@@ -412,8 +413,8 @@ def _crossings_of_middle(
 
 
 def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
-    """Size of each cycle of a quantity of a measured loop, such as U: its standard deviation over
-    time, (k,), in the units of `values`.
+    """Size of each of the k cycles of a quantity of a measured loop, such as U: its standard
+    deviation over the time of the cycle, (k,), in the units of `values`.
 
     A cycle runs from one time at which Q passes the middle of its range to the next but one; each
     begins half a cycle after the one before.
@@ -442,12 +443,13 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
 
 
 def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:
-    """Q at the begin, at each turning point and at the end of the rows: first Q, the extreme Q of
-    the rows between each two crossings of its middle, last Q. `begins` and `ends` are the last row
-    before and the first row after each crossing.
+    """Q of a measured loop at its first row, at each turning point and at its last row. A turning
+    point is the extreme Q of the rows between two crossings of the middle of Q. `load` (n,) is Q of
+    the rows; `begins` and `ends` are the last row before and the first row after each crossing.
 
     # notation: Q tangential load
     """
+    # pieces: rows from the middle of one crossing to that of the next
     ends_of_pieces = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
     pieces_between_crossings = [
@@ -686,16 +688,17 @@ def _time_from_nearest(centres: Array, time: Array) -> Array:
 
 
 def _highest_of_two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
-    """Highest value of two parabolas that meet at one point, fitted to the points (x, y), (n,)
-    each, with x from −1 to 1; then the x of this value, and the root mean square of the residuals.
-    None for fewer than seven points.
+    """Highest value of two parabolas that meet at one point (their joint), fitted to n points (x,
+    y) around a turning point, with x from −1 to 1; then the x of this value, and the root mean
+    square of the residuals. None for fewer than seven points.
 
-    The joint of both is sought among 25 places between −0.5 and 0.5, and the highest value between
-    −0.7 and 0.7.
+    The joint is sought among 25 places between −0.5 and 0.5, and the highest value between −0.7 and
+    0.7.
     """
     degrees_of_freedom = len(x) - 6
     if degrees_of_freedom < 1:
         return None
+    # least sum of squares, joint, coefficients
     best_fit = (math.inf, 0.0, np.zeros(5))
     for joint in np.linspace(-0.5, 0.5, _N_JOINTS):
         x_left_of_joint = np.minimum(x - joint, 0.0)

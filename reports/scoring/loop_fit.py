@@ -277,8 +277,9 @@ class LoopsOverFriction:
         # The root has no derivative at gross sliding itself: that just above is taken.
         root = max(self._root_in_steps(friction), 1e-3)
         _, weights_of_derivative = _cubic_weights(root - math.floor(root))
-        displacement_by_step = np.asarray(weights_of_derivative @ self._displacements_around(root))
-        return displacement_by_step / (2 * _ROOT_STEP**2 * root)
+        # derivative of U by the root in steps; the four loops are those at the steps around it
+        derivative_by_root = np.asarray(weights_of_derivative @ self._displacements_around(root))
+        return derivative_by_root / (2 * _ROOT_STEP**2 * root)
 
     def _root_in_steps(self, friction: float) -> float:
         """sqrt(ln(f/sliding)) in steps of `_ROOT_STEP`; 0 below gross sliding, where U is that of
@@ -773,13 +774,13 @@ class _Search:
             log_friction = min(max(log_friction_and_terms[0], lowest_log), highest_log)
             return math.exp(log_friction), log_friction_and_terms[1:]
 
-        # The derivatives come with the residuals, and are asked for where these were last.
+        # scipy calls for residuals and for derivatives separately: both are cached for these steps
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
             """Residuals over sigma (n + 2,), and derivatives by steps of the free parameters."""
-            log_friction_and_terms = friction_and_terms(np.frombuffer(step_bytes))
+            trial_friction, trial_terms = friction_and_terms(np.frombuffer(step_bytes))
             residuals, derivatives = self._residuals_with_derivatives(
-                *log_friction_and_terms, self.model
+                trial_friction, trial_terms, self.model
             )
             return residuals, derivatives[:, is_free] * typical_sizes
 
@@ -791,8 +792,9 @@ class _Search:
             xtol=1e-11,
             ftol=1e-11,
         )
-        friction_of_answer, terms = friction_and_terms(minimum.x)
-        return 2 * float(minimum.cost), friction_of_answer, terms
+        best_friction, best_terms = friction_and_terms(minimum.x)
+        # scipy's cost is half the sum of squares
+        return 2 * float(minimum.cost), best_friction, best_terms
 
     def search_with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
         """A search for the best fit in which rows beside a turning point are moved to the other

@@ -83,7 +83,7 @@ class MeasuredRows:
         """Mean time of the highest and of the lowest turning points of the measured loop, over the
         time of the whole record, from -1/2 to 1/2; 0 without any such point.
         """
-        # (n,) cycles since a lowest point: whole there, and half-way between at a highest one
+        # (n,) number of cycles since a lowest point: whole at these, a half more at highest ones
         phase = np.maximum.accumulate(self.branches.phase)
         mean_times = []
         for phase_of_turn in (0.5, 0.0):
@@ -174,9 +174,9 @@ class MemoryCurve:
 
 def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     """The memory curve v(h/f) of a scene at constant P, from one solve of half-plane theory: U
-    falls by 2 f v(h/f) when Q falls by 2 h from a turning point (Masing's rule). It is taken from
-    the falling branch of a loop that nearly slides as a whole, on which h/f runs from 0 to nearly
-    P.
+    falls by 2 f v(h/f) when Q falls by 2 h from a turning point (Masing's rule). Every branch of a
+    loop follows from it. It is taken from the falling branch of a loop that nearly slides as a
+    whole, on which h/f runs from 0 to nearly P.
 
     Parameters
     ----------
@@ -267,7 +267,9 @@ class MasingLoop:
         contact slides as a whole. Past 2 the branch is continued, so that a row beyond its end has
         a nearest point: along U where the contact slides, else along the memory curve v.
 
-            U = 2 f v(h/f) - f v(R/2f) + slide + C Q,   h half of the rise of Q since the lower turn
+            U = 2 f v(h/f) - f v(R/2f) + slide + C Q,
+
+        with h half of the rise of Q since the lower turning point.
 
         # notation: C compliance of the rig, f friction coefficient, R range of Q, v memory curve of
         #           theory, `self.curve.value`; RANGE, SLIDE, COMPLIANCE: indices of R, slide and C,
@@ -284,7 +286,7 @@ class MasingLoop:
         displacement_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         # gross: the contact slides as a whole at the ends of the loop
         if self._has_slide:
-            # any rate will do, here the range of U in partial slip per unit of place
+            # any slope will do, here the range of U in partial slip per unit of place
             displacement_past_end = 2 * displacement_at_turn * np.maximum(place - 2, 0.0)
             displacement_of_slide = displacement_of_slide + displacement_past_end
         load = (2 * fraction_of_range - 1) * half_range
@@ -327,7 +329,7 @@ class MasingLoop:
         """
         areas = []
         for n_points in (2001, 4001):
-            # around the loop, at shares of the cycle from 0 to 1
+            # U and Q around the loop, at shares of the cycle from 0 to 1
             displacement, load = self.closed_curve(np.linspace(0.0, 1.0, n_points))
             areas.append(float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(displacement))))
         return areas[1] + (areas[1] - areas[0]) / 3
@@ -419,7 +421,7 @@ class MasingLoop:
 
         # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
-        # fraction of R that the branch has passed: 0 at the lower turn, 1 at the upper one
+        # fraction of R that the branch has passed: 0 at the lower turning point, 1 at the upper one
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
         half_range = self.parameters[RANGE] / 2
@@ -493,8 +495,8 @@ def distances_from_loop(
         rows.displacement - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
     )
     load = rows.load - parameters[MIDDLE]
-    # corners (2, m) of a polygon along the rising branch
-    # _PLACES_OF_CORNERS: 160 a part of the branch, partial slip or slide
+    # corners (2, m) of a polygon along the rising branch, at 160 places in its partial slip and 160
+    # on its slide (_PLACES_OF_CORNERS)
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)

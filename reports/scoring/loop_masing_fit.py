@@ -341,7 +341,7 @@ class _Search:
 
         # scipy calls for residuals and for derivatives separately: both are cached for the latest
         # steps
-        cached_answer: dict[bytes, tuple[Array, Array]] = {}
+        cached_residuals: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
             """Residuals of a loop from measured rows over sigma (m,), and their derivatives by
@@ -352,17 +352,17 @@ class _Search:
             #           of the noise
             """
             steps_as_bytes = steps.tobytes()
-            if steps_as_bytes not in cached_answer:
+            if steps_as_bytes not in cached_residuals:
                 parameters = parameters_at(steps)
                 residuals, derivatives = self.residuals(parameters)
                 if is_gross:  # the range R of Q follows from ln f: R = 2 f P
                     derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
-                cached_answer.clear()
-                cached_answer[steps_as_bytes] = (
+                cached_residuals.clear()
+                cached_residuals[steps_as_bytes] = (
                     residuals,
                     derivatives[:, free_indices] * typical_sizes[free_indices],
                 )
-            return cached_answer[steps_as_bytes]
+            return cached_residuals[steps_as_bytes]
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps)[0],
@@ -373,6 +373,7 @@ class _Search:
             ftol=1e-10,
             max_nfev=60,
         )
+        # scipy's cost is half the sum of squares
         return _LeastSquaresFit(2 * float(minimum.cost), parameters_at(minimum.x))
 
     def start_parameters(self, log_friction: float, slide_fraction: float) -> Array:
@@ -597,7 +598,7 @@ class _Search:
                     break
             return math.sqrt(least_relative_rise)
 
-        # x from the best ln f on, in the direction, where the function reaches 1
+        # ln f at which the root reaches 1, sought from the best ln f on; None where it never does
         log_friction_at_end = where_function_reaches_one(
             root_of_relative_rise, float(fits.better_fit.parameters[LOG_F]), direction, first_step
         )
@@ -792,8 +793,8 @@ class BestLoop:
 
     def change_of_size_with(self, row_variable: Array) -> ExplainedChange:
         """How U and Q of the loop grow with a variable of the rows (n,), such as their time. The
-        two `added_values` of the answer are the relative growth of U and of Q per unit of the
-        variable.
+        two `added_values` of the returned change are the relative growth of U and of Q per unit of
+        the variable.
         """
         variable_from_mean = row_variable - np.mean(row_variable)
         # derivatives (n, 2) of the distances by the relative sizes of U and of Q

@@ -46,7 +46,7 @@ _CHI_SQUARED = 3.841
 
 def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> FittedLoop:
     """Fit the friction coefficient f to a measured loop whose tangential load Q has more than two
-    turning points a cycle; with its 95 % interval.
+    turning points a cycle, with the 95 % interval of f.
 
     Each row is placed on the scene's cycle by its time. Then theory's displacement U for trial
     values of f is compared with U of the rows: f is where the sum of squares is least. The upper
@@ -70,7 +70,8 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     # f at which the contact just slides as a whole at the scene's loads
     least_scene_friction = friction_at_gross_sliding(scene)
 
-    # scan of ln f of the scene, then the best one between the neighbours of the best trial
+    # scan of trial values of ln f of the scene, then the best value between the neighbours of the
+    # best trial
     log_trials = np.log(least_scene_friction) + np.linspace(
         1e-6, math.log(_LARGEST_FRICTION_RATIO), _N_TRIALS
     )
@@ -330,8 +331,9 @@ def _best_alignment(
         measured Q best. `load_of_cycle` is Q of the scene at the shares of its cycle,
         `SHARES_OF_CYCLE`; `loop` holds time and Q of the n rows.
 
-        The misfit is a force here, not yet over the amplitude: the root mean square of the measured
-        Q minus this fit. Where the scale is not positive it gets too large to be the best.
+        The misfit is a force per thickness here, not yet over the amplitude: the root mean square
+        of the measured Q minus this fit. Where the scale is not positive, ten times the range of Q
+        is added to it, so that another alignment is taken.
 
         # notation: Q tangential load
         """
@@ -351,7 +353,8 @@ def _best_alignment(
     frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
     trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     best_trial = min(trials, key=lambda trial: alignment_at(*trial).misfit)
-    # This step moves the last row by a tenth of a cycle; in a record shorter than a cycle, by less.
+    # This first step of the search moves the last row by a tenth of a cycle; in a record shorter
+    # than a cycle, by less.
     frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(
@@ -371,8 +374,8 @@ def _best_alignment(
 
 
 def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[float], float]:
-    """Frequencies of the cycle to try [cycles per unit of time], from the spectrum of Q of the
-    rows; and the frequency at which this spectrum is highest.
+    """Frequencies of the cycle to try [cycles per unit of time], from the spectrum of Q of the rows
+    of a measured loop; and the frequency at which this spectrum is highest.
 
     Those by which the rows cover fewer than `least_cycles` are left out, as long as others remain.
     They are the frequency of the peak, its half and its third, and some 6 % beside each.
@@ -391,6 +394,7 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
     cycles_in_record = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
     peak_frequency = max(cycles_in_record, 0.5) / record_length
     # The spectrum may be highest at the second or third harmonic of the cycle.
+    # factors: 6 % beside each
     frequencies = [
         peak_frequency / harmonic * factor for harmonic in (1, 2, 3) for factor in (0.94, 1.0, 1.06)
     ]
@@ -411,9 +415,9 @@ def _friction_changes_by_load_noise(
     """Noise of the load Q of the rows of a measured loop, and two changes of the fitted friction
     coefficient f that it may cause. The noise is a standard deviation [force per thickness].
 
-    Noise leaves a small error in when the load acts, and in how large it is. A loop that is shifted
-    in time opens: f is fitted again with all rows late, and with the scene's load larger, each by
-    1.96 standard errors.
+    Noise leaves a small error in the place of the rows on the cycle, and in the scale of their
+    load. Displacements compared at shifted times open a loop. So f is fitted again with all rows
+    late, and with the scene's load larger, each by 1.96 standard errors.
 
     Parameters
     ----------

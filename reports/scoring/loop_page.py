@@ -275,6 +275,7 @@ def write(
 
     # JavaScript of the page, and its hash for the page's security policy
     page_script, script_hash = script()
+    # figures, each with its caption and the columns of its CSV file
     plates = _figures(score)
     table_heads, table_rows = table_of_loops(score)
     # the files move to `out` only when all of them are written

@@ -70,7 +70,8 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         that can't be turned into the scene's; for fewer than 20 rows; for a time that does not
         ascend.
     """
-    # names of columns, values (n_rows, n_columns), line of each row in the file
+    # names of columns, values (n_rows, n_columns), line of each row in the file; TableKind: which
+    # headings are expected, and words for messages
     table = text_table(
         path,
         kind=TableKind(
@@ -99,19 +100,19 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             raise InputError(
                 f"{file_name}: {column.name} is the same in every row: there is no loop"
             )
-    instants = np.arange(n_rows, dtype=float)
+    times = np.arange(n_rows, dtype=float)
     time_in_words = "no column: rows follow each other evenly"
     if time_name is not None:
-        instants = table.column(time_name)
+        times = table.column(time_name)
         time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
-    rows_before_fall = np.flatnonzero(np.diff(instants) <= 0)
+    rows_before_fall = np.flatnonzero(np.diff(times) <= 0)
     if len(rows_before_fall):
         row_of_fall = int(rows_before_fall[0]) + 1
         raise InputError(
             f"{file_name}, line {table.line_numbers[row_of_fall]}: {time_name} ="
-            f" {instants[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
+            f" {times[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
         )
-    # pairs (subject, words)
+    # pairs (subject, words), first on the layout of the table
     read_as = layout_in_words(path, table)
     read_as.append(("relative displacement U", displacement_column.reading_words))
     read_as.append(("tangential load Q", load_column.reading_words))
@@ -120,7 +121,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         source=file_name,
         displacement=displacement_column.values,
         load=load_column.values,
-        time=instants - instants[0],
+        time=times - times[0],
         read_as=tuple(read_as),
         resolution=(displacement_column.digit_step, load_column.digit_step),
     )

@@ -89,8 +89,8 @@ def misfit_of(
     displacement_noise
         sigma of U [length]
     least_deviations
-        a correlation of fewer standard deviations, 1/sqrt(n), than this is taken for chance; the
-        answer then is 0
+        a correlation of fewer standard deviations, 1/sqrt(n), than this is taken for chance; both
+        values of the returned misfit are then 0
 
     Examples
     --------
@@ -230,7 +230,7 @@ def drift_of_displacement(
     is_away_from_turns = (share_of_branch > _SHARE_AT_TURN) & (share_of_branch < 1 - _SHARE_AT_TURN)
     has_later_row = branches.phase + 1 < phase[-1]
     is_compared = is_away_from_turns & has_later_row
-    # eight rows
+    # eight pairs of rows
     if np.count_nonzero(is_compared) < _FEWEST_PAIRS:
         return None
     phase_a_cycle_later = branches.phase[is_compared] + 1

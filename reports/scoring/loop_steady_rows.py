@@ -134,7 +134,7 @@ def fit_steady_rows(
             )
         return loop, _fit_with_sentence_on_widening(fit, share_of_opening)
 
-    # of U in a cycle, over its range; 0 where it may be that of a gauge
+    # drift of U in a cycle, over the range of U; 0 where it is small enough for a gauge
     drift = _drift_of_cycle(loop)
     if drift:
         raise InputError(
@@ -151,7 +151,7 @@ def fit_steady_rows(
         _require_loop_of_theory(candidate, loop, scene)
     chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
     fit = replace(fit, n_cycles=_branches_by_height(loop).n_cycles)
-    # 1.5 % of the opening
+    # 1.5 % of the opening; only with a stated rig compliance, since else such rows were refused
     if candidate.share_of_opening > _LARGEST_SHARE_OF_OPENING:
         fit = _fit_with_sentence(
             fit,
@@ -210,7 +210,7 @@ def _steadiest_rows(
         candidates.append(candidate)
         if candidate.is_steady:
             break
-    # cycles grow or differ in every trial, or they grow and no trial was steady
+    # cycles grow or differ in every trial, or they grow in one and no trial was steady
     if not candidates or (growth_words and not candidates[-1].is_steady):
         reason = difference_words
         if growth_words not in reason:
@@ -513,8 +513,8 @@ class _RowsWithoutRunIn:
 
     @property
     def lasting_growth(self) -> str:
-        """The word "grow" or "shrink" where the remaining cycles may still do so as all cycles do:
-        then the rows that were left out are no run-in. Else "".
+        """The word "grow" or "shrink" where the remaining cycles of a measured loop may still do so
+        at the rate of all cycles: then the rows that were left out are no run-in. Else "".
         """
         if not self.half_cycles:
             return ""
@@ -571,7 +571,9 @@ def _branches_by_height(loop: MeasuredLoop) -> Branches:
 
 
 def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
-    """The part of the distances that is no scatter, over the mean opening of the loop in U."""
+    """The part of the rows' distances from a fit that is no scatter, over the mean opening of the
+    loop in U.
+    """
     return misfit.systematic_rms / _mean_opening(loop, phase)
 
 
@@ -656,19 +658,19 @@ def _fit_at_constant_load(
     """
     loop = candidate.rows
     branches = candidate.branches
-    # of a fitted f, over f: 1e-6, and 2e-9 where the contact slides as a whole
+    # error of a fitted f, over f, by theory: 1e-6, and 2e-9 where the contact slides as a whole
     error_of_theory = _RELATIVE_ERROR_OF_MEMORY_CURVE
     if candidate.best_loop.is_gross:
         error_of_theory = _RELATIVE_ERROR_OF_SLIDING
     # parameters of the loop with their errors, and the interval of f
     fit = fit_with_interval(candidate.best_loop, error_of_theory)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
-    # drift: of U over the whole record
+    # fit.drift: of U over the whole record, [length]
     rows_without_drift = replace(
         loop, displacement=loop.displacement - fit.drift * (share_of_time - 0.5)
     )
+    # Q of the scene through a cycle; factor of the file's Q over it
     load_of_cycle = cycle_loads(scene)[1]
-    # factor of the file's Q over the scene's
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     which_rows = " that are left" if candidate.run_in_sentence else ""
     sentences = [
@@ -738,8 +740,8 @@ def _fit_where_load_varies(
         loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
     )
     rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
+    # Q of the scene through a cycle, and at three times as many instants
     load_of_cycle = cycle_loads(scene)[1]
-    # at three times as many instants
     load_at_fine_instants = cycle_loads(scene, FINE_SHARES_OF_CYCLE)[1]
     # theory's U through a cycle, for any f
     loops_of_theory = LoopsOverFriction(
@@ -791,7 +793,7 @@ def _share_by_load(
     row_loads, is_row_rising
         (n,) Q of the rows, and whether each lies on the rising branch
     fit
-        gives lowest and highest Q of the rows, to which those of the scene are scaled
+        loop fitted to the rows; its lowest and highest Q, to which those of the scene are scaled
     load_of_cycle
         (n_instants,) Q of the scene through a cycle
 

@@ -35,7 +35,7 @@ def has_two_branches(scene: Scene) -> bool:
 
 
 def has_constant_normal_load(scene: Scene) -> bool:
-    """Whether P stays in a cycle."""
+    """Whether the normal load P is constant through a cycle of the scene."""
     normal = cycle_loads(scene)[0]
     return bool(np.ptp(normal) <= 1e-9 * normal.max())
 
@@ -79,9 +79,10 @@ def finite_element_displacement(scene: Scene, friction: float) -> Array:
 
     solution = halfplane_fe.solve(scene.vary(friction=friction))
     path = scene.load.path()
+    # indices of the instants of the last cycle
     cycle = solution.last_cycle
     assert path.period is not None
-    # of the cycle, from 0 to 1
+    # share of the cycle at each of these instants, from 0 to 1
     share = (solution.time[cycle] - path.cycle_start) / path.period
     share -= round(float(share[0]))
     return np.interp(SHARES_OF_CYCLE, share, solution.tangential_displacement[cycle])

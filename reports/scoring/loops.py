@@ -239,8 +239,8 @@ def score_loop(
     >>> exact = semi_analytic.solve(scene, x=0.0, time=times, fields="tangential_displacement")
     >>> row = np.arange(200) % 100
     >>> rig = exact.tangential_displacement + 1e-5 * exact.tangential_load
-    >>> found = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share), scene)
-    >>> round(found.friction, 3), round(found.compliance, 7)
+    >>> score = score_loop(MeasuredLoop("rig", rig[row], exact.tangential_load[row], share), scene)
+    >>> round(score.friction, 3), round(score.compliance, 7)
     (0.5, 1e-05)
 
     # notation: P normal load, Q tangential load
@@ -392,6 +392,7 @@ def _partial_loops(
                 fit.scene, friction_at_scene_q
             )
         loops += [
+            # _LoopOfScene: name, f at the loads of the rows, U at those of the scene
             _loop_with_rig(
                 loop, fit, _LoopOfScene(name_of_loop, friction, displacement), rig_compliance
             )

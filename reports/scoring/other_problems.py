@@ -766,7 +766,8 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     for problem in PROBLEMS:
         if problem.channel == SHEAR and not is_pressure_right:
             continue
-        # tractions of the problem, those that they must do better than, points, words on both
+        # tractions of the problem, those that they must do better than, the points judged, and
+        # words; None where the result does not have the signature of the problem
         problem_fit = problem.fit(discrepancy)
         if problem_fit is None:
             continue
@@ -774,11 +775,11 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
         # what the scene itself, or the simpler law, leaves on the points of this problem
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
         mean_square_noise = min(residual_after.mean_square_of_noise, residual_after.mean_square)
-        # norm after over norm before, without noise
+        # norm of what the problem leaves over the norm before it, without noise
         share_left = share_of_norm(
             residual_after.mean_square, residual_before.mean_square, mean_square_noise
         )
-        # that noise alone makes this gain, by the F test
+        # probability that noise alone makes this gain, by the F test
         chance = probability_of_gain(
             residual_after.mean_square,
             residual_before.mean_square,

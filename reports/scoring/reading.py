@@ -105,7 +105,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     source = str(path)
     if path.suffix.lower() == ".rpt" and path.is_file() and is_field_report(path):
         return _surface_of_rows(source, mapping, *read_field_report(path, mapping))
-    # names of the columns, and values (n_rows, n_columns)
+    # names of the columns, and values (n_rows, n_columns); TableKind: which headings are expected,
+    # and words for messages
     table = text_table(
         path,
         kind=TableKind(

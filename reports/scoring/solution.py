@@ -80,9 +80,9 @@ def solution_of_surface(
     solution that can be compared with theory. With it come sentences on what was guessed, and on
     signs that look wrong.
 
-    Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left
-    out of the comparison. States and edges are found from its own tractions and slip, and of a
-    whole cycle with slip the work of friction too; notes state it.
+    Nothing is filled in: what the result does not hold is NaN, listed as skipped with a reason, and
+    left out of the comparison. States (open, stick, slip) and edges of contact and stick are found
+    from its tractions and slip, and of a whole cycle with slip the dissipation too.
 
     Parameters
     ----------
@@ -90,14 +90,14 @@ def solution_of_surface(
         stated units, signs and names of columns; `signs.shear` is the body on which the shear is
         positive along +x, None where it is not stated
     theory
-        half-plane theory of the scene's whole path
+        solution of half-plane theory along the scene's whole load path
     sure_of_times
         whether the result's times are known to be those of the load path
 
     Raises
     ------
     InputError
-        For a history that is not the scene's.
+        For loads or times of the result that are not on the scene's load path.
 
     # notation: P normal load, Q tangential load
     """
@@ -193,6 +193,8 @@ def _solution_without_zones(
         settings["read_as"] = [list(pair) for pair in surface.read_as]
     if mapping.element_size:
         settings["element_size"] = mapping.element_size
+    # Work: numbers of instants and points, and what is missing; steady_from: number of the first
+    # steady cycle, not known here
     return ContactSolution(
         engine=surface.code or Path(surface.source).name,
         scene=scene,
@@ -297,6 +299,7 @@ def _solution_with_zones(
         solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
     )
     if not has_shear:
+        # _IN_CONTACT: words on which points are in contact
         method_in_words = (
             f"{_IN_CONTACT}; without a shear nothing says what slips, and what touches is drawn as"
             " sticking"
@@ -328,7 +331,7 @@ def _solution_with_zones(
             )
             changes["permanent_stick_edges"] = read_only_copy(permanent_edges)
     if adds_dissipation:
-        # work of friction at each point, (n,)
+        # work of friction per length at each point, (n,)
         density = friction_work(solution.shear[instants_of_cycle], solution.slip[instants_of_cycle])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
@@ -342,9 +345,9 @@ def _solution_with_zones(
 def reference_by_same_rule(
     reference: ContactSolution, result: ContactSolution, length: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """Find states, edges and dissipation of the reference solution by the rules by which those of
-    an external result were found. Returns the reference with these, and in sentences how far the
-    rules err for it.
+    """Find states (open, stick, slip), edges of contact and stick, and dissipation of the reference
+    solution by the rules by which those of an external result were found. Returns the reference
+    with these, and in sentences how far the rules err for it.
 
     Errors of the rules so drop out of the comparison. The reference stays as it is where the result
     states all of these itself. Its dissipation also stays where its instants are not those of the
@@ -403,8 +406,8 @@ def reference_by_same_rule(
 
 def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
     """Bulk stresses of both bodies and tilt that a scene imposes at the times of a result (k,):
-    name of the field -> (k,). Empty where the scene has none of them by its kind. A tilt that
-    follows from a stated moment is left out: the tractions say nothing of it.
+    name of the field -> (k,). Empty for a symmetric scene, which can have none of them. A tilt that
+    follows from a stated moment is left out: the tractions do not show it.
     """
     # symmetric: no bulk stress, tilt or unequal sides
     if not scene.unsymmetric:
@@ -491,7 +494,8 @@ def _missing_fields(
 
 
 def friction_work(shear: Array, slip: Array) -> Array:
-    """Sum of q ds over the instants by the trapezoidal rule: (k, n), (k, n) -> (n,).
+    """Friction work per length at n points, (n,): sum of q ds over k instants by the trapezoidal
+    rule, from the shear q and the slip s, (k, n) each.
 
     >>> friction_work(np.array([[0.0], [2.0]]), np.array([[0.0], [3.0]])).tolist()
     [3.0]
@@ -551,7 +555,7 @@ def zones_of_tractions(
     state[is_slipping & (slip_direction > 0)] = SLIP_FORWARD
     state[is_slipping & ~(slip_direction > 0)] = SLIP_REVERSE
 
-    # edges at each instant, left and right
+    # edges at each instant k, left and right
     is_sticking = is_touching & ~is_slipping
     margin_to_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
@@ -610,9 +614,11 @@ def _slipping_points(
         movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
         largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            speed = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
+            largest_speed = np.where(
+                largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0
+            )
         # at an instant at which no point moves fast, none slips
-        is_fast_instant = speed >= _LEAST_SHARE_OF_SPEED * np.max(speed)
+        is_fast_instant = largest_speed >= _LEAST_SHARE_OF_SPEED * np.max(largest_speed)
         is_moving = (
             np.abs(movement) > _LEAST_SHARE_OF_MOVEMENT * largest_movement
         ) & is_fast_instant
@@ -676,14 +682,14 @@ def _end_of_zone(
     Parameters
     ----------
     x, squared_traction
-        (n,) points of the surface, and the values at them [stress^2]
+        (n,) places of the points of the surface, and the squared traction there [stress^2]
     points
-        indices of the points in the zone, from left to right
+        indices of those points that lie in the zone, from left to right
     direction
         −1 for the left end, 1 for the right one
     tries_parabola
         whether a parabola through 6 to 12 points is tried too. Its zero counts where it lies within
-        0.4 spacings of that of the line
+        0.4 spacings of points from that of the line
     """
     last_point = int(points[0] if direction < 0 else points[-1])
     next_point = last_point + direction
@@ -734,12 +740,15 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
     The fit is by least squares of relative deviations. None where the parabola does not fall
     outwards, has no zero, or does not fit.
 
-        p^2 = a d^2 + b d + c at depth d, and 0 at d = -2 c/(b + sqrt(b^2 - 4 a c))
+        p^2 = a d^2 + b d + c at depth d, and 0 at d = -2 c/(b + sqrt(b^2 - 4 a c)),
+
+    with coefficients a, b and c of the fit.
 
     Parameters
     ----------
     depth
-        (m,) distance of each point inwards from the outermost one, in any unit: that of the answer
+        (m,) distance of each point inwards from the outermost one, in any unit of length, which
+        the returned distance has too
     squared_pressure
         (m,) p^2 > 0 at these points
 
@@ -1002,8 +1011,9 @@ def _sentences_on_odd_signs(
     surface: SurfaceResult, tangential_load: Array, scene: Scene
 ) -> Iterator[str]:
     """Sentences about signs of a result that look wrong though they are scored as they are:
-    tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
-    the result's instants.
+    tension, shear against Q, slip against the shear. `surface` is the result: tractions and slip
+    (k, n), the slip None where it is not stated. `tangential_load` (k,) is Q of the scene at its k
+    instants.
 
     # notation: Q tangential load
     """

@@ -242,6 +242,7 @@ def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
         if value is None or not math.isfinite(value):
             return None
         values.append(float(value))
+    # Refinement: sizes of the elements, values on these meshes, difference of equal values
     refinement = Refinement(
         tuple(level.size for level in levels), tuple(values), rounding=_RELATIVE_ROUND_OFF
     )
@@ -315,7 +316,7 @@ def result_files(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     files_alone = [path for path in files if path.resolve() not in collected_parts]
 
     readable_files = [path for path in files_alone if path.suffix.lower() in known_suffixes]
-    # of files with one stem the last one counts
+    # of files with one stem the last one counts: that whose suffix comes first among the known ones
     file_by_stem = {
         path.stem: path
         for path in sorted(readable_files, key=lambda p: -known_suffixes.index(p.suffix.lower()))

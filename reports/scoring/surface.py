@@ -257,27 +257,28 @@ def longest_side(points: Array) -> float:
     return float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0
 
 
-def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Rows of those `chosen` nodes of a mesh that lie in the plane z = const with the most of them,
-    ascending in x. `chosen` are rows of `points` (n, 3). With them come the distance from the first
-    to the last plane [length], 0 for a plane model; and a list with a note on several planes.
+def one_plane(points: Array, chosen_rows: Integers) -> tuple[Integers, float, list[str]]:
+    """Rows of those chosen nodes of a mesh that lie in the plane z = const with the most of them,
+    ascending in x. `chosen_rows` are rows of `points` (n, 3), the coordinates of all nodes. With
+    them come the distance from the first to the last plane [length], 0 for a plane model; and a
+    list with a note on several planes.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
     >>> rows.tolist(), depth, notes
     ([1, 0], 1.0, ['the model is 1 thick: the tractions are those of its plane z = 0, one of 2'])
     """
-    z_of_rows = points[chosen, 2]
+    z_of_rows = points[chosen_rows, 2]
     order_of_z = np.argsort(z_of_rows, kind="stable")
     # planes are a millionth of the mesh's longest side apart at least
-    plane_number = np.empty(len(chosen), np.int64)
+    plane_number = np.empty(len(chosen_rows), np.int64)
     plane_number[order_of_z] = np.concatenate(
         [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME_PLACE_SHARE * longest_side(points))]
     )
     # the lowest plane where several hold as many points
     fullest_plane = int(np.argmax(np.bincount(plane_number)))
     is_in_plane = plane_number == fullest_plane
-    rows = chosen[is_in_plane]
+    rows = chosen_rows[is_in_plane]
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
     if not plane_number.any():
         return rows, 0.0, []

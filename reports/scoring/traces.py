@@ -194,9 +194,9 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
         return
 
-    # 1/K by least squares
-    compliance = float(creep @ shear_change / (shear_change @ shear_change))
-    residual_slip = changes.slip - compliance * changes.shear
+    # 1/K by least squares [length/stress]
+    penalty_compliance = float(creep @ shear_change / (shear_change @ shear_change))
+    residual_slip = changes.slip - penalty_compliance * changes.shear
     mean_square_of_creep = float(np.mean(creep**2))
     mean_square_after_fit = float(np.mean(residual_slip[is_sticking] ** 2))
     mean_square_of_noise = 0.0
@@ -218,19 +218,19 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     relative_creep = (
         float(np.sqrt(mean_square_of_creep - mean_square_of_noise)) / changes.largest_slip
     )
-    is_creep = compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
+    is_creep = penalty_compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
     # creep of 0.3 % of the largest slip at least; noise alone gives a ratio of 45 once in 10^11
     if not is_creep or relative_creep < _LEAST_CREEP or ratio_of_variances < _LEAST_F_RATIO:
         return
-    # compliance: A = 2/E*; half_width: a_ref
+    # scales.compliance: A = 2/E*; half_width: a_ref; K is stated over E*/a_ref
     scales = discrepancy.comparison.scales
-    stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
+    relative_stiffness = scales.compliance * scales.half_width / (2 * penalty_compliance)
     evidence = (
         (
             f"{len(creep)} steps of points that stick: the slip moves by {relative_creep:.2g} of"
             f" the largest step, {share_proportional:.0%} of it in proportion to the shear"
         ),
-        f"a tangential stiffness of {stiffness:.2g} E*/a_ref",
+        f"a tangential stiffness of {relative_stiffness:.2g} E*/a_ref",
     )
     # key and sentence of the finding, evidence, strength from 0 to 1
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
@@ -373,7 +373,7 @@ def find_scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         result_cycle = discrepancy.comparison.result_cycle  # at all instants
         # points in contact in the reference
         is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
-        # of |q| over f p, in f p_ref
+        # excess of |q| over the limit f p, in f p_ref
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
         n_beyond_limit = int(np.sum(excess[is_touching] > 0))
         largest_excess = float(np.max(excess[is_touching]))
@@ -471,12 +471,12 @@ def tractions_of_coarse_mesh(
     near an edge, (k, n). There the reference is changed by the difference of the result, as far as
     the spacing can account for it.
 
-    None where nearly all points lie near an edge. An elastic traction leaves the edge of contact as
-    (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its error
-    is of the order of p_ref sqrt(2 h/a) over the element with the edge. A larger difference is not
-    the mesh's. `discrepancy` holds the tractions of result and reference.
+    None where no point, or most points in contact, lie near an edge. An elastic traction falls
+    to 0 at the edge of contact as (1 - x/a)^(1/2), and q leaves the stick edge likewise.
+    Interpolated on elements of length h its error is of the order of p_ref sqrt(2 h/a) over the
+    element with the edge. A larger difference is not the mesh's. `discrepancy` holds the tractions of result and reference.
 
-    # notation: f coefficient of friction, p_ref scale of pressure, q shear
+    # notation: a half-width of contact, f coefficient of friction, p_ref scale of pressure, q shear
     """
     is_near_edge = points_near_edges(discrepancy)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)

@@ -120,9 +120,9 @@ class Predictions:
     tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
     def tractions_of(self, variant: Variant, *, with_shear: bool = True) -> Tractions:
-        """Pressure p and shear q, (2, k, n), at the points and instants of the result, if it had
+        """Pressure p and shear q, (2, k, n), at the n points and k instants of a result, if it had
         the faults of `variant`: a wrong modulus, factors of the file's pressure and shear, p and q
-        swapped, and others. Each variant is solved once.
+        swapped, and others. Each variant is solved by half-plane theory once.
 
         Unless `with_shear` q is the reference's: the pressure alone needs no history of friction,
         and is solved in a tenth of the time.
@@ -130,8 +130,8 @@ class Predictions:
         Raises
         ------
         InputError
-            Where there is no such solution: gross sliding, separation; and where it takes a grid of
-            points, whose seconds are too many for a search.
+            Where theory has no such solution: gross sliding, separation. Also where friction has to
+            be followed at a grid of points, which takes seconds: too long for a search.
         """
         # faults of the file alone are applied below, and need no solve
         solved_variant = replace(
@@ -178,9 +178,10 @@ class Predictions:
         x = (
             self.discrepancy.x - variant.x_offset * self.discrepancy.half_width
         ) / variant.x_stretch
-        # nodal forces over lengths, in place of tractions at the points
+        # nodal forces over element lengths, in place of tractions at the points
         if variant.has_nodal_forces:
-            # points between the nodes, and weights (m, n) that sum them to forces over lengths
+            # m points between the n nodes, and weights (m, n) by which tractions at these points
+            # are summed to nodal forces over lengths
             fine_points, weights = _shape_functions(x)
             tractions = (
                 self._tractions_of_theory(variant, fine_points, with_shear=with_shear) @ weights
@@ -205,12 +206,12 @@ class Predictions:
         (Dundurs' beta).
 
         Factors, swaps and offsets of the file are applied later. InputError where the contact
-        slides or separates, and where theory would take a grid of points.
+        slides or separates, and where friction would have to be followed at a grid of points.
 
         # notation: P normal load, Q tangential load
         """
-        # scene with another modulus, friction or load; times earlier by a delay, or of the first
-        # cycle
+        # scene with another modulus, friction or load; times (k,) earlier by a delay, or of the
+        # first cycle
         discrepancy = self.discrepancy
         scene = self._scene_with_faults(variant)
         time = self._times_with_faults(variant, scene)
@@ -367,10 +368,10 @@ def _tractions_of_scene(
 
 
 def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Loads P and Q of fine steps along the load path, (n, 2), and for each of the times (k,) the
-    number of its step. The steps go up to the end of the second cycle, in which times of a cycle
-    are looked for, since it is steady; along a path that does not repeat, up to the last of the
-    times.
+    """Loads P and Q at the ends of n fine increments along the load path, (n, 2), and for each of
+    the `times` (k,) the number of the increment that ends there. The increments go up to the end of
+    the second cycle, to which times of a cycle are moved, since it is steady; along a path that
+    does not repeat, up to the last of the times.
     """
     path = scene.load.path()
     if path.period is None:
@@ -399,7 +400,7 @@ def _curvatures_of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) 
     #           tangential load
     """
     height = BLOCK_HEIGHT * discrepancy.half_width
-    # A/H^2, A = 2/E*
+    # A/H^2, with A = 2/E* (scales.compliance) and the height H
     curvature_unit = share * discrepancy.comparison.scales.compliance / height**2
     return BodyEffects(
         datum_length=scene.profile.datum_length,
@@ -444,9 +445,9 @@ def _tractions_by_long_steps(
     takes them that meets the Coulomb law at their ends.
 
     While P rises such an increment is that of P first, and then that of Q at the new P; while P
-    falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
-    of the difference from theory at 48 steps a cycle, to 0.9999 at 4. `discrepancy` holds the
-    tractions of result and reference.
+    falls it is a straight line. Finite elements in increments that end on no event follow it to
+    0.983 of the difference from theory at 48 increments a cycle, to 0.9999 at 4. `discrepancy`
+    holds the tractions of result and reference.
 
     # notation: P normal load, Q tangential load
     """
@@ -467,16 +468,16 @@ def _tractions_by_long_steps(
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not takes_ends:
         return _tractions_of_scene(scene, x, times, straight=True)[:, rows_of_instants]
-    # vertices (P, Q) of the steps that the solver takes in effect
+    # vertices (P, Q) of the increments that the solver takes in effect
     polygon = [(0.0, 0.0)]
-    # time of the end of each step on that polygon
+    # time on that polygon at the end of each increment
     polygon_times = []
     least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
     for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
         corner = (normal_load, polygon[-1][1])
-        end_of_step = (normal_load, tangential_load)
+        end_of_increment = (normal_load, tangential_load)
         is_rising = normal_load > polygon[-1][0]
-        for vertex in (corner, end_of_step) if is_rising else (end_of_step,):
+        for vertex in (corner, end_of_increment) if is_rising else (end_of_increment,):
             normal_change = abs(vertex[0] - polygon[-1][0])
             tangential_change = abs(vertex[1] - polygon[-1][1])
             if max(normal_change, tangential_change) > least_change:
@@ -502,8 +503,9 @@ def scene_with_friction(scene: Scene, coefficient: float) -> Scene:
 
 
 def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Changes of the scene's load that are likely faults, name of the fault -> changed entries of
-    the load: bulk stress, or tilt, of the other sign, or left out (None).
+    """Changes of the scene's load that are likely faults of a result: bulk stress, or tilt, of the
+    other sign, or left out. Returns name of the fault ("bulk_sign", "tilt_left_out", ...) ->
+    changed entries of the load; None for an entry that is left out.
     """
     changes_by_fault = {}
     for name, keys in (
@@ -553,6 +555,7 @@ def _with_other_sign(value: Any) -> Any:
             return value.vary(x=-value.x, height=-value.height)
         case tuple():
             return tuple(-number for number in value)
+        # a function of time
         case _ if callable(value):
             return lambda time: -value(time)
     return -value
