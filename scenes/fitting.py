@@ -135,8 +135,6 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     x, h
         (n,) places, ascending, and heights [length]; h grows away from the contact
     request
-        kind of profile, and what the user states: noise, middle, extent, tilt
-    request
         `kind` of profile ("hertz", "flat_rounded", "even_polynomial", "smoothing_spline"), and what
         the user states: noise, middle, extent, tilt
 
@@ -171,13 +169,13 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     # A corner of the profile stands out from its neighbours, but not from the fit: it stays.
     distances_from_fit = np.abs(h[candidate_rows] - profile_fit.height_at(x[candidate_rows]))
     # LEAST_RESIDUAL_OF_SPIKE: 5 standard deviations of the noise
-    spikes = candidate_rows[
+    spike_rows = candidate_rows[
         distances_from_fit > LEAST_RESIDUAL_OF_SPIKE * profile_fit.keys["fitted"]["noise"]
     ]
-    if len(spikes) < len(candidate_rows):
-        profile_fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
-    if len(spikes):
-        profile_fit.keys["fitted"]["spikes"] = tuple((spikes + 1).tolist())
+    if len(spike_rows) < len(candidate_rows):
+        profile_fit = _fit_of_rows(np.delete(x, spike_rows), np.delete(h, spike_rows), request)
+    if len(spike_rows):
+        profile_fit.keys["fitted"]["spikes"] = tuple((spike_rows + 1).tolist())
     return profile_fit.keys
 
 
@@ -508,12 +506,12 @@ def _fit_about(
         tilt_is_fitted=trace.tilt_is_fitted,
     )
 
-    first_half_length = None
+    guessed_half_length = None
     if request.first_guess is not None:
         _, half_length = request.first_guess
-        first_half_length = half_length / length_unit
+        guessed_half_length = half_length / length_unit
     # The dimensionless fit: middle, offset, tilt and weights of the basis functions.
-    fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
+    fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, guessed_half_length)
     # A straight line through the points bends by round-off alone.
     # _LEAST_HEIGHT_RANGE_SHARE, _LONGEST_HALF_LENGTH: 1e-9 and 0.98; `shape_heights` are the fitted
     # heights without offset and tilt
@@ -937,7 +935,7 @@ class _ScaledRows:
         smoothing_weight
             of a smoothing spline; None: that of the least expected error
         flat_half_length
-            first guess of the half-length of a flat; None: the best of a grid
+            first guess of the half-length of a flat; None: the best of 24 trials
         """
         # The middle 0, about which the points were scaled; empty where the middle is not fitted.
         first_middle = np.zeros(int(self.middle_is_fitted))
@@ -953,7 +951,7 @@ class _ScaledRows:
 
     def _first_guess_with_flat(self, first_middle: Array, flat_half_length: float | None) -> Array:
         """First guess of a search for the middle, if it is fitted, and the half-length of a flat:
-        the given half-length, or the best of a grid by the sum of squared residuals.
+        the given half-length, or the best of 24 by the sum of squared residuals.
 
         Middles too are tried where a tilt is fitted, which moves the lowest place. `first_middle`
         is the middle 0 in an array of one, or empty where the middle is not fitted.

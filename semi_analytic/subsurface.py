@@ -258,13 +258,13 @@ def edge_tension(
     contact, snapshot = memory_at(scene, times)
     instants_in_contact = np.flatnonzero(snapshot.load > 0)
     signs = sign_of_body * [1.0, -1.0]  # (bodies, edges)
-    for first_number in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
-        numbers = instants_in_contact[first_number : first_number + _CURVES_AT_ONCE]
-        load = snapshot.load[numbers]
+    for first_index in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
+        instant_numbers = instants_in_contact[first_index : first_index + _CURVES_AT_ONCE]
+        load = snapshot.load[instant_numbers]
         half_width = np.atleast_1d(contact.half_width(load))
-        tensions = _edge_tensions_of_curves(contact, snapshot, numbers, half_width)
-        values[numbers] = signs * tensions[:, None, None]
-        uncertainties[numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
+        tensions = _edge_tensions_of_curves(contact, snapshot, instant_numbers, half_width)
+        values[instant_numbers] = signs * tensions[:, None, None]
+        uncertainties[instant_numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
     return values, uncertainties
 
 
@@ -448,18 +448,18 @@ def _places_for_tractions(edges: Array) -> Array:
     `edges` (n, 2) are left and right edge of each contact, in the order of their lengths.
     """
     # The shortest, the longest and two between; 601 places across each.
-    numbers = np.unique(
+    contact_numbers = np.unique(
         np.linspace(0, len(edges) - 1, _MOST_CONTACTS_WITH_PLACES).round().astype(int)
     )
-    chosen_edges = edges[numbers]
+    chosen_edges = edges[contact_numbers]
     cosines = np.cos(np.linspace(0, math.pi, _PLACE_COUNT_ACROSS_CONTACT))
-    nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
+    places_across = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
     # Distances from each edge: 1e-7 to 2.5e-2 of the contact's length.
     inwards = np.array([[1.0], [-1.0]])
     places_at_edges = (
         edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _WIDTH_SHARES_FROM_EDGE
     )
-    return np.unique(np.concatenate([nodes.ravel(), places_at_edges.ravel()]))
+    return np.unique(np.concatenate([places_across.ravel(), places_at_edges.ravel()]))
 
 
 def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
@@ -491,17 +491,17 @@ def _shears_on_coarse_grids(
     path_loads
         P, Q, bulk strain and tilt of that scene over time
     profile
-        its gap, as a contact under load and tilt
+        its gap, as a contact under load and tilt; `height` is the gap between the unloaded faces
     """
     coarse_shears: list[Array | None] = [None] * len(answers)
     # Instants of the same solution are solved together.
     numbers_by_answer: dict[int, list[int]] = {}
-    for number, (answer, _) in enumerate(answers):
+    for answer_number, (answer, _) in enumerate(answers):
         if "grids" in answer.work.counts:
-            numbers_by_answer.setdefault(id(answer), []).append(number)
-    for numbers in numbers_by_answer.values():
-        answer = answers[numbers[0]][0]
-        rows = [answers[number][1] for number in numbers]
+            numbers_by_answer.setdefault(id(answer), []).append(answer_number)
+    for answer_numbers in numbers_by_answer.values():
+        answer = answers[answer_numbers[0]][0]
+        rows = [answers[answer_number][1] for answer_number in answer_numbers]
         scene = answer.scene
         # Half of the usual 160 cells across the contact, and of 320 increments a cycle.
         coarse_path = follow_on_grid(
@@ -517,8 +517,8 @@ def _shears_on_coarse_grids(
                 increments=INCREMENTS_PER_CYCLE // 2,
             ),
         )
-        for number, shear in zip(numbers, coarse_path.shear, strict=True):
-            coarse_shears[number] = shear
+        for answer_number, shear in zip(answer_numbers, coarse_path.shear, strict=True):
+            coarse_shears[answer_number] = shear
     return coarse_shears
 
 
