@@ -80,7 +80,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     """
     scene = task.scene
     scales = task.scales
-    states = [run.states[index] for index in run.stored_indices]  # n_stored of them
+    contact_states = [run.states[index] for index in run.stored_indices]  # n_stored of them
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
 
@@ -93,26 +93,29 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     )
 
     # Edges of contact and stick, and ends of the permanent stick zone. `surface_states` (n_steps,
-    # n): open, stick or slip at all instants, stored or not. `held_back` (2,): what was added to
-    # the ends, as growing elements hold edges back.
+    # n): open, stick or slip of the nodes at all instants, stored or not. `held_back` (2,): what
+    # was added to the ends, as growing elements hold edges back.
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
+    loads = (
+        np.array([(state.normal_load, state.tangential_load) for state in contact_states])
+        * scales.load
+    )
     x = problem.interface.x * scales.half_width
     edges, permanent_stick, held_back = _edges_put_right(
         task, _edges_of_run(scene, problem, run, surface_states), x, loads[:, 0]
     )
 
     # `shifts`: relative tangential displacement U of the bodies
-    shifts = np.array([state.shift for state in states])
-    approaches = np.array([state.approach for state in states])
+    shifts = np.array([state.shift for state in contact_states])
+    approaches = np.array([state.approach for state in contact_states])
     arrays = {
-        "time": read_only_copy([state.time for state in states]),
+        "time": read_only_copy([state.time for state in contact_states]),
         "normal_load": read_only_copy(loads[:, 0]),
         "tangential_load": read_only_copy(loads[:, 1]),
         "tangential_displacement": read_only_copy(shifts * displacement_unit),
         "normal_approach": read_only_copy(approaches * displacement_unit),
         "x": read_only_copy(x),
-        **_nodal_arrays(problem, states, scales),
+        **_nodal_arrays(problem, contact_states, scales),
         "state": read_only_copy(surface_states[run.stored_indices], np.int8),
         **{name: read_only_copy(values) for name, values in edges.items()},
         "contact_half_width": read_only_copy(np.diff(edges["contact_edges"])[:, 0] / 2),
@@ -130,11 +133,14 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     # without bulk stress, tilt and unsymmetric profile
     if not scene.unsymmetric:
         return arrays
-    return arrays | _arrays_of_stress_and_tilt(problem, states, scales)
+    return arrays | _arrays_of_stress_and_tilt(problem, contact_states, scales)
 
 
 def _edges_put_right(
-    task: Task, scaled: tuple[dict[str, Array], Edges], x: Array, normal_load: Array
+    task: Task,
+    edges_and_permanent_stick: tuple[dict[str, Array], Edges],
+    x: Array,
+    normal_load: Array,
 ) -> tuple[dict[str, Array], Edges, Array]:
     """Edges of contact and stick and of the permanent stick zone, put right where growing elements
     hold them back, in the scene's units.
@@ -147,7 +153,7 @@ def _edges_put_right(
     task
         its scene, mesh settings, and scales, of which the half-width is the unit of length;
         `spacing` is the distance of the nodes at the edges [length]
-    scaled
+    edges_and_permanent_stick
         edges of contact and stick at k instants by name, with their uncertainty, and ends of the
         permanent stick zone, both over the half-width
     x
@@ -164,11 +170,11 @@ def _edges_put_right(
     held_back
         (2,) what was added to these ends [length]
     """
-    # In the scene's units. `contact`: half-width of contact by the normal load.
-    scaled_edges, scaled_permanent_stick = scaled
+    # In the scene's units. `half_width_by_load`: half-width of contact by the normal load.
+    scaled_edges, scaled_permanent_stick = edges_and_permanent_stick
     half_width = task.scales.half_width
     edges = {name: values * half_width for name, values in scaled_edges.items()}
-    contact = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
+    half_width_by_load = ContactsOfLoads(np.diff(edges["contact_edges"])[:, 0] / 2, normal_load)
     growth = task.mesh.growth
     is_thick = _is_thick(task)
 
@@ -182,8 +188,8 @@ def _edges_put_right(
     for edge_name in ("contact_edge", "stick_edge"):
         places = edges[f"{edge_name}s"]
         spacing = spacing_at(places)
-        held_back = held_back_by_growth(places, contact, growth, spacing)
-        correction = np.where(is_pressed, held_back, 0.0)
+        distance_held_back = held_back_by_growth(places, half_width_by_load, growth, spacing)
+        correction = np.where(is_pressed, distance_held_back, 0.0)
         edges[f"{edge_name}s"] = places + correction
         edges[f"{edge_name}_uncertainty"] = (
             edges[f"{edge_name}_uncertainty"]
@@ -193,7 +199,7 @@ def _edges_put_right(
 
     # Likewise the ends of the permanent stick zone.
     ends = scaled_permanent_stick.places * half_width
-    correction_of_ends = held_back_by_growth(ends, contact, growth, spacing_at(ends))
+    correction_of_ends = held_back_by_growth(ends, half_width_by_load, growth, spacing_at(ends))
     permanent_stick = Edges(
         places=ends + correction_of_ends,
         uncertainty=scaled_permanent_stick.uncertainty * half_width,
@@ -216,8 +222,8 @@ def _edges_of_run(
     """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
 
     The permanent stick zone sticks all through the last cycle. Between like bodies without bulk
-    stress and tilt, the loads at the turning points of slip place its ends. These then bound the
-    stick edges of the last cycle.
+    stress and tilt, the loads at the turning points of slip place its ends. No stick edge of the
+    last cycle then lies inside these ends.
 
     Parameters
     ----------
@@ -270,8 +276,8 @@ def _edges_of_run(
         zone = permanent_stick_zone(run)
         confined_ends = zone.confine(permanent_edges)
         if scene.bodies.half_planes:
-            # of half-planes the places by loads are nearer; of thin layers those by slip are, up
-            # to 40 times
+            # of half-planes the places by loads are more accurate; of thin layers those by slip,
+            # up to 40 times
             is_by_slip &= confined_ends != zone.places_by_load
         permanent_edges = np.where(is_by_slip, ends.places, confined_ends)
         permanent_uncertainty = np.where(
@@ -460,7 +466,7 @@ def _edges_at_instants(
     )
     # as the law of friction left them
     states_by_law = np.stack([state.node_states for state in states])
-    answer = NodalAnswer(
+    fields_of_nodes = NodalAnswer(
         x=problem.interface.x,
         pressure=normal_force / face_lengths,
         shear=tangential_force / face_lengths,
@@ -473,20 +479,20 @@ def _edges_at_instants(
     )
 
     # Places of both edges, and the uncertainty of each, (n_steps, 2).
-    contact = contact_with_uncertainty(answer, contact_by_load)
+    contact = contact_with_uncertainty(fields_of_nodes, contact_by_load)
     stick = stick_with_uncertainty(
-        answer, problem.friction, contact, has_no_slip_zone, stick_by_load
+        fields_of_nodes, problem.friction, contact, has_no_slip_zone, stick_by_load
     )
 
     # Instants without normal load.
-    for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
-        closed_nodes = answer.x[answer.is_closed[row]]
+    for instant in np.flatnonzero([not state.normal_load > 0 for state in states]):
+        closed_nodes = fields_of_nodes.x[fields_of_nodes.is_closed[instant]]
         outermost_nodes = (
             (closed_nodes.min(), closed_nodes.max()) if len(closed_nodes) else (0.0, 0.0)
         )
         for edges in (contact, stick):
-            edges.places[row] = outermost_nodes
-            edges.uncertainty[row] = 0.0
+            edges.places[instant] = outermost_nodes
+            edges.uncertainty[instant] = 0.0
     return {
         "contact_edges": contact.places,
         "stick_edges": stick.places,
@@ -538,8 +544,8 @@ def _permanent_stick(
     no_edges = np.full(2, np.nan)
     no_ends = Edges(no_edges, no_edges)
     time = np.array([state.time for state in run.states])
-    load = np.array([state.normal_load for state in run.states])
-    is_in_cycle = is_loaded_in_last_cycle(scene, time, load)
+    normal_load = np.array([state.normal_load for state in run.states])
+    is_in_cycle = is_loaded_in_last_cycle(scene, time, normal_load)
     if not is_in_cycle.any():  # no cycle, or the very first increment failed
         return no_ends
 
@@ -580,7 +586,7 @@ def _permanent_stick(
 
 
 def _with_creeping_ends(
-    x: Array, ends_by_slip: Edges, creeping_edges: Array, common_zone: Array
+    x: Array, slip_ends: Edges, creeping_edges: Array, common_zone: Array
 ) -> Edges:
     """Ends (2,) of the permanent stick zone by slip. Where slip does not place one, and the nodes
     creep far beyond the intersection of all stick zones, it is half-way between the last node that
@@ -590,7 +596,7 @@ def _with_creeping_ends(
     ----------
     x
         (n,) nodes in ascending order
-    ends_by_slip
+    slip_ends
         ends that slip places, NaN of others
     creeping_edges, common_zone
         (2,) ends of the zone that creeps, and of the intersection of all stick zones
@@ -604,12 +610,10 @@ def _with_creeping_ends(
     spacing = x[node_after] - x[node_after - 1]
     creep_beyond_zone = (creeping_edges - common_zone) * [-1.0, 1.0]
     # Far is more than two distances of nodes.
-    is_by_creep = np.isnan(ends_by_slip.uncertainty) & (
-        creep_beyond_zone > _NODES_OF_CREEP * spacing
-    )
+    is_by_creep = np.isnan(slip_ends.uncertainty) & (creep_beyond_zone > _NODES_OF_CREEP * spacing)
     return Edges(
-        np.where(is_by_creep, creeping_edges, ends_by_slip.places),
-        np.where(is_by_creep, spacing, ends_by_slip.uncertainty),
+        np.where(is_by_creep, creeping_edges, slip_ends.places),
+        np.where(is_by_creep, spacing, slip_ends.uncertainty),
     )
 
 
@@ -623,7 +627,7 @@ def permanent_stick_zone(run: PathRun) -> StickZone:
 
 
 def _hold_permanent_stick(
-    edges: dict[str, Array], permanent: Edges, zone: StickZone, time: Array, in_cycle: Mask
+    edges: dict[str, Array], permanent_edges: Edges, zone: StickZone, time: Array, is_in_cycle: Mask
 ) -> None:
     """Make the stick edges (k, 2) of the last cycle agree with the permanent stick zone, in place.
 
@@ -637,27 +641,27 @@ def _hold_permanent_stick(
     ----------
     edges
         name -> edges of contact and stick, and their uncertainty, (k, 2) each; scaled
-    permanent
+    permanent_edges
         ends (2,) of the permanent stick zone (`places`), and their uncertainty
     zone
         the permanent stick zone by its nodes and by the loads: `places_by_load` (2,), NaN where no
         load places an end; `turn_times`, instants at which slip turns at the left and right end
-    time, in_cycle
+    time, is_in_cycle
         (k,) instants, and whether they are in the last cycle
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
-    is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent.uncertainty)
+    is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
     # left edges, of which the outermost is the smallest x, then right ones
     for column, outermost_of in enumerate((np.fmin, np.fmax)):
         if is_placed[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
-            is_turn = in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
-            stick_edges[is_turn, column] = permanent.places[column]
-            uncertainty[is_turn, column] = permanent.uncertainty[column]
-        has_stick_zone = in_cycle & np.isfinite(stick_edges[:, column])
+            is_turn = is_in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
+            stick_edges[is_turn, column] = permanent_edges.places[column]
+            uncertainty[is_turn, column] = permanent_edges.uncertainty[column]
+        has_stick_zone = is_in_cycle & np.isfinite(stick_edges[:, column])
         stick_edges[has_stick_zone, column] = outermost_of(
-            stick_edges[has_stick_zone, column], permanent.places[column]
+            stick_edges[has_stick_zone, column], permanent_edges.places[column]
         )
 
 
@@ -875,8 +879,8 @@ def penalty_audit(
 def record_of(
     run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()
 ) -> Record:
-    """Record of a run for the reader of its solution: whether it converged and how it ended. At
-    each stored instant it has iterations, energies [energy / thickness] and admissibility checks.
+    """Record of a run for the reader of its solution: whether it converged and how it ended, and at
+    each stored instant the iterations, energies [energy / thickness] and admissibility checks.
 
     The checks are scaled violations of the conditions of contact and of the energy balance. Several
     increments may lie between two stored instants. Their energies and iterations are summed, of
@@ -886,7 +890,8 @@ def record_of(
     ----------
     run
         what the increments along the load path report, scaled: works and checks by name, (n_steps,)
-        each; iterations; indices of the states that are stored
+        each; iterations; indices of the states that are stored; `failure`, the error that stopped
+        it, or None
     scales
         load P and modulus E*, with which works are P^2/E*
     audit
@@ -915,10 +920,12 @@ def record_of(
 
     # Checks: everything else that the increments report. "loop_work" and "kink_work" are works too,
     # but for other uses: of Q dU, and of kinks in an increment.
-    column_names = list(run.increment_records[0]) if run.increment_records else []
+    reported_names = list(run.increment_records[0]) if run.increment_records else []
     names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
     checks = {
-        name: run.values_of_increments(name) for name in column_names if name not in names_of_works
+        name: run.values_of_increments(name)
+        for name in reported_names
+        if name not in names_of_works
     }
     # Energy balance: external work = elastic energy + work at the interface.
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])

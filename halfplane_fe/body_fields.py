@@ -219,7 +219,7 @@ def _fields_of_bodies(
     tractions_at_steps = [
         tractions_with_uncertainty(_nodal_tractions(solution, step)).tractions for step in steps
     ]
-    bodies = []
+    fields_of_bodies = []
     # _BODY_NAMES: "lower", "upper"
     for body_number, name in enumerate(_BODY_NAMES):
         displacement, stress = _displacement_and_stress(
@@ -248,8 +248,8 @@ def _fields_of_bodies(
                     edge_tension_uncertainty=tension_uncertainty[k, body_number],
                 )
             )
-        bodies.append(fields_of_steps)
-    return bodies
+        fields_of_bodies.append(fields_of_steps)
+    return fields_of_bodies
 
 
 def _sign_of_y(body_number: int) -> float:
@@ -994,9 +994,9 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     # _ROUND_OFF: relative difference by round-off, 1e-9
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
     largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
-    candidate, body_number, edge_number = (int(index) for index in largest_index)
+    candidate_number, body_number, edge_number = (int(index) for index in largest_index)
     fit_uncertainty = tractions_with_uncertainty(
-        nodal_tractions_at_steps[candidate]
+        nodal_tractions_at_steps[candidate_number]
     ).tension_uncertainty  # (2,) by edge
 
     # Uncertainty by slip that no node shows yet: at most by how far the largest value exceeds that
@@ -1010,19 +1010,19 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         ]
     )
     values_without_unseen_slip = np.where(change_by_unseen_slip[:, None, :] > 0, -math.inf, values)
-    largest_tension = float(values[candidate, body_number, edge_number])
+    largest_tension = float(values[candidate_number, body_number, edge_number])
     tension_before_reversal = max(float(values_without_unseen_slip.max()), 0.0)
     uncertainty_by_unseen_slip = min(
-        float(change_by_unseen_slip[candidate, edge_number]),
+        float(change_by_unseen_slip[candidate_number, edge_number]),
         largest_tension - tension_before_reversal,
     )
-    edges = tractions_at_steps[candidate].edges  # left and right edge of contact
+    edges = tractions_at_steps[candidate_number].edges  # left and right edge of contact
     # _BODY_NAMES: "lower", "upper"
     return LargestTension(
         value=largest_tension,
         uncertainty=float(fit_uncertainty[edge_number] + added_uncertainty[body_number])
         + uncertainty_by_unseen_slip,
-        time=float(solution.time[steps[candidate]]),
+        time=float(solution.time[steps[candidate_number]]),
         body=_BODY_NAMES[body_number],
         x=edges[edge_number],
         edges=edges,
@@ -1083,15 +1083,15 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     Between half-planes without bulk stress the estimate is exact, and one candidate is enough;
     else there are forty.
     """
-    # Tension by nodal tractions at each step of the cycle with three nodes in contact.
-    cycle = [int(step) for step in solution.last_cycle]
-    nodal_tractions = {step: _nodal_tractions(solution, step) for step in cycle}
+    # Tension by nodal tractions at each step of the last cycle with three nodes in contact.
+    steps_of_cycle = [int(step) for step in solution.last_cycle]
+    nodal_tractions = {step: _nodal_tractions(solution, step) for step in steps_of_cycle}
     nodal_tension = {
         step: edge_tension_by_nodal_shear(tractions_of_step)
         for step, tractions_of_step in nodal_tractions.items()
         if len(tractions_of_step.x) >= FEWEST_NODES
     }
-    has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
+    has_bulk_stress = any(_bulk_stress(solution, steps_of_cycle, body).any() for body in (0, 1))
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
     n_candidates = 1 if is_exact else _N_CANDIDATE_STEPS
     if len(nodal_tension) <= n_candidates:
@@ -1123,7 +1123,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     # Instants that are alike but for round-off are all candidates, or none.
     # _ROUND_OFF: relative difference by round-off, 1e-9
     least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
-    return [step for step in cycle if estimates.get(step, -math.inf) >= least_estimate]
+    return [step for step in steps_of_cycle if estimates.get(step, -math.inf) >= least_estimate]
 
 
 def _interpolated_added_tension(
@@ -1216,7 +1216,7 @@ def profile_kinks(scene: Scene) -> Array:
     Curvatures on either side are second differences of the height h with a spacing of a thousandth
     of the place. Each kink at x > 0 has its mirror image at -x.
     """
-    kinks = []
+    places_and_jumps = []
     for place in scene.profile.kinks:  # x > 0 of each jump of the curvature
         spacing = _STEP_AT_KINK * place
         height_far_left, height_left, height_middle, height_right, height_far_right = (
@@ -1225,9 +1225,9 @@ def profile_kinks(scene: Scene) -> Array:
         second_difference_left = height_far_left - 2 * height_left + height_middle
         second_difference_right = height_middle - 2 * height_right + height_far_right
         curvature_jump = (second_difference_right - second_difference_left) / spacing**2
-        kinks += [(place, curvature_jump), (-place, -curvature_jump)]
+        places_and_jumps += [(place, curvature_jump), (-place, -curvature_jump)]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    return np.array(kinks).reshape(-1, 2) * [1.0, modulus]
+    return np.array(places_and_jumps).reshape(-1, 2) * [1.0, modulus]
 
 
 @dataclass(frozen=True, eq=False)
@@ -1487,8 +1487,8 @@ def _distance_to_support(shape: Shape) -> float:
 
 
 def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
-    """Node numbers of elements, (n_elements, nodes of one), with those that run clockwise reversed:
-    readers of VTU files would give them negative areas.
+    """Node numbers of elements, (n_elements, nodes of an element), with those that run clockwise
+    reversed: readers of VTU files would give them negative areas.
 
     `points` are (n, 2) places of the nodes. `cells` are the node numbers of each element: corners,
     then mid-side nodes, then the middle.
@@ -1539,7 +1539,7 @@ def _nodal_stress(
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
 
-    # Extrapolated to the nodes of each element, (4, n_elements, nodes of one).
+    # Extrapolated to the nodes of each element, (4, n_elements, nodes of an element).
     stress_at_element_nodes = (
         np.stack((s_xx, s_yy, s_xy, s_zz))
         @ _matrix_of_extrapolation_to_nodes(basis, condensed_body.order).T

@@ -414,10 +414,10 @@ class ContactProblem:
         """Equilibrium of the contact under new loads, one increment after a known state: every node
         is open, sticks, or slips by Coulomb's law.
 
-        By default methods are tried in turn: active set (semismooth Newton) from the expected
-        states of the nodes, then from those before the increment, then pressure and shear
-        alternately. Where `method` is the penalty or the augmented Lagrangian, the return mapping
-        alone is tried.
+        By default three methods are tried one after the other: active set (semismooth Newton) from
+        the expected states of the nodes, the same from those before the increment, then pressure
+        and shear by turns. Where `method` is the penalty or the augmented Lagrangian, the return
+        mapping (trial tractions are mapped back into the Coulomb limit) alone is tried.
 
         Parameters
         ----------
@@ -620,8 +620,8 @@ class ContactProblem:
         """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads at fixed node states,
         stored in the cache of rates.
 
-        The values v are approach, shift and tilt, then slip, p, q and gap of the n nodes. With M
-        given, derivatives at constant tilt t become those at constant M:
+        The values v are approach, shift and tilt, then slip, p, q and gap of the n nodes. With the
+        moment M given, derivatives at constant tilt t become those at constant M:
 
             dv/dF - dv/dt (dM/dF) / (dM/dt)   of the loads F = P, Q, bulk stresses
             dv/dt / (dM/dt)                   of the moment
@@ -764,7 +764,7 @@ class ContactProblem:
         """
         self.work_counts["alternating solves"] += 1
         systems = self._systems  # linear systems of the contact, with its compliances
-        normals_x = self.interface.face_normals[0]
+        normals_x = self.interface.face_normals[0]  # (n,) x of the unit normal at each node
         coupling = self.interface.coupling  # (n, n) slip by nodal normal forces
         if coupling is None:
             coupling = np.zeros_like(self.interface.normal_compliance)

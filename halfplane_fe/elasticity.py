@@ -135,10 +135,10 @@ def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
     """Degrees of freedom (2, n) along x and y of a named boundary, by ascending x, then y."""
     facets = mesh.boundaries[name]
-    of_facets = [mesh.facets[:, facets].ravel()]
+    nodes_of_facets = [mesh.facets[:, facets].ravel()]
     if order == 2:
-        of_facets.append(mesh.nvertices + facets)
-    nodes = np.unique(np.concatenate(of_facets))
+        nodes_of_facets.append(mesh.nvertices + facets)
+    nodes = np.unique(np.concatenate(nodes_of_facets))
     nodes = nodes[np.lexsort((mesh.p[1, nodes], mesh.p[0, nodes]))].astype(np.int64)
     return np.stack([2 * nodes, 2 * nodes + 1])
 
@@ -198,9 +198,9 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         if support == "rollers" and "guided" not in supports.values():
             # Nothing else keeps the body from drifting along x. This support carries nothing: there
             # is no tangential load, or the ends hold it.
-            dofs_along_x = boundary_dofs[name][0]
-            middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
-            held_dofs.append(dofs_along_x[[middle]])
+            dofs_along_x = boundary_dofs[name][0]  # number 2 k of node k
+            number_of_middle = np.argmin(np.abs(mesh.p[0, dofs_along_x // 2]))
+            held_dofs.append(dofs_along_x[[number_of_middle]])
 
     # The tension on the ends is added last, since its forces need the system.
     system = System(
@@ -263,9 +263,10 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     With the pressure the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
     quasi-definite. `elements` are the numbers of the elements.
 
-    # notation: phi_i shape functions; a, b, c directions x, y; lambda, G Lame's constants, lambda_1
-    # the part of lambda that enters through r; B divergence, M mass matrix of r; in subscripts of
-    # einsum e elements, i and j nodes, c directions
+    # notation: phi_i shape functions; a, b, c directions x, y; lambda (`lam`) the part of Lame's
+    # first constant that acts through u, lambda_1 the part that acts through r; G shear modulus;
+    # B divergence, M mass matrix of r; in subscripts of einsum e elements, i and j nodes, c
+    # directions
     """
     lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
@@ -628,12 +629,14 @@ class _Elimination(NamedTuple):
         eliminated ones, which come first, by sparse factors.
         """
         n_inner = self.n_inner
-        remaining = slice(n_inner, None)
+        remaining_dofs = slice(n_inner, None)
         # Of the degrees of freedom that remain this gives the load that is left to them.
         displacements = self.factors.solve(loads)
-        displacements[remaining] = cho_solve((self.schur_cholesky, True), displacements[remaining])
+        displacements[remaining_dofs] = cho_solve(
+            (self.schur_cholesky, True), displacements[remaining_dofs]
+        )
         displacements[:n_inner] -= self.factors.solve(
-            self.stiffness[:, remaining] @ displacements[remaining]
+            self.stiffness[:, remaining_dofs] @ displacements[remaining_dofs]
         )[:n_inner]
         return displacements
 
@@ -987,7 +990,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     # Finite-element system, far-field loads on the arc of a half-disc, and stiffness: twice that of
     # the right half where symmetric and antisymmetric displacements are condensed by themselves.
     system = assemble(body, material)
-    arc = arc_loads(system, datum_length)
+    loads_on_arc = arc_loads(system, datum_length)
     elements, subspaces = _symmetry_subspaces(system)
     stiffness = len(subspaces) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)  # of the degrees of freedom, for sparse factors
@@ -1002,7 +1005,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     try:
         for subspace in subspaces:
             motions, subspace_compliance, subspace_response, subspace_error = _condensed_subspace(
-                system, subspace, stiffness, ranks, arc
+                system, subspace, stiffness, ranks, loads_on_arc
             )
             skew_part = float(
                 (subspace_compliance - subspace_compliance.T).max()

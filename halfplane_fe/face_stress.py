@@ -521,7 +521,7 @@ class TractionsAndUncertainty(NamedTuple):
     tension_uncertainty
         (2,) uncertainty of the tension s_xx at the left and right edge, by the fit [stress]
     tension_change_by_unseen_slip
-        (2,) change of this tension by a slip zone just after a load has turned, so narrow that no
+        (2,) change of this tension by a slip zone just after a load has reversed, so narrow that no
         node lies in it [stress]
     """
 
@@ -626,13 +626,13 @@ def tension_change_by_unseen_slip(
     nodal_tractions: NodalTractions, smooth_tractions: Tractions
 ) -> Array:
     """Change of the tension s_xx at both edges, (2,) [stress], by a slip zone so narrow that no
-    node lies in it, as there is one just after a load has turned.
+    node lies in it, as there is one just after a load has reversed.
 
     Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
     pressure at the first node inside the three distorted outermost ones. A share of 0.7 of this
     counts. Zero where P grows in full stick, in full slip, and where nodes slip on both sides:
-    unless the outermost node of a side has shear of the other sign than its slip zone, which slip
-    that has just turned may have brought.
+    unless the outermost node of a side has shear of the other sign than its slip zone, which may be
+    new slip in that direction.
 
     # notation: f coefficient of friction, d distance from the edge, K constant of the pressure
     # there, w width of the zone of the distorted nodes
@@ -872,7 +872,8 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
         # Relative residuals are fitted; scaled powers keep the matrix well-conditioned.
         largest_powers = distance[-1] ** exponents
         polynomial = (distance[:, None] ** exponents / largest_powers).T / squared_p
-        # The mesh error of p^2 alternates between corners and mid-side nodes, and dies out.
+        # The mesh error of p^2 alternates between corner nodes and mid-side nodes of the elements,
+        # and dies out.
         mesh_error = (-1.0) ** node_number / (node_number + 4)
         matrix = np.stack([*polynomial, mesh_error], axis=1) * squared_p[-1]
         scaled_coefficients = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
@@ -1100,7 +1101,8 @@ def fitted_size_effect(
     x, y, weights
         (n,) nodes, y <= 0 counted from the face, and the area that each stands for
     stress
-        (n, 3, cases) stress of the elements minus that of the half-plane: s_xx, s_yy, s_xy
+        (n, 3, m) stress of the elements minus that of the half-plane in m load cases: s_xx, s_yy,
+        s_xy
     length
         unit of the potential's argument, and the distance up to which the fit holds [length]
     half_width
@@ -1114,7 +1116,7 @@ def fitted_size_effect(
     right_side = (stress * root_of_weights).reshape(3 * len(x), -1)
     coefficients, _, rank, _ = np.linalg.lstsq(matrix, right_side, rcond=1e-10)
 
-    # Standard error of s_xx at both edges, by the residual and the covariance; the larger counts.
+    # Standard error (m,) of s_xx at both edges, by the residual and the covariance; the larger one.
     residual = right_side - matrix @ coefficients
     standard_deviation = np.sqrt(np.sum(residual**2, axis=0) / max(len(matrix) - rank, 1))
     basis_at_edges = size_effect_basis(np.array([half_width + 0j, -half_width + 0j]), length)[:, 0]

@@ -127,7 +127,8 @@ def trend(values: Sequence[float]) -> Trend:
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear_trend
 
-    # The ratio of a geometric series stays; that of an algebraic one rises towards 1.
+    # The ratio of a geometric series stays; that of an algebraic one rises towards 1. At half of
+    # the rise 2/[k (k - 2)] of m = 1, by the constant 1, the series counts as algebraic.
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         change_to_limit = last_difference * ratio / (1 - ratio)
         return Trend("geometric", change_to_limit, values[-1] + change_to_limit)
@@ -188,23 +189,25 @@ class _Thinning:
     stride_of_ends: int = 1
 
     def keeps_state(self, index: int) -> bool:
-        """Whether the state of this index keeps pressure, shear and gap of its nodes: every
-        `stride`-th state does, and of states at ends of stretches every `stride_of_ends`-th, by
-        their number in `end_number_of_state`.
+        """Whether the state of this index keeps pressure, shear and gap of its nodes, on a long
+        load path: every `stride`-th state does. Of states at ends of stretches (parts of the path
+        between turning points) every `stride_of_ends`-th does, by their number in
+        `end_number_of_state`.
         """
         if index in self.end_number_of_state:
             return self.end_number_of_state[index] % self.stride_of_ends == 0
         return index % self.stride == 0
 
     def can_double_a_stride(self, n_states: int) -> bool:
-        """Whether a stride can be doubled, so that fewer states keep their forces: whether states
-        beside the first one of `n_states` keep them by one of the strides.
+        """Whether fewer states can keep their nodal forces, by doubling one of the two strides:
+        every so many-th state keeps them. A stride of `n_states` and more leaves the first alone.
         """
         return max(self.stride, self.stride_of_ends) < n_states
 
     def double_a_stride(self) -> None:
-        """Keep forces of half as many states: of those at ends of stretches, or of those between
-        ends. At most three quarters of the states that keep them are ends.
+        """Let half as many states keep their nodal forces: of those at ends of stretches (parts of
+        the load path between turning points), or of those between. At most three quarters of the
+        states that keep them are at ends.
         """
         if 4 * len(self.end_number_of_state) > 3 * MOST_COMPLETE_STATES * self.stride_of_ends:
             self.stride_of_ends *= 2
@@ -412,8 +415,8 @@ class PathRun:
         friction work of each node in the revolution, `iterations` has an entry for each increment.
         """
         nodal_work = self.nodal_work
-        work = float(nodal_work.sum())
-        factor = 1 - edge_excess.value / work if work > 0 else 1.0
+        friction_work = float(nodal_work.sum())
+        factor = 1 - edge_excess.value / friction_work if friction_work > 0 else 1.0
 
         # Records from the last one back to the start of the revolution.
         first_increment_of_cycle = self.cycle_starts[-1]
@@ -545,7 +548,7 @@ def run_path(
     progress: Progress,
     *,
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
-    keep_all: bool = False,
+    keep_all_states: bool = False,
 ) -> PathRun:
     """Solve a load path increment by increment: initial loading, then at most `cycles`
     revolutions, until one repeats the one before. Returns states and friction work; all scaled.
@@ -565,11 +568,11 @@ def run_path(
     cycles
         largest number of revolutions
     progress
-        called with (done, total, text) as work goes on
+        called with (number of parts of the path done, number of all, text) as work goes on
     uncertainty
         function from the run to the uncertainty of W by mesh and steps, scaled; NaN where it is
         unknown: then 5e-4 of W
-    keep_all
+    keep_all_states
         whether all states of a long path stay complete, instead of some losing pressure, shear and
         gap of their nodes to save memory
 
@@ -585,10 +588,12 @@ def run_path(
         is_straight(segment) for segment in (*path.initial_loading, *path.cycle)
     )
     run = PathRun(
-        [_initial_state(problem, path, pace)], may_thin=has_straight_segments and not keep_all
+        [_initial_state(problem, path, pace)],
+        may_thin=has_straight_segments and not keep_all_states,
     )
 
-    # The follower solves segments of the path and appends their increments to the run.
+    # The follower solves segments of the path and appends their increments to the run. The initial
+    # loading has an eighth of the increments of a revolution.
     follower = _Follower(problem, run, pace, progress)
     try:
         follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")

@@ -262,6 +262,7 @@ def _load_of_approach(scene: Scene, work_counts: Counter[str]) -> float:
         pressed_state = _pressed(coarse_pair, face_half_width)[1]
         actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal_compliance
         assert actuator_compliance is not None  # for the type checker: the approach is given
+        # scaled: under a load of 1 the actuator yields by its compliance
         approach_of_actuator = (
             (pressed_state.approach + actuator_compliance) * coarse_pair.load / modulus
         )
@@ -609,7 +610,7 @@ class _CoarsePair:
     def problem(
         self,
         size: float,
-        unscaled: Interface,
+        unscaled_faces: Interface,
         has_shear: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
@@ -620,17 +621,19 @@ class _CoarsePair:
         ----------
         size
             half-width of the part of the face that may touch [length]
-        unscaled
+        unscaled_faces
             contact compliance of the bodies, in the scene's units
         has_shear
             whether friction is solved, else normal contact alone
         actuators
             which loads are prescribed as movements: none by default
         """
-        interface = unscaled.scaled(size, 1 / self.modulus)
+        interface = unscaled_faces.scaled(size, 1 / self.modulus)
         # displacements are over P/E*, P the largest load
-        scaled_gap = initial_gap(self.scene, unscaled) * self.modulus / self.load
-        no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))  # exact contact law
+        scaled_gap = initial_gap(self.scene, unscaled_faces) * self.modulus / self.load
+        no_layer = Layer(
+            np.zeros_like(unscaled_faces.x), np.zeros_like(unscaled_faces.x)
+        )  # exact contact law
         return ContactProblem(
             interface,
             scaled_gap,
@@ -687,12 +690,12 @@ def _coarse_run(
         Where the run fails.
     """
     faces = pair.faces(face_half_width)  # contact compliance, in the scene's units
-    needs_tangential = needs_shear(pair.scene)
+    has_shear = needs_shear(pair.scene)
     actuators = actuators_of(pair.scene, face_half_width)
-    problem = pair.problem(face_half_width, faces, needs_tangential, actuators)
+    problem = pair.problem(face_half_width, faces, has_shear, actuators)
     is_halved = on_half(pair.scene, faces)
     solved_problem = (
-        pair.problem(face_half_width, half_interface(faces), needs_tangential, actuators)
+        pair.problem(face_half_width, half_interface(faces), has_shear, actuators)
         if is_halved
         else problem
     )
@@ -706,7 +709,7 @@ def _coarse_run(
         pace,
         cycles,
         lambda _step, _of_steps, _text: None,
-        keep_all=True,
+        keep_all_states=True,
     )
     if run.failure is not None:
         raise run.failure
@@ -729,7 +732,7 @@ def _fitting_size(pair: _CoarsePair) -> float:
     too_small_size = 0.0
     too_large_size = np.inf
     face_half_width = min(_size_on_half_planes(pair), pair.largest_face_half_width)
-    # Factors of 3, then halved steps: 400 are more than floating-point numbers have.
+    # Factors of 3, then bisection: more than 400 trials floating-point numbers do not allow.
     for _ in range(400):
         # half-width of the contact over that of the part of the face
         contact_fraction = _contact_fraction(pair, face_half_width)

@@ -282,8 +282,8 @@ def _solve(
     work_counts: Counter[str] = Counter(
         {f"coarse {name}": count for name, count in coarse_counts.items()}
     )
-    # Nearer than the datum a load presses a half-plane's surface in, beyond it the surface rises. A
-    # datum inside the contact makes a compliance that is not positive definite.
+    # Nearer to a load than the datum length a half-plane's surface is pressed in, beyond it the
+    # surface rises. A datum inside the contact makes a compliance that is not positive definite.
     datum_length = max(scene.profile.datum_length, scales.reach)
     meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
     grading = partial(surface_grading, mesh, scales, scene.profile)
@@ -298,6 +298,7 @@ def _solve(
         meshed_interface, without_mesh_error(meshed_interface, meshed_scene)
     )
     if by_kernels:
+        # what the finite size of each body adds to the displacement of its face
         kernels = kernel_pair(
             scene, float(np.abs(meshed_interface.x).max()), datum_length, work_counts
         )
@@ -319,11 +320,11 @@ def _solve(
         answer = _with_error_of_kernels(answer, kernels)
     if scene.load.is_driven:
         answer = _with_closed_cycle(answer, notes_on_rig)
-    answer_without_meshes = _without_meshes(answer, kernels) if by_kernels else answer
+    answer_to_return = _without_meshes(answer, kernels) if by_kernels else answer
     if run.failure is not None:
-        raise type(run.failure)(str(run.failure), answer_without_meshes) from run.failure
-    _require_room(answer_without_meshes, run, scales)
-    return answer_without_meshes
+        raise type(run.failure)(str(run.failure), answer_to_return) from run.failure
+    _require_room(answer_to_return, run, scales)
+    return answer_to_return
 
 
 def _with_error_of_kernels(
@@ -460,7 +461,8 @@ def _solve_path(
         kinks_bound_error=task.kinks_bound_step_error,
     )
 
-    # Try the corrected compliance, then that as meshed.
+    # Try the corrected compliance, then that as meshed. `prescribed_path`: load path, with the
+    # movements of actuators in the place of loads.
     candidates = (
         (faces.interface_as_meshed,)
         if faces.corrected_interface is None
@@ -633,8 +635,8 @@ def _solution(
     grading = condensed_bodies[0].body.grading  # element sizes along the face
 
     # Arrays that the uncertainties alone needed are no attributes of the solution.
-    for part_of_uncertainty in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
-        del arrays[part_of_uncertainty]
+    for name_of_array in ("permanent_stick_uncertainty", "permanent_stick_held_back"):
+        del arrays[name_of_array]
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
     return FiniteElementSolution(

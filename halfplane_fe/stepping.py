@@ -181,6 +181,7 @@ def increments_along(
     # to 1/32 of it for the step error.
     shortest_duration = _SHORTEST_SHARE * regular_duration
     for end in stretch.ends:
+        # Accepts increments, or refuses them for their step error.
         error_control = _ErrorControl(
             problem, tolerance, _SHORTEST_SHARE_FOR_ERROR * regular_duration
         )
@@ -230,8 +231,8 @@ def _end_by_turn_of_slip(
 
     Of given loads the instant is known beforehand: a turning point of Q - f P or Q + f P. Where
     movements are given it is when the slip of the sliding nodes, each weighted by its pressure, is
-    largest, if they go on sliding the same way. A turn in the first eighth of the way does not
-    count.
+    largest, if they go on sliding the same way. An instant in the first eighth of the time to `end`
+    does not count.
 
     Parameters
     ----------
@@ -279,12 +280,12 @@ def _instant_of_most_slip(
         return float(np.subtract(loads_at(time), start_state.loads) @ weighted_slip_by_loads)
 
     times = np.linspace(start_state.time, end, _N_INSTANTS_OF_STROKE)
-    number_of_largest = int(np.argmax([weighted_slip(time) for time in times.tolist()]))
-    if number_of_largest == _N_INSTANTS_OF_STROKE - 1:
+    index_of_largest = int(np.argmax([weighted_slip(time) for time in times.tolist()]))
+    if index_of_largest == _N_INSTANTS_OF_STROKE - 1:
         return end
     minimum = scipy.optimize.minimize_scalar(
         lambda time: -weighted_slip(time),
-        bounds=(times[max(number_of_largest - 1, 0)], times[number_of_largest + 1]),
+        bounds=(times[max(index_of_largest - 1, 0)], times[index_of_largest + 1]),
         method="bounded",
         options={"xatol": _TOLERANCE_OF_STROKE * (end - start_state.time)},
     )
@@ -477,6 +478,7 @@ def _attempted_increment(
     ConvergenceError
         If an increment shorter than `shortest_duration` does not converge.
     """
+    # the search for the first event, and for the equilibrium there
     trial = _Trial(problem, start_state, loads_at, end)
     try:
         event, end_state = trial.event_and_state()
@@ -608,16 +610,17 @@ def next_event(
     prediction: an open node touches, or a closed one is released; ("regular", end) where neither
     happens before.
 
-    The gap of an open node, and the force of a closed one, are linear in the loads while the nodes
-    keep their states. So the first of these that would change its sign decides about the event. Its
-    instant is where P, or that gap or force, has the value of the event along the load path.
-    Nothing is predicted where so few nodes hold that the bodies are free to move.
+    The gap of an open node, and the pressure of a closed one, are linear in the loads while the
+    nodes keep their states. So the first of these that would change its sign decides about the
+    event. It happens where this gap or pressure is 0, or where P has the load of the event. Nothing
+    is predicted where so few nodes hold that the bodies are free to move.
 
     Parameters
     ----------
     problem
-        the contact problem; values are approach, U and tilt, then slip, pressure, shear and gap of
-        the nodes, (3 + 4 n,); `rates` their derivatives by the loads at given node states
+        the contact problem; values are approach, U and tilt, then slip, pressure and shear (nodal
+        forces) and gap of the nodes, (3 + 4 n,); `rates` their derivatives by the loads at given
+        node states, `values_following` the values at other loads by these
     start_state
         state of the contact before the increment
     loads_at
@@ -671,7 +674,7 @@ def next_event(
             return loads_at(time)[0] - load_at_event
 
     else:
-        # By Q and by tilt nodes meet at constant P too: the gap or force of the first is followed.
+        # By Q and by tilt nodes meet at constant P too: follow the gap or pressure of the first.
         distance_at_start = float((gap if event == "touch" else pressure)[event_node])
         _, pressure_rates, _, gap_rates = nodal_values(
             problem.rates(states, len(start_state.loads))
@@ -683,11 +686,12 @@ def next_event(
         )
 
         def distance_to_event(time: float) -> float:
-            """Gap or force of the node of the event."""
+            """Gap or pressure of the node of the event."""
             return distance_at_start + float(
                 np.subtract(loads_at(time), start_state.loads) @ rates_of_node
             )
 
+    # Root of the distance on the way, near that share of it.
     time = time_of_zero(
         distance_to_event, start_state.time, end, share_of_increment, distance_at_start
     )

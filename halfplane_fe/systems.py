@@ -338,11 +338,15 @@ class _NestedCompliance:
                 - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
             )
             forces[:n_held] = 0.0
-            # X_k^T X_k times these displacements, by blocks of 256 rows of X_k.
+            # X_k^T X_k times these displacements, 256 rows of X_k at a time.
             for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
                 n_columns = min(row_end, n_held)
-                block = self.inverse_factor[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
-                forces[:n_columns] += block.T @ (block @ displacements_by_held_forces[:n_columns])
+                rows_of_inverse = self.inverse_factor[
+                    row_end - _ROWS_PER_BLOCK : n_columns, :n_columns
+                ]
+                forces[:n_columns] += rows_of_inverse.T @ (
+                    rows_of_inverse @ displacements_by_held_forces[:n_columns]
+                )
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
             motion_by_known_values = -forces.sum(axis=0) / self.load_per_motion[n_held - 1]
 

@@ -189,17 +189,20 @@ def density_uncertainty(x: Array, density: Array) -> float:
     >>> round(density_uncertainty(x, np.array([0.0, 3, 4, 5, 4, 3, 0])), 12)
     0.73
     """
-    peak = int(np.argmax(density))
-    if not 0 < peak < len(x) - 1 or density[peak] <= 0:
+    peak_node = int(np.argmax(density))
+    if not 0 < peak_node < len(x) - 1 or density[peak_node] <= 0:
         return math.nan
     deviations = np.pad(_deviations_from_neighbours(x, density), 1)  # 0 at the ends
-    at_peak = deviations[peak]
+    deviation_at_peak = deviations[peak_node]
     # _ALONE: share of the largest value by which it stands alone
-    if abs(at_peak) > _ALONE * density[peak]:
+    if abs(deviation_at_peak) > _ALONE * density[peak_node]:
         return math.nan
-    beside_peak = (deviations[peak - 1] + deviations[peak + 1]) / 2
+    deviation_beside_peak = (deviations[peak_node - 1] + deviations[peak_node + 1]) / 2
     # _BY_NEIGHBOURS: fitted share; _BY_STANDING_OUT: another
-    return float(_BY_NEIGHBOURS * abs(at_peak) + _BY_STANDING_OUT * abs(at_peak - beside_peak))
+    return float(
+        _BY_NEIGHBOURS * abs(deviation_at_peak)
+        + _BY_STANDING_OUT * abs(deviation_at_peak - deviation_beside_peak)
+    )
 
 
 def _deviations_from_neighbours(x: Array, values: Array) -> Array:
@@ -237,13 +240,17 @@ def norm_uncertainties(
     instants = np.flatnonzero(counts)
     # Some instants at a time: of a fine mesh with thousands of steps each copy takes gigabytes.
     # _AT_ONCE: number of instants of a block
-    for first_row in range(0, len(instants), _AT_ONCE):
-        rows = instants[first_row : first_row + _AT_ONCE]
-        norm_of_p = _norm(x, pressure[rows])
-        share_of_p = _norm(x[1:-1], _deviations_from_neighbours(x, pressure[rows])) / norm_of_p
+    for start_of_block in range(0, len(instants), _AT_ONCE):
+        instants_of_block = instants[start_of_block : start_of_block + _AT_ONCE]
+        norm_of_p = _norm(x, pressure[instants_of_block])
+        share_of_p = (
+            _norm(x[1:-1], _deviations_from_neighbours(x, pressure[instants_of_block])) / norm_of_p
+        )
         shares_of_p.append(float(share_of_p.max()))
         if friction:
-            share_of_q = _norm(x[1:-1], _deviations_from_neighbours(x, shear[rows])) / norm_of_p
+            share_of_q = (
+                _norm(x[1:-1], _deviations_from_neighbours(x, shear[instants_of_block])) / norm_of_p
+            )
             shares_of_q.append(float(share_of_q.max()) / friction)
     if not len(instants):
         return {"pressure": math.nan, "shear": math.nan}
@@ -333,14 +340,14 @@ class RunValues:
         """Difference of a quantity between two runs: of a series the largest at the instants that
         both have. `name` is that of an attribute, a number or a series (k,).
         """
-        of_first = np.asarray(getattr(self, name))
-        of_second = np.asarray(getattr(second, name))
-        if of_first.ndim:
+        values_of_first = np.asarray(getattr(self, name))
+        values_of_second = np.asarray(getattr(second, name))
+        if values_of_first.ndim:
             # indices of the common instants in either run
             rows_of_first, rows_of_second = _common_instants(self.since_start, second.since_start)
-            of_first = of_first[rows_of_first]
-            of_second = of_second[rows_of_second]
-        return float(np.max(np.abs(of_first - of_second), initial=0.0))
+            values_of_first = values_of_first[rows_of_first]
+            values_of_second = values_of_second[rows_of_second]
+        return float(np.max(np.abs(values_of_first - values_of_second), initial=0.0))
 
 
 def run_values(
@@ -367,10 +374,12 @@ def run_values(
         number of the cycle, from 1; the last one by default
     """
     # States of the cycle, from its start to that of the next one.
-    number = cycle or len(run.cycle_starts)
-    first_index = run.cycle_starts[number - 1] if number else 0
-    has_next_cycle = number < len(run.cycle_starts)
-    states = run.states[first_index : run.cycle_starts[number] + 1 if has_next_cycle else None]
+    cycle_number = cycle or len(run.cycle_starts)
+    first_index = run.cycle_starts[cycle_number - 1] if cycle_number else 0
+    has_next_cycle = cycle_number < len(run.cycle_starts)
+    states = run.states[
+        first_index : run.cycle_starts[cycle_number] + 1 if has_next_cycle else None
+    ]
 
     # Largest range of slip of a node while it touches; with the instants beside its contact too.
     time = np.array([state.time for state in states])
@@ -386,7 +395,7 @@ def run_values(
 
     work_of_nodes = np.zeros_like(weights)
     if run.nodal_work_by_cycle:
-        work_of_nodes = run.nodal_work_by_cycle[number - 1]
+        work_of_nodes = run.nodal_work_by_cycle[cycle_number - 1]
     return RunValues(
         since_start=time - time[0],
         tangential_displacement=np.array([state.shift for state in states]) * displacement_unit,
@@ -397,7 +406,7 @@ def run_values(
         largest_dissipation_density=float(np.max(work_of_nodes / weights))
         * displacement_unit
         * stress_unit,
-        number=number,
+        number=cycle_number,
         repeats=run.steady_from is not None and not has_next_cycle,
     )
 
@@ -637,20 +646,23 @@ def uncertainty(
 
     # Shares of the difference and of W; `scatter` decides about what edges between nodes add.
     # _OF_DIFFERENCE: fitted share
-    share_left = _OF_DIFFERENCE / (refinement**2 - 1)  # of an error of order 2
+    # error of the run over that difference, for an error of order 2
+    share_left = _OF_DIFFERENCE / (refinement**2 - 1)
     if has_low_order:
         share_left = max(share_left, 1.0)
     # _OF_WORK: fitted share of W by the element size; _GROWN: by the growth of elements
-    by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
+    uncertainty_by_elements = dissipation * max(_OF_WORK * element_size**2, _GROWN * mesh.growth**4)
     if scatter:
         # _OF_SCATTER: fitted share
-        by_edges = _OF_SCATTER * scatter
+        uncertainty_by_edges = _OF_SCATTER * scatter
     elif dissipation < _FALSE_WORK * element_size**2:
-        by_edges = dissipation  # all of it may be an error of the mesh
+        uncertainty_by_edges = dissipation  # all of it may be an error of the mesh
     else:
         # _OF_UNKNOWN_EDGES: fitted share of (h/a)^2
-        by_edges = by_elements if scatter == 0 else _OF_UNKNOWN_EDGES * element_size**2
-    return difference * share_left + by_elements + by_edges
+        uncertainty_by_edges = (
+            uncertainty_by_elements if scatter == 0 else _OF_UNKNOWN_EDGES * element_size**2
+        )
+    return difference * share_left + uncertainty_by_elements + uncertainty_by_edges
 
 
 def share_of_flanks(profile: Profile, half_width: float, element: float) -> float:
@@ -775,15 +787,15 @@ def peak_uncertainty(
 ) -> float:
     """Uncertainty of the largest pressure p0 of a run, from the difference of two meshes [stress].
 
-    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus five terms that
-    this difference does not show: the place of the edges of contact, a curved or kinked pressure
-    between the nodes around the peak, nodes that stray there, the growth of elements away from the
-    edges, and a rounded tip.
+    u = 1.25 |p_h - p_H| / |r^m - 1|, p_h of the run, p_H of the coarse run, r the ratio of their
+    element sizes, m the order of the error. Five terms are added that this difference does not
+    show: the place of the edges of contact, a curved or kinked pressure between the nodes around
+    the peak, nodes that stray there, the growth of elements away from the edges, and a rounded tip.
 
-    The order p follows from where the difference is made. With a tip it is made there: n - 1 where
-    the gap rises as |x|^n with n < 2, and 2 where the elements resolve that the tip is rounded.
-    Elsewhere it is made by the edges of contact: 2, or 1 in bodies of finite depth. NaN where the
-    elements there are as large as those of the coarse run.
+    The order m follows from where the difference is made. With a tip it is made there: m = n - 1
+    where the gap rises as |x|^n with n < 2, and 2 where the elements resolve that the tip is
+    rounded. Elsewhere it is made by the edges of contact: 2, or 1 in bodies of finite depth. NaN
+    where the elements there are as large as those of the coarse run.
 
     Parameters
     ----------
@@ -808,7 +820,7 @@ def peak_uncertainty(
     if not (peak.half_width > 0 and peak.distance_to_edge > 0):
         return math.nan  # nothing touches: the first increment failed
 
-    # Where the difference is made: ratio of the element sizes there, and order p of the error.
+    # Where the difference is made: ratio of the element sizes there, and order m of the error.
     power = tip_power(profile, coarse_size)  # n
     share_within_tip = 0.0
     if power >= SMOOTH_TIP:  # no tip
@@ -823,7 +835,7 @@ def peak_uncertainty(
     if 1 / _LEAST_REFINEMENT < place.refinement < _LEAST_REFINEMENT:
         return math.nan
 
-    # Error of the run over the difference, 1/|r^p - 1|; further terms by edges and growth, over p0.
+    # Error of the run over the difference, 1/|r^m - 1|; further terms by edges and growth, over p0.
     share = max(place.share_left(), 1.0 if has_low_order else 0.0)
     relative_size = fine_sizes.edge_size / peak.half_width
     # _PEAK_BY_EDGES: fitted share
