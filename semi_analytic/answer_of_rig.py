@@ -146,9 +146,9 @@ class RiggedScene:
             )
         # Curvatures that the bodies add per load; normal_under_shear: N_Q, of the gap per Q.
         curvatures = self.compliance.curvatures
-        limit = self.scene.friction.coefficient * rows.load_or_approach
+        friction_limit = self.scene.friction.coefficient * rows.load_or_approach
         # The Q at the Coulomb limit that widens the contact.
-        widening_force = -np.sign(curvatures.normal_under_shear) * limit
+        widening_force = -np.sign(curvatures.normal_under_shear) * friction_limit
         loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.end_rows, None)
         return punch_table_of(self.contact, self.modulus, loads, curvatures)
 
@@ -299,7 +299,7 @@ def findings_of_rig(question: Question) -> Findings:
     # Rows of the steady cycle, or of the whole path, and P and Q at all rows up to its end.
     last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
     corrected_path = _corrected_path(rig, fine_path)
-    history_done = clock.perf_counter()
+    clock_after_history = clock.perf_counter()
 
     # Fields at points are even or odd in x: they are evaluated once at each |x|.
     x = question.x
@@ -322,12 +322,12 @@ def findings_of_rig(question: Question) -> Findings:
 
     # The rig prescribes displacements at its own datum length, the answer counts from another.
     compliance_to_datum = _compliance_to_answer_datum(rig)
-    for displacement, load in (
+    for displacement_name, load_name in (
         ("tangential_displacement", "tangential_load"),
         ("normal_approach", "normal_load"),
     ):
-        datum_shift = compliance_to_datum * values_over_time[load]
-        values_over_time[displacement] = values_over_time[displacement] + datum_shift
+        datum_shift = compliance_to_datum * values_over_time[load_name]
+        values_over_time[displacement_name] = values_over_time[displacement_name] + datum_shift
 
     # Values that were not asked for are NaN.
     work = cycle_energy.work if wants_work else math.nan
@@ -357,8 +357,8 @@ def findings_of_rig(question: Question) -> Findings:
             "pieces": len(fine_path.followed_path.pieces.top_s),
         },
         seconds={
-            "history": history_done - clock_at_start,
-            "fields": clock.perf_counter() - history_done,
+            "history": clock_after_history - clock_at_start,
+            "fields": clock.perf_counter() - clock_after_history,
         },
         scene=_scene_of_loads(question.scene, loads_up_to_end, last_cycle),
     )
@@ -653,19 +653,19 @@ def _fine_and_coarse_paths(
     has_cycle = scene.load.path_of_actuators().period is not None
     # Two cycles are tried first, then more, up to the number of the scene.
     most_cycles = max(scene.cycles, 2) if has_cycle else 0
-    for cycles in range(min(2, most_cycles), most_cycles + 1):
-        coarse_path = rig.driven_path(cycles, refinement=1)
-        is_last_try = cycles == most_cycles
+    for n_cycles in range(min(2, most_cycles), most_cycles + 1):
+        coarse_path = rig.driven_path(n_cycles, refinement=1)
+        is_last_try = n_cycles == most_cycles
         if coarse_path.first_steady_cycle is None and not is_last_try:
             continue
         # More rows where gross sliding ends within a step, in all cycles.
         times_near_ends = _times_near_slide_ends(coarse_path)
-        further_times = _times_in_all_cycles(scene, times_near_ends, cycles)
+        further_times = _times_in_all_cycles(scene, times_near_ends, n_cycles)
         if len(times_near_ends):
-            coarse_path = rig.driven_path(cycles, 1, further_times)
+            coarse_path = rig.driven_path(n_cycles, 1, further_times)
         if time is not None:
-            further_times = np.append(further_times, _times_in_all_cycles(scene, time, cycles))
-        fine_path = rig.driven_path(cycles, 2, further_times)
+            further_times = np.append(further_times, _times_in_all_cycles(scene, time, n_cycles))
+        fine_path = rig.driven_path(n_cycles, 2, further_times)
         # A cycle that is steady by the coarse steps may not be so by the fine ones: at the end of a
         # stroke these may lock in a little force that slip takes away in the next cycle.
         steady_from = _steady_in_both(fine_path, coarse_path)
@@ -777,8 +777,10 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
         loading = tuple(points[1 : last_cycle.start + 1])
         cycle = tuple(points[last_cycle.start + 1 : -1])
     # A scene without the displacements of the rig.
-    load = PolygonLoad(initial_loading=loading, cycle=cycle, times=tuple(rows.time.tolist()))
-    return scene.vary(load=load, rig=Rig(), cycles=1)
+    polygon_of_loads = PolygonLoad(
+        initial_loading=loading, cycle=cycle, times=tuple(rows.time.tolist())
+    )
+    return scene.vary(load=polygon_of_loads, rig=Rig(), cycles=1)
 
 
 def _errors_of_steps(
@@ -962,7 +964,7 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
     else:
         slide_distance = sum(abs(slide.distance) for slide in slides)
         work = sum(slide.work for slide in slides)
-        named_slides = "; ".join(
+        slides_in_words = "; ".join(
             _slide_in_words(slide, length_unit) for slide in slides[:_MOST_SLIDES_NAMED]
         )
         rest_text = (
@@ -973,11 +975,13 @@ def notes_of_slides(scene: Scene, driven_path: DrivenPath, last_cycle: slice) ->
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
             f" {length_unit}, which takes {work:.6g} {energy_unit} of the dissipation:"
-            f" {named_slides}{rest_text}"
+            f" {slides_in_words}{rest_text}"
         )
     if slides_before:
-        named_slides = "; ".join(_slide_in_words(slide, length_unit) for slide in slides_before[:2])
-        yield f"gross sliding: before it {named_slides}"
+        slides_in_words = "; ".join(
+            _slide_in_words(slide, length_unit) for slide in slides_before[:2]
+        )
+        yield f"gross sliding: before it {slides_in_words}"
 
 
 def _slide_in_words(slide: _Slide, length_unit: str) -> str:

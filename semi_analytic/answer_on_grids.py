@@ -168,7 +168,7 @@ class GridAnswer:
         does not come from grids.
         """
         path_on_grids = self.path_on_grids
-        cells = path_on_grids.counts["cells"]
+        n_cells = path_on_grids.counts["cells"]
         n_stick_zones = path_on_grids.counts["pieces"]
         # counts: "cells" across the contact, and "pieces", the largest number of stick zones.
         error_of_work = f"dissipation to {path_on_grids.errors['dissipation']:.1e}, "
@@ -181,11 +181,11 @@ class GridAnswer:
             note_of_work = (
                 "; W, W(x) and permanent stick are those of the steady cycle, without grids"
             )
-        # A cell is 2/cells of the largest half-width a.
+        # A cell is 2/n_cells of the largest half-width a.
         return (
-            f"no one memory curve: half-plane theory on grids of {cells} cells and"
+            f"no one memory curve: half-plane theory on grids of {n_cells} cells and"
             f" {INCREMENTS_PER_CYCLE} increments a cycle,"
-            f" {error_of_work}edges of stick to about {2 / cells:.2g} a"
+            f" {error_of_work}edges of stick to about {2 / n_cells:.2g} a"
             f"{note_of_zones}{note_of_work}"
         )
 
@@ -238,9 +238,9 @@ class GridAnswer:
             "slip": path_on_grids.slip[rows],
             "dissipation_density": path_on_grids.density,
         }
-        for name, array in values.items():
+        for name, values_of_field in values.items():
             if not question.wants(name):
-                values[name] = np.full_like(array, np.nan)
+                values[name] = np.full_like(values_of_field, np.nan)
         values["state"] = path_on_grids.state[rows]
         if not question.wants("state"):
             values["state"] = np.full_like(path_on_grids.state[rows], OPEN)

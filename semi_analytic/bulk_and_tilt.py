@@ -332,11 +332,11 @@ def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSiz
 
     `samples_of_loading` are P, Q, bulk strain eps and tilt alpha of each segment, (4, n).
 
-    `load_sizes` says up to which size Q and a change of strain are round-off.
+    `load_sizes` holds the sizes up to which Q and a change of strain are round-off.
     """
-    for number, samples in enumerate(samples_of_loading):
+    for segment_number, samples in enumerate(samples_of_loading):
         if not _presses_only(samples, load_sizes):
-            return number
+            return segment_number
     return len(samples_of_loading)
 
 
@@ -406,7 +406,7 @@ class _AffineRelation(NamedTuple):
         holds = not (strain_deviation > strain_limit or tilt_deviation > tilt_limit)
         neglected_loads = {}
         if holds:
-            # What is the last digits of a load itself is no load that was left out.
+            # A deviation within the last digits of strain or tilt is no neglected load.
             if strain_deviation > _ROUND_OFF_SHARE * np.max(np.abs(eps)):
                 neglected_loads["bulk stress"] = strain_deviation / load_sizes.slipping_strain
             if tilt_deviation > _ROUND_OFF_SHARE * np.max(np.abs(known_tilt)):
@@ -823,15 +823,17 @@ class PathLoads:
         not. A time after the end of a path is in its last segment.
         """
         path = self.path
-        completed_cycles = 0.0
+        duration_of_earlier_cycles = 0.0
         if path.period is not None and time > path.cycle_start:
-            completed_cycles = math.floor((time - path.cycle_start) / path.period) * path.period
+            duration_of_earlier_cycles = (
+                math.floor((time - path.cycle_start) / path.period) * path.period
+            )
         segments = (*path.initial_loading, *path.cycle)
-        time_in_path = time - completed_cycles
+        time_in_path = time - duration_of_earlier_cycles
         for segment in segments:
             if time_in_path <= segment.end:
-                return segment, completed_cycles
-        return segments[-1], completed_cycles
+                return segment, duration_of_earlier_cycles
+        return segments[-1], duration_of_earlier_cycles
 
     def loads_in_segment(self, time: Array) -> Array:
         """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
@@ -842,8 +844,8 @@ class PathLoads:
         """
         # The segment, and the duration of the cycles before: times go back by it to the first
         # cycle.
-        segment, completed_cycles = self._segment_at(float(np.mean(time)))
-        time_in_path = time - completed_cycles
+        segment, duration_of_earlier_cycles = self._segment_at(float(np.mean(time)))
+        time_in_path = time - duration_of_earlier_cycles
         p, q = segment.loads(time_in_path)
         stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_path)
         tilt, moment = _companion_loads(segment.tilt_and_moment, time_in_path)
@@ -857,11 +859,13 @@ class PathLoads:
     def bulk_stresses(self, time: Array) -> Array:
         """Bulk stress of the lower and of the upper body [stress], (2, n), for any times (n,)."""
         stresses = np.zeros((2, len(time)))
-        for number, instant in enumerate(time.tolist()):
+        for instant_number, instant in enumerate(time.tolist()):
             # Times of a segment are those of the first cycle.
-            segment, completed_cycles = self._segment_at(instant)
+            segment, duration_of_earlier_cycles = self._segment_at(instant)
             if segment.bulk is not None:
-                stresses[:, number] = segment.bulk.loads(instant - completed_cycles)
+                stresses[:, instant_number] = segment.bulk.loads(
+                    instant - duration_of_earlier_cycles
+                )
         return stresses
 
     def turning_times(self, segment: LoadSegment) -> list[float]:

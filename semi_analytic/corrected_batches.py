@@ -57,7 +57,9 @@ class EllipseOfLoads:
 
     def take(self, members: slice) -> EllipseOfLoads:
         """Only the ellipses `members`."""
-        return EllipseOfLoads(*(getattr(self, item.name)[members] for item in fields(self)))
+        return EllipseOfLoads(
+            *(getattr(self, record_field.name)[members] for record_field in fields(self))
+        )
 
     def divided_by(self, unit: Array) -> EllipseOfLoads:
         """The same ellipses with their loads divided by `unit` (m, 1)."""
@@ -330,7 +332,7 @@ def _works_and_stick(
             axis=2,
         )
 
-    # dP/da must be positive, and the table of the profile wide enough.
+    # dP/da must be positive, and the profile wide enough.
     stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, contact_edge)
     is_refused = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
     works[:, is_refused] = np.nan
@@ -395,9 +397,9 @@ def _roots_between(
     Illinois rule: secants that keep the root between them.
 
     The lower bound where a function is positive there. NaN where it is negative at the upper one,
-    by more than 1e-9 of its larger value at the bounds (round-off). It ends where all values are
-    1e-13 of those at the bounds, or after 40 secants. `function` gives the values (m, 1) of all at
-    x (m, 1).
+    by more than 1e-9 of its larger value at the bounds (round-off). The secants end where all
+    values are 1e-13 of those at the bounds, or after 40 of them. `function` gives the values (m, 1)
+    of all functions at x (m, 1).
     """
     value_at_lower = function(lower_bound)
     value_at_upper = function(upper_bound)
@@ -417,20 +419,20 @@ def _roots_between(
             lower_bound,
             upper_bound,
         )
-        value = function(x)
-        is_converged = np.abs(value) <= _RESIDUAL_OF_ROOT * value_scale
+        value_at_x = function(x)
+        is_converged = np.abs(value_at_x) <= _RESIDUAL_OF_ROOT * value_scale
         if np.all(is_converged | has_no_root | (value_at_lower >= 0)):
             break
-        is_positive = value > 0
+        is_positive = value_at_x > 0
         # Where the same end moves twice, half the value at the other end (Illinois).
         value_at_lower = np.where(is_positive & (last_sign > 0), value_at_lower / 2, value_at_lower)
         value_at_upper = np.where(
             ~is_positive & (last_sign < 0), value_at_upper / 2, value_at_upper
         )
         upper_bound = np.where(is_positive, x, upper_bound)
-        value_at_upper = np.where(is_positive, value, value_at_upper)
+        value_at_upper = np.where(is_positive, value_at_x, value_at_upper)
         lower_bound = np.where(is_positive, lower_bound, x)
-        value_at_lower = np.where(is_positive, value_at_lower, value)
+        value_at_lower = np.where(is_positive, value_at_lower, value_at_x)
         last_sign = np.where(is_positive, 1.0, -1.0)
     return np.where(has_no_root, np.nan, x)
 
@@ -446,7 +448,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
     The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
     """
     forward_bound, reverse_bound, load_outside = cycle
-    full_turn = 2 * math.pi
+    full_cycle = 2 * math.pi
     # A punch is in contact all the time, or within this angle of the largest load, or never (0).
     cosine_of_opening = np.clip(
         -load_outside.mean / np.maximum(load_outside.amplitude, _SMALLEST_FLOAT), -1.0, 1.0
@@ -456,7 +458,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
 
     # F is known at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
     begin_angle = np.where(never_opens, forward_bound.phase, load_outside.phase - opening_angle)
-    contact_angle = np.where(never_opens, full_turn, 2 * opening_angle)
+    contact_angle = np.where(never_opens, full_cycle, 2 * opening_angle)
     # Largest and least values of both bounds, in the order in which they follow the begin.
     turning_angles = np.stack(
         [
@@ -466,7 +468,7 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
             reverse_bound.phase + math.pi,
         ]
     )
-    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_turn), contact_angle)
+    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_cycle), contact_angle)
     angles_since_begin.sort(axis=0)
     locked_in_force = forward_bound.values_at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))

@@ -83,7 +83,7 @@ def hysteresis(
     >>> round(loop.damping_ratio, 5)
     0.00607
     """
-    cycle = solution.last_cycle  # indices of its instants
+    rows_of_cycle = solution.last_cycle  # indices of its instants
     if any(
         np.any(stress)
         for stress in (solution.bulk_stress_lower, solution.bulk_stress_upper)
@@ -93,14 +93,14 @@ def hysteresis(
             "hysteresis: with bulk stress the loop of Q over U is not the dissipation: `solve`"
             " gives both"
         )
-    if len(cycle) < 3:
+    if len(rows_of_cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
 
     # Added to U per Q: change of the datum length, and c_t of finite bodies.
     compliance_to_datum = added_compliance(solution, "hysteresis", datum_length, effects)
     displacement = solution.tangential_displacement + compliance_to_datum * solution.tangential_load
-    force_amplitude = np.ptp(solution.tangential_load[cycle]) / 2
-    displacement_amplitude = np.ptp(displacement[cycle]) / 2
+    force_amplitude = np.ptp(solution.tangential_load[rows_of_cycle]) / 2
+    displacement_amplitude = np.ptp(displacement[rows_of_cycle]) / 2
     if not np.all(np.isfinite(solution.tangential_displacement)) or not math.isfinite(
         solution.dissipation
     ):
@@ -184,14 +184,15 @@ def compliance(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> tuple[Array, Array]:
-    """Tangential compliances dU/dQ of a contact of half-planes at constant P, (n_steps,) each
-    [1/stress]: while slip continues, infinite if nothing sticks; and right after a reversal of Q.
+    """Tangential compliances dU/dQ of a contact of half-planes at constant P, (n,) each at the n
+    instants of a solution [1/stress]: while slip continues, infinite if nothing sticks; and right
+    after a reversal of Q.
 
-    It is (A/pi) ln(2 L/c) with the stick half-width c, or with the contact half-width after a
-    reversal. U, the tangential displacement, needs a reference: either `datum_length` L, the
-    distance from the load at which the surface does not move [length], or the `effects` of finite
-    bodies, whose tangential compliance c_t is added. InputError for both or neither, for solutions
-    with bulk stress or tilt, and for those of finite bodies.
+    It is (A/pi) ln(2 L/c), A = 2/E*, with the stick half-width c, or with the contact half-width
+    after a reversal. U, the tangential displacement, needs a reference: either `datum_length` L,
+    the distance from the load at which the surface does not move [length], or the `effects` of
+    finite bodies, whose tangential compliance c_t is added. InputError for both or neither, for
+    solutions with bulk stress or tilt, and for those of finite bodies.
 
     >>> from scenes import load_scene
     >>> from semi_analytic import solve

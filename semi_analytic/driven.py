@@ -248,22 +248,23 @@ def actuator_rows(
     """
     # Times between which each actuator moves one way.
     turning_times = np.array(_turning_times_of_actuators(path, cycles))
-    n_turns = len(turning_times)
+    n_turning_times = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
 
     # Equal steps between two turning times: 16 at least if there are few turning times.
-    steps_between_turns = max(math.ceil(steps_per_cycle * n_cycles / n_turns), 1)
-    if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
-        steps_between_turns = max(steps_between_turns, _FEWEST_STEPS_BETWEEN_TURNS)
-    steps_between_turns *= refinement
-    if steps_between_turns * n_turns > _MOST_ROWS:
+    steps_between_turning_times = max(math.ceil(steps_per_cycle * n_cycles / n_turning_times), 1)
+    if n_turning_times < steps_per_cycle * n_cycles / _FEWEST_STEPS_BETWEEN_TURNS:
+        steps_between_turning_times = max(steps_between_turning_times, _FEWEST_STEPS_BETWEEN_TURNS)
+    steps_between_turning_times *= refinement
+    if steps_between_turning_times * n_turning_times > _MOST_ROWS:
         raise InputError(
-            f"load: the path of the actuators takes {steps_between_turns * n_turns:,} steps and"
+            "load: the path of the actuators takes"
+            f" {steps_between_turning_times * n_turning_times:,} steps and"
             f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
         )
 
-    # (turns - 1, steps between two)
-    fractions = np.arange(steps_between_turns) / steps_between_turns
+    # Shape of the times of the steps: (turning times - 1, steps between two of them).
+    fractions = np.arange(steps_between_turning_times) / steps_between_turning_times
     step_times = turning_times[:-1, None] + np.diff(turning_times)[:, None] * fractions
     if one_step_at_constant_load:
         middle_times = (turning_times[1:] + turning_times[:-1]) / 2
@@ -326,8 +327,8 @@ def _load_or_approach_at(segment: LoadSegment, time: float) -> float:
 def _root_between(function: Callable[[float], float], begin: float, end: float) -> float:
     """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
-    That is false position, but the value at an end that stays twice is halved. It ends where the
-    function is 1e-14 of the larger of its first two values, or after 200 iterations.
+    That is false position, but the value at an end that stays twice is halved. The iteration ends
+    where the function is 1e-14 of the larger of its first two values, or after 200 trials.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
@@ -375,7 +376,7 @@ def loads_of_approach(
     ------
     InputError
         For an approach that is never positive, goes beyond the profile, or falls while P grows; for
-        numbers of bodies without a mirror line.
+        bodies that are not mirrored at x = 0.
     """
     curvatures = compliance.curvatures
     # normal_under_shear: N_Q, tangential_under_pressure: T_P.
@@ -537,8 +538,10 @@ class DrivenPath:
     @property
     def displacement(self) -> Array:
         """U of the contact and the bodies, without the spring, (n,) [length]."""
-        spring = self.compliance.tangential_spring_compliance
-        return np.asarray(self.actuator_displacement - spring * self.followed_path.tangential_load)
+        spring_compliance = self.compliance.tangential_spring_compliance
+        return np.asarray(
+            self.actuator_displacement - spring_compliance * self.followed_path.tangential_load
+        )
 
     @cached_property
     def slide_work(self) -> Array:
@@ -628,7 +631,7 @@ def follow_actuator(
     # Of each instant: loads and edge of contact; memory of friction with its slip zones; slide.
     memory_rows = [step_solver.row_under_loads(0.0, 0.0)]
     steps = [memory.step(state, memory_rows[0])]
-    slides = [0.0]
+    slide_distances = [0.0]
     free_displacements = [free_displacement]
     actuator_displacements = [instant_before.actuator_displacement]
 
@@ -641,7 +644,7 @@ def follow_actuator(
             tangential_load=0.0,  # not known yet
             actuator_displacement=float(rows.displacement[row_number]),
         )
-        # A step is parted where gross sliding begins within it.
+        # A step is split where gross sliding begins within it.
         for part_end in step_solver.ends_of_parts(instant_before, instant_after, free_displacement):
             solved_step = step_solver.solved_step(
                 state, part_end, instant_before.tangential_load, free_displacement
@@ -651,7 +654,7 @@ def follow_actuator(
             times.append(part_end.time)
             memory_rows.append(solved_step.row)
             steps.append(solved_step.step)
-            slides.append(slide_of_step)
+            slide_distances.append(slide_of_step)
             free_displacements.append(free_displacement)
             actuator_displacements.append(part_end.actuator_displacement)
             state = solved_step.step.state
@@ -661,7 +664,7 @@ def follow_actuator(
         time=np.array(times),
         followed_path=path_of_steps(memory, np.array(memory_rows).T, steps),
         compliance=compliance,
-        slide_distance=np.array(slides),
+        slide_distance=np.array(slide_distances),
         rigid_displacement=np.array(free_displacements),
         actuator_displacement=np.array(actuator_displacements),
         end_rows=tuple(index_of_row[row] for row in rows.end_rows),

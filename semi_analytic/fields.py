@@ -257,14 +257,14 @@ class ArcIntegrals:
 
         # Primitive of the Chebyshev series on the panel, at each time.
         polynomials = chebyshev.chebvander(2 * fraction_of_panel - 1, CHEBYSHEV_DEGREE + 1)
-        # Numbers of the first time in each panel.
+        # Numbers of the first time in each panel; in the loop also of the one after its last.
         first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
-        for first_number, end_number in pairwise(
+        for first_time_number, end_time_number in pairwise(
             [*first_time_in_panel.tolist(), len(different_times)]
         ):
-            in_panel = slice(first_number, end_number)
+            in_panel = slice(first_time_number, end_time_number)
             integrals[in_panel] += (
-                polynomials[in_panel] @ self._primitives[panel_of_time[first_number]].T
+                polynomials[in_panel] @ self._primitives[panel_of_time[first_time_number]].T
             )
 
         # Where the edge of contact passes the point nearby: over ranges from one time to the next,
@@ -479,7 +479,7 @@ class ArcIntegrals:
             panel_chunk = far_panel[chunk]
             point_chunk = far_point[chunk]
             load_above_edge = load[panel_chunk] - edge_loads[point_chunk, None]
-            values = _punch_kernel(
+            kernel_values = _punch_kernel(
                 contact,
                 self._kernel,
                 x[point_chunk, None],
@@ -487,7 +487,7 @@ class ArcIntegrals:
                 load[panel_chunk],
                 advance[panel_chunk],
             )
-            coefficients[chunk] = chebyshev_coefficients(force_rate[panel_chunk] * values)
+            coefficients[chunk] = chebyshev_coefficients(force_rate[panel_chunk] * kernel_values)
         return _FarSeries(far_panel, far_point, coefficients, is_near)
 
 
@@ -501,22 +501,22 @@ def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> Tu
     segment hold beyond its ends too.
     """
     arc_length = other_end - arc_end
-    time_step = 1e-3 * arc_length
+    time_increment = 1e-3 * arc_length
     # P grows along the arc: it is least at the begin, largest at the end.
     sign_of_curvature = math.copysign(1.0, arc_length)
     turning_time = arc_end
     for _ in range(20):
         load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
-        rate_after = segment.rate_of(NORMAL_LOAD, turning_time + time_step)
-        rate_before = segment.rate_of(NORMAL_LOAD, turning_time - time_step)
-        load_curvature = float(rate_after - rate_before) / (2 * time_step)
+        rate_after = segment.rate_of(NORMAL_LOAD, turning_time + time_increment)
+        rate_before = segment.rate_of(NORMAL_LOAD, turning_time - time_increment)
+        load_curvature = float(rate_after - rate_before) / (2 * time_increment)
         newton_step = (
             load_rate / load_curvature if load_curvature * sign_of_curvature > 0 else math.inf
         )
-        # A step that leads too far away, or into the arc: there is no turning point at this end.
+        # A Newton step that leads too far away, or into the arc: no turning point at this end.
         if abs(newton_step) > abs(arc_length) or (
             arc_end - turning_time + newton_step
-        ) * sign_of_curvature < -abs(time_step):
+        ) * sign_of_curvature < -abs(time_increment):
             return TurningPoint(
                 arc_end, float(segment.loads(arc_end)[0]), sign_of_curvature, other_end
             )
@@ -692,8 +692,10 @@ class _NearIntegral:
         load = np.maximum(self.turning_point.load + self.turning_point.sign * z * z, 0.0)
         advance = self.contact.edge_advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
-        kernel = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
-        return np.asarray(root * _force_rate_over_z(self.segment, self.turning_point, z) * kernel)
+        kernel_values = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
+        return np.asarray(
+            root * _force_rate_over_z(self.segment, self.turning_point, z) * kernel_values
+        )
 
 
 class _RangeNodes(NamedTuple):
@@ -1084,11 +1086,11 @@ class KernelIntegrals:
         k); `order` is 0 or 1. K is the kernel of shear, slip or displacement.
         """
         contact = self.contact
-        column = load[:, None]
+        load_column = load[:, None]
         if self.kernel == "shift":
-            function = (contact.approach_integral, contact.approach_moment)[order]
-            return np.broadcast_to(function(column), (len(load), len(self.x)))
+            integral_function = (contact.approach_integral, contact.approach_moment)[order]
+            return np.broadcast_to(integral_function(load_column), (len(load), len(self.x)))
         if self.kernel == "shear":
             # All moments are taken as differences between two loads.
-            return (contact.pressure_rise, contact.pressure_moment)[order](self.x, column)
-        return (contact.slip_integral, contact.slip_integral_moment)[order](self.x, column)
+            return (contact.pressure_rise, contact.pressure_moment)[order](self.x, load_column)
+        return (contact.slip_integral, contact.slip_integral_moment)[order](self.x, load_column)

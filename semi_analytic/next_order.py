@@ -132,8 +132,8 @@ def _uncertain_fraction_of_curvature(
         return 0.0
     linear_factor, square_factor = _FACTORS_OF_SIXTH_ORDER
     ratio = _ratio_to_curvature(effects, curvature, half_width)
-    own_uncertainty = estimate.uncertainty / abs(estimate.value)
-    return own_uncertainty + linear_factor * ratio + square_factor * ratio**2
+    uncertainty_of_curvature = estimate.uncertainty / abs(estimate.value)
+    return uncertainty_of_curvature + linear_factor * ratio + square_factor * ratio**2
 
 
 def _ratio_to_curvature(effects: BodyEffects, curvature: str, half_width: float) -> float:

@@ -197,20 +197,20 @@ class SecondOrderAnswer:
         # later than its load segment; begin and end are instants on that segment.
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
-        start = spans[0].begin.time + spans[0].delay
+        start_time = spans[0].begin.time + spans[0].delay
         # Times within the followed path; slack: what round-off may leave beyond its ends.
         path_time, slack = time_in_followed_path(
-            time, float(start), float(ends_of_spans[-1]), self.history.period
+            time, float(start_time), float(ends_of_spans[-1]), self.history.period
         )
-        span_index = np.minimum(
+        span_numbers = np.minimum(
             np.searchsorted(ends_of_spans, path_time - slack, side="left"), len(spans) - 1
         )
         contact_centres = np.zeros(len(time))
         stick_centres = np.zeros(len(time))
-        for index in np.unique(span_index):
-            span = spans[index]
+        for span_number in np.unique(span_numbers):
+            span = spans[span_number]
             # Coefficients (n, 4) of the centres, to be multiplied by (alpha_P, alpha_Q, e_P, e_Q).
-            is_inside = span_index == index
+            is_inside = span_numbers == span_number
             times_in_segment = np.clip(
                 path_time[is_inside] - span.delay, span.begin.time, span.end.time
             )
@@ -570,12 +570,12 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
     segment = piece.anchor.segment
     # Times at which P was eta on the arc, and Q'/P' a little before and after them.
     time = time_of_load_on_arc(piece, eta)
-    time_step = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
+    time_increment = _DERIVATIVE_STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
-    for shifted_time in (time - time_step, time + time_step):
+    for shifted_time in (time - time_increment, time + time_increment):
         normal_rate, tangential_rate = segment.rates(shifted_time)
         slopes.append(tangential_rate / normal_rate)
-    return np.asarray((slopes[1] - slopes[0]) / (2 * time_step * segment.rates(time)[0]))
+    return np.asarray((slopes[1] - slopes[0]) / (2 * time_increment * segment.rates(time)[0]))
 
 
 # ---------------------------------------------------------------------------------- terms of work
@@ -723,6 +723,7 @@ def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> Non
         load_tolerance = _EQUALITY_TOLERANCE * max(piece.anchor.normal_load, begin.normal_load)
         if piece.bottom_load < top_of_sticking_piece - load_tolerance:
             break
+        # A piece without length leaves nothing to return to.
         is_point = piece.top_load - piece.bottom_load <= load_tolerance
         if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
@@ -808,10 +809,10 @@ def _smooth_end(
     ):
         return None
     # Second rate by a difference of rates around the end, with 1e-4 of the segment's duration.
-    time_step = _DERIVATIVE_STEP * (segment.end - segment.start)
-    rate_after = float(segment.rate_of(slip_load, time + time_step))
-    rate_before = float(segment.rate_of(slip_load, time - time_step))
-    second_rate = (rate_before - rate_after) / (2 * time_step)  # N'', of N = f P - s Q
+    time_increment = _DERIVATIVE_STEP * (segment.end - segment.start)
+    rate_after = float(segment.rate_of(slip_load, time + time_increment))
+    rate_before = float(segment.rate_of(slip_load, time - time_increment))
+    second_rate = (rate_before - rate_after) / (2 * time_increment)  # N'', of N = f P - s Q
     if second_rate <= 0:
         return None
     # a_s' = f alpha' - s eps', as coefficients (4,) of (alpha_P, alpha_Q, e_P, e_Q).

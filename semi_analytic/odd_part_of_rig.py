@@ -119,11 +119,13 @@ def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> Po
     the largest Q first. DeclinedError where Q does not turn round.
     """
     # Steps in which Q changes, and whether the next such step goes the other way.
-    step_of_load = np.diff(tangential_load)
-    moving_steps = np.flatnonzero(step_of_load)
-    next_moving_steps = np.roll(moving_steps, -1)
-    turns_back = np.sign(step_of_load[moving_steps]) != np.sign(step_of_load[next_moving_steps])
-    turning_rows = moving_steps[turns_back] + 1
+    change_of_load = np.diff(tangential_load)
+    steps_with_change = np.flatnonzero(change_of_load)
+    next_steps_with_change = np.roll(steps_with_change, -1)
+    turns_back = np.sign(change_of_load[steps_with_change]) != np.sign(
+        change_of_load[next_steps_with_change]
+    )
+    turning_rows = steps_with_change[turns_back] + 1
     if len(turning_rows) < 2:
         raise DeclinedError("Q rests")
     turning_loads = tangential_load[turning_rows]
@@ -165,7 +167,7 @@ def _sum_of_harmonics(time: Array, normal_load: Array, tangential_load: Array) -
 
 def _straight_steps(normal_load: Array, tangential_load: Array, steps: int) -> PolygonLoad:
     """The cycle of P and Q at n instants, (n,) each, as at most `steps` straight steps between some
-    of these instants, chosen at equal distances in number.
+    of these instants, evenly chosen by their number.
     """
     rows = np.unique(np.linspace(0, len(normal_load) - 1, steps + 1).astype(int))
     points = list(zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True))

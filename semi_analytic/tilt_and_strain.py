@@ -194,25 +194,27 @@ def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
 
     # P and Q of the scene over time, and its contact under any load and tilt.
     path_loads, contact = path_loads_and_contact(scene)
-    loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
+    loads_of_scene = {
+        load_field.name: getattr(path_loads, load_field.name) for load_field in fields(path_loads)
+    }
     # TILT_AND_STRAIN_NAMES: attributes with tilt under P and Q, strain under P and Q.
     no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(TILT_AND_STRAIN_NAMES, ZERO_ESTIMATE)
-    effects_without = replace(effects, **no_tilt_nor_strain)
-    loads_with_and_without = [
+    effects_without_tilt_and_strain = replace(effects, **no_tilt_nor_strain)
+    loads_with_and_without_effects = [
         FollowingLoads(**loads_of_scene, effects=effects),
-        FollowingLoads(**loads_of_scene, effects=effects_without),
+        FollowingLoads(**loads_of_scene, effects=effects_without_tilt_and_strain),
     ]
 
     # One range of x for both, so that the errors of their grids cancel.
     contact_edges = np.concatenate(
-        [contact_edges_along(loads, contact) for loads in loads_with_and_without]
+        [contact_edges_along(loads, contact) for loads in loads_with_and_without_effects]
     )
     range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
-    work_with, work_without = (
+    work_with_effects, work_without_effects = (
         float(np.mean(_last_works_on_grids(scene, loads, range_of_x)))
-        for loads in loads_with_and_without
+        for loads in loads_with_and_without_effects
     )
-    change = work_with / work_without - 1
+    change = work_with_effects / work_without_effects - 1
 
     # Sum of the relative uncertainties of those numbers that are not 0.
     relative_uncertainty = sum(
