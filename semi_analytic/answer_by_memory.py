@@ -578,7 +578,8 @@ class _SeriesSums:
         Parameters
         ----------
         integrals_per_record
-            integrals (work, W(x)) that are taken over each record with slip
+            integrals that are taken over each record with slip, of the friction work and of its
+            density W(x)
         pieces_before
             pieces of the memory curve before the block
         """
@@ -652,9 +653,9 @@ class _SeriesSums:
         """Add the friction work of a block, and its error, to part `part_number` of the path; the
         integral of each record, a portion of a load step with slip, is returned, (m,).
 
-        Work is f A/pi = `work_per_integral` times int Lam dw. Here w = +-Q - f P, the sign that of
-        slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the
-        half-widths of contact and of stick. P_c is the load at the stick edge.
+        Work is f A/pi = `work_per_integral` times int Lam dw, A = 2/E*. Here w = +-Q - f P, the
+        sign that of slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c
+        the half-widths of contact and of stick. P_c is the load at the stick edge.
         """
         # int Lam dw of each record, and number of quadrature nodes
         integrals, n_nodes = slip_work(contact, slipping_records)
@@ -742,7 +743,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             work_of_steps=wants_work_of_steps,
             density=wants_density and is_last_cycle,
         )
-        # pieces of the memory curve
+        # pieces of the memory curve, the tangential force carried up to each load
         pieces_before = line_count_of(part.curve)
         for first_row, block in blocks_of_part(part, friction, states.stores_curves):
             first_step = series.first_steps[part_number] + first_row
@@ -907,7 +908,8 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         work_increments=np.empty(0),
         counts={
             "spans": len(history.spans),
-            # `sticking_piece` leads to all pieces of the memory curve of a span
+            # `sticking_piece` leads to all pieces of the memory curve of a span, the tangential
+            # force carried up to each load
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping_spans,
             "quadrature_nodes": n_slipping_spans * GRADED_NODE_COUNT,
@@ -1081,8 +1083,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         len(request.time), np.nan
     )  # U pi/A, U the tangential displacement
     approach = scaled_displacement
-    # the integral of ln(2 L/a) over the memory curve, L the length of the datum, at one point: x
-    # plays no part
+    # the integral of ln(2 L/a) over the memory curve (tangential force carried up to each load), L
+    # the length of the datum; the point x has no effect
     if request.wants("tangential_displacement"):
         scaled_displacement = KernelIntegrals(contact, np.zeros(1), "shift").over_memory_curves(
             snapshot
@@ -1114,9 +1116,10 @@ def _values_with_bulk_and_tilt(
 
     `values` are those of a contact centred at x = 0. `snapshot` has the friction states: P as
     `load`, Q as `force`, P - P_c of the slip zones, P_c the load at the stick edge. A centre is the
-    middle of a contact or stick zone, NaN half-widths are those of no stick zone.
-    `tangential_fraction` is the rise of Q over that of the load in which the memory curve is
-    written, 1 or 0. `bulk_tilt_path` gives loads and edges over time.
+    middle of a contact or stick zone, NaN half-widths are those of no stick zone. The memory curve
+    is the tangential force, or the bulk strain, locked in up to each load. `tangential_fraction` is
+    the rise of Q over that of the load in which the curve is written, 1 or 0. `bulk_tilt_path`
+    gives loads and edges over time.
     """
     tilted_contact = bulk_tilt_path.contact
     tilted_values = bulk_tilt_path.values_over_time(request.time, snapshot.load)
@@ -1187,7 +1190,7 @@ def _fields_at_points(
     fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
     fields_at_distances: dict[str, NDArray[Any]] = {}
 
-    # integrals over memory curves: of the shear, and of slip over A/pi
+    # integrals over memory curves: of the shear, and of slip over A/pi, A = 2/E*
     shear_integrals = KernelIntegrals(contact, distances, "shear")
     slip_integrals = KernelIntegrals(contact, distances, "slip")
     if request.wants("pressure"):
@@ -1416,7 +1419,8 @@ def _largest_piece_count(snapshot: Snapshot, instants: Indices) -> int:
 def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
     """Relative errors of the fields of friction, by name, where loads below round-off were left out
     so that the frictional state is one memory curve. Empty where they are negligible, below 1e-12
-    in all. `bulk_tilt_path` is None without bulk stress and tilt.
+    in all. A memory curve is the tangential force, or the bulk strain, locked in up to each load.
+    `bulk_tilt_path` is None without bulk stress and tilt.
     """
     if bulk_tilt_path is None:
         return {}

@@ -83,12 +83,13 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
             contact_middle, contact_half_width, normal_load, tilt
         )
     if question.wants("dissipation"):
-        # W and its relative error
+        # friction work W and its relative error
         friction_work, errors["dissipation"] = _work_and_error(strokes)
     if question.wants("loop_work"):
+        # the closed integral of the loads over their displacements, equal to W
         loop_work = work_by_loads(strokes)
     if question.wants("dissipation_density"):
-        # W(x) and its error over the largest
+        # friction work per area W(x), and its error over the largest
         density, errors["dissipation_density"] = _density_and_error(strokes, x)
 
     # the stick zone is smallest at the largest Q

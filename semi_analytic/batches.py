@@ -241,8 +241,8 @@ def _largest_maximum(
     is_unknown: NDArray[np.bool_],
     density: Callable[..., Array],
 ) -> _Peaks:
-    """The largest maximum over x of W(x) pi E*/(2 f^2) of each load ellipse, with its error from
-    above and its |x|, (m,) each.
+    """The largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of each
+    load ellipse, with its error from above and its |x|, (m,) each.
 
     W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
     far W may rise between the last three places about the maximum, the quadrature error and
@@ -313,8 +313,8 @@ def _largest_maximum(
 def _second_maximum(
     maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks
 ) -> tuple[Array, Array]:
-    """W pi E*/(2 f^2) and |x| of the second largest maximum of W(x) of each load ellipse, (m,)
-    each; NaN where there is one maximum only.
+    """Second largest maximum over x of the friction work per area W(x), times pi E*/(2 f^2), of
+    each load ellipse, and its |x|, (m,) each; NaN where there is one maximum only.
 
     It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
     by more than twice its error. `sampled_work` is W(x) at all samples of all ellipses, one ellipse
@@ -575,7 +575,8 @@ class _Vertex(NamedTuple):
 
 def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
     """Vertex of the parabola through three points (x, W(x)) about each of n maxima, x ascending,
-    (3, n) each, and the most that W can rise above the middle point.
+    (3, n) each, and the most that W can rise above the middle point; W(x) is the friction work per
+    area.
 
     The bound holds for a concave W: it stays below the chords of the points, extended. Where the
     parabola is convex the middle point stands for its vertex.
@@ -822,7 +823,8 @@ def _works_of_members(members: Members) -> Array:
     ellipses = members.ellipses
     kind = members.kind
     works_and_error = np.empty((3, len(members.is_mirrored)))
-    # _DEEP_SLIP_LOAD_SHARE: 0.02 of P0; above it the quick formula of Lam is taken
+    # _DEEP_SLIP_LOAD_SHARE: 0.02 of the mean load; for P - P_c above it the quick formula of Lam is
+    # taken
     if kind in ("hertz", "power_law"):
         works_and_error[:2] = works_by_lam(
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP_LOAD_SHARE
@@ -1057,7 +1059,7 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
         )
         works_and_error[0, ellipse_numbers] = forward_work
         works_and_error[1, ellipse_numbers] = reverse_work
-        # _DEEP_SLIP_LOAD_SHARE_ON_TABLE: 0.04 of P0; LEAST_LOAD_SHARE: 2^-48
+        # _DEEP_SLIP_LOAD_SHARE_ON_TABLE: 0.04 of the mean load; LEAST_LOAD_SHARE: 2^-48 of it
         works_and_error[2, ellipse_numbers] = error_of_works_by_lam(
             ellipses_of_table,
             forward_work + reverse_work,
@@ -1279,7 +1281,8 @@ class _Batch:
     ) -> tuple[NDArray[np.int8], Indices, Members]:
         """The members of a block of a batch whose loads and profile are admissible, from `loads`
         and `parameters` of the profile, (m,) each. `largest_load` is what the profile carries up to
-        its end. Loads are P0, P1, Q0, Q1, the phase and f.
+        its end. Loads are P0, P1, Q0, Q1 and the phase of P = P0 + P1 cos t, Q = Q0 + Q1 cos(t -
+        phase), and f.
 
         Returns
         -------

@@ -88,9 +88,10 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     A span is the time of one direction of slip, or of full stick. At |Q| = f P itself, where
     nothing sticks, nothing is added. W is f A/pi times the integral of w' Lam over the time of
     slip, w = +-Q - f P. Lam is the integral of ln(a/c) over the loads from P_c to P. P_c is the
-    load at the stick edge, c = a(P_c). `spans` hold direction, load segment, and the piece of the
-    memory curve that holds the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and
-    E* = `modulus`, W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+    load at the stick edge, c = a(P_c), a the contact half-width. `spans` hold direction, load
+    segment, and the piece of the memory curve (tangential force carried up to each load) that holds
+    the stick edge. From Q = 0 to k f P at constant P, with A = 2/E* and E* = `modulus`, W is (A f^2
+    P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -111,7 +112,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
         """Friction work W pi/A of a range of time within a span of slip, by a quadrature `rule`,
         (1,): the integral of f w' Lam. w = +-Q - f P grows in slip; Lam is the integral of ln(a/c)
-        over the loads from P_c, that at the stick edge, to P.
+        over the loads from P_c, that at the stick edge, to P; a and c are the half-widths of
+        contact and of stick.
         """
         span = span_range.span
         # quadrature nodes and weights between begin and end of the range
@@ -177,9 +179,10 @@ def _work_over_spans(
     """Friction work: A/pi times integrals over the time of slip, summed by the direction of slip,
     and the errors of the sums; A = 2/E*.
 
-    There is one integral, for W, or one for each point x, for W(x); `integrals_along` holds the
-    integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q - f P in slip. Lam is the
-    integral of ln(a/c) over the loads from P_c to P.
+    There is one integral, for the work W, or one for each point x, for the work per area W(x);
+    `integrals_along` holds the integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q -
+    f P in slip. Lam is the integral of ln(a/c) over the loads from P_c to P, a and c the
+    half-widths of contact and of stick.
 
     A span is the time of one direction of slip, P_c the load at the stick edge. Each span is
     integrated by one quadrature rule. Where the edges of contact or stick move unevenly, or pass
@@ -514,7 +517,8 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     multiple of Q. A span is the time of one direction of slip, or of full stick. `contact` is the
     normal contact P(a), `modulus` E*.
 
-    Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
+    Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2],
+    A = 2/E*.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -580,7 +584,7 @@ def _works_of_ranges(
         (span_range.span, times.ravel())
         for span_range, (times, _) in zip(ranges, nodes_of_spans, strict=True)
     ]
-    # U pi/A, the integral over the memory curve at each time
+    # U pi/A, an integral over the memory curve (tangential force up to each load) at each time
     displacement_at_nodes = integrals.over_memory_curves(snapshot_of(times_of_spans))[:, 0]
     first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
     works_of_spans = []
@@ -621,10 +625,10 @@ def _means_along_records(
 
     A record is a portion of a load step in which P and P_c, the load at the stick edge, change
     linearly. The function is singular at P = 0 and P_c = 0. Records are first cut into parts along
-    which a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P - P_c at its
-    begin and end, the number of its record as `step_number` and its share of the record as
-    `step_share_at_end`. At a load d above that of a corner of the profile the function goes as
-    d^(3/2), which nodes that crowd to both ends resolve.
+    which the half-width a(P) is smooth. `contact` is the normal contact P(a). A part holds P and P
+    - P_c at its begin and end, the number of its record as `step_number` and its share of the
+    record as `step_share_at_end`. At a load d above that of a corner of the profile the function
+    goes as d^(3/2), which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
@@ -707,7 +711,8 @@ def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -
 
 def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     """Closeness of P and P_c to 0, or to the load of the profile's corner below, along each part of
-    a slip record, the larger of the two, (m,) from 0 (far) to 1 (reached).
+    a slip record, the larger of the two, (m,) from 0 (far) to 1 (reached). A record is a portion of
+    a load step.
 
     It is 1 - d_min/d_max with the distances d along the part. P_c is the load at the stick edge.
     `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
@@ -821,8 +826,9 @@ def work_error(contact: Contact, records: Records) -> float:
     thickness^2], A = 2/E*; 0 for contacts with closed forms.
 
     It is the largest error of the kernel int ln(a/c) d eta in a sample of 200 records, times the
-    sum of the `level_rise` of all. `level_rise` is the growth of +-Q - f P along a record. The
-    error of the kernel includes 3e-13 of it for the quadrature rule.
+    sum of the `level_rise` of all. A record is a portion of a load step; `level_rise` is the growth
+    of +-Q - f P along it. a and c are the half-widths of contact and of stick. The error of the
+    kernel includes 3e-13 of it for the quadrature rule.
 
     Raises
     ------
@@ -839,7 +845,7 @@ def work_error(contact: Contact, records: Records) -> float:
     slip_zone_load = np.append(
         sampled_records.slip_zone_load_at_begin, sampled_records.slip_zone_load_at_end
     )
-    # kernel: int ln(a/c) d eta over the loads from P_c to P
+    # kernel: int ln(a/c) d eta over the loads from P_c, that at the stick edge, to P
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
     error_of_rule = _RELATIVE_ERROR_OF_GAUSS_RULES * contact.dissipation_kernel(
         load, slip_zone_load
@@ -874,12 +880,12 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     """pi/(f A) times the friction work per area of parts of slip records, at |x| = `x` (k,): the
     sum of int p arccosh(|x|/c) dw [stress times force per thickness]; A = 2/E*.
 
-    Along a part P and P_c change linearly, P_c the load at the stick edge, and pass no corner of
-    the profile. w = +-Q - f P grows in slip, p is the pressure at x and c the stick half-width. p
-    has a root where P = P_x, the load at which the edge of contact is at x. The arccosh has one
-    where P_c = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as
-    the nearest of these needs. Parts hold P and P - P_c at begin and end, and the growth
-    `level_rise` of w.
+    A record is a portion of a load step. Along a part of it P and P_c change linearly, P_c the load
+    at the stick edge, and pass no corner of the profile. w = +-Q - f P grows in slip, p is the
+    pressure at x and c the stick half-width. p has a root where P = P_x, the load at which the edge
+    of contact is at x. The arccosh has one where P_c = P_x, and a logarithm where P_c = 0. A pair
+    of part and point takes as many nodes as the nearest of these needs. Parts hold P and P - P_c at
+    begin and end, and the growth `level_rise` of w.
     """
     # P_x
     contact_edge_loads = contact.load(x)
@@ -1011,7 +1017,8 @@ class LoopWorkOfSeries:
     ) -> None:
         self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
-        self._compliance = 2 / (math.pi * modulus)  # A/pi
+        self._compliance = 2 / (math.pi * modulus)  # A/pi, A = 2/E*
+        # largest size of U pi/A over f, U the relative tangential displacement
         self._displacement_size = 2 * abs(float(self._contact.approach_integral(largest_load)))
         self._scaled_displacement = 0.0  # U pi/A at the end of the last block
         self._scaled_integral = 0.0  # -int U dQ pi/A so far
@@ -1046,7 +1053,8 @@ class LoopWorkOfSeries:
             integral_to_stick_edge = np.where(
                 slip_zone_load > 0, integral_to_stick_edge, integral_to_load
             )
-            # the slope of the memory curve is +-f in the slip zones
+            # the slope of the memory curve, tangential force up to each load, is +-f in the slip
+            # zones
             rise_by_slip_zones = slope_in_slip_zones[record_numbers, None] * (
                 integral_to_load - integral_to_stick_edge
             )

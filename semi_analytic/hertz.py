@@ -110,7 +110,8 @@ class HertzContact:
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Hertz pressure p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress] at distances x from the
-        middle, 0 outside the contact; equation (22) of Davies, Barber and Hills (2012).
+        middle, 0 outside the contact, a the contact half-width and R the radius; equation (22) of
+        Davies, Barber and Hills (2012).
 
         >>> float(
         ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)
@@ -215,7 +216,8 @@ class HertzContact:
         """int_0^P ln(2 L/a(eta)) d eta = P [ln(2 L/a(P)) + 1/2] [force per thickness].
 
         Times A/pi it is the normal approach of the half-planes, relative to a datum at the distance
-        L, `datum_length`; A = 2/E* is the compliance of both.
+        L, `datum_length`; A = 2/E* is the compliance of both, a(eta) the half-width under the load
+        eta.
 
         >>> contact = HertzContact(
         ...     modulus=100.0, radius=1.0, datum_length=0.5
@@ -234,8 +236,9 @@ class HertzContact:
         return loads * loads / 2 * (self.log_datum_ratio(loads) + 0.25) * (loads > 0)
 
     def log_datum_ratio(self, load: ArrayLike) -> Array:
-        """ln(2 L/a(P)), L the `datum_length`, a^2/P = `square_width_per_load`; at P = 0, where it
-        is multiplied by P, the value for P = 1 stands in.
+        """ln(2 L/a(P)), L the `datum_length`, a(P) the contact half-width, a^2/P =
+        `square_width_per_load`; at P = 0, where it is multiplied by P, the value for P = 1 stands
+        in.
         """
         loads = np.asarray(load, dtype=float)
         return -0.5 * np.log(

@@ -116,9 +116,9 @@ class Span:
 
     def slip_zone_load_at(self, t: Array, load: Array) -> Array:
         """P - P_c >= 0 at times t of the segment at which P is `load`, P_c the load at the stick
-        edge, which stays on the `sticking_piece` of the memory curve, between its loads
-        `bottom_load` and `top_load`; 0 where nothing slips (`direction` 0), P where all does (no
-        piece).
+        edge, which stays on the `sticking_piece` of the memory curve (tangential force carried up
+        to each load), between its loads `bottom_load` and `top_load`; 0 where nothing slips
+        (`direction` 0), P where all does (no piece).
         """
         if self.direction == 0:
             return np.zeros(t.shape)

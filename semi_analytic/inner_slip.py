@@ -168,10 +168,11 @@ class InnerSlip:
         """Shear [stress] and slip [length] that the extra slip adds at distances x (k,) >= 0 from
         the middle, and whether each point lies in its slip zone.
 
-        They are added to the fields of the memory curve, by which |q| would exceed f p inside the
-        contact. A point between two half-widths counts as slipping where both of them do;
-        `is_slipping` (m,) is that of all but the last of the `half_widths` (m + 1,). `densities`
-        (m,) are the mu of the punches, `slip_at_middle` is the slip at x = 0.
+        They are added to the fields of the memory curve (tangential force carried up to each load),
+        by which |q| would exceed f p inside the contact. A point between two half-widths counts as
+        slipping where both of them do; `is_slipping` (m,) is that of all but the last of the
+        `half_widths` (m + 1,). `densities` (m,) are the mu of the punches, `slip_at_middle` is the
+        slip at x = 0.
         """
         # influence matrices (k, m)
         shear_per_density, slip_per_density = _shear_and_slip_of_punches(
@@ -219,7 +220,8 @@ def inner_slip(
     modulus: float,
 ) -> InnerSlip:
     """The least slip that must be added to that of the memory curve, inside the contact, for the
-    shear to keep the Coulomb limit |q| <= f p everywhere.
+    shear to keep the Coulomb limit |q| <= f p everywhere. The memory curve is the tangential force
+    carried up to each load.
 
     Where a stroke of slip ends while the curvature of the faces still changes, points at the edge
     of contact stick first; points further in slip on. The slip is a superposition of flat punches,
@@ -274,9 +276,9 @@ def inner_slip(
 
 def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
     """The half-widths, ascending, with more of them around the ends of the slip zone and around
-    `slip_ends`, where slip of the memory curve begins or ends. The two intervals on each side of an
-    end are cut into four parts. `slips` (m,) tells which of the half-widths but the last are in the
-    slip zone.
+    `slip_ends`, where slip by the memory curve (tangential force carried up to each load) begins or
+    ends. The two intervals on each side of an end are cut into four parts. `slips` (m,) tells which
+    of the half-widths but the last are in the slip zone.
     """
     numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
@@ -309,8 +311,9 @@ def _slip_on_punches(
 ) -> InnerSlip | None:
     """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
     them; None where the search for the slip zone does not converge within 200 trials. `contact`
-    holds the tractions q and f p of the memory curve as a function of x. It also holds the
-    direction of the extra slip, E*, and the half-width outside of which the edge slips.
+    holds the tractions q and f p of the memory curve (tangential force carried up to each load) as
+    a function of x. It also holds the direction of the extra slip, E*, and the half-width outside
+    of which the edge slips.
 
     The zone (active set) starts from that of a coarser solution. It is changed until no sticking
     point exceeds the limit and no slipping point moves against its direction. Unknowns are the

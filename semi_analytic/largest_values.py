@@ -369,8 +369,9 @@ class _Search:
 
         On each part of the load path on which P goes one way, the edge passes x when P is the load
         at which the edge is at x. There are none on straight steps, whose instants are fixed. In
-        the first round over a long record they are left out, as they would be too many: more than
-        400 parts, more than 33 places. `monotonic_parts` are load segments with begin and end time.
+        the first round over a long measured path they are left out, as they would be too many: more
+        than 400 parts, more than 33 places. `monotonic_parts` are load segments with begin and end
+        time.
         """
         is_first_round = len(x) > _MOST_CANDIDATES * _PLACES_IN_ROUND
         is_long_record = len(self.monotonic_parts) > _PARTS_OF_LONG_RECORD

@@ -270,7 +270,8 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
 
     1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading. Where P does not fall a step
     slips if |dQ| > f dP, and sticks if not. Where P falls a step slips if |dQ| >= f |dP|. If not,
-    or if both are 0, it is of the last kind: the memory curve decides on its slip.
+    or if both are 0, it is of the last kind: the memory curve, the tangential force carried up to
+    each load, decides on its slip.
     """
     # dP and dQ of each step
     load_growth, force_rise = np.diff(rows, axis=0).T
@@ -345,7 +346,8 @@ def _curve_after_step(
     friction
         f, coefficient of friction
     recorder
-        takes a record for each line that the step goes through
+        takes a record for each line that the step goes through: slip, P and P - P_c at its begin
+        and end, P_c the load at the stick edge
     """
     if kind == _UNLOADS:
         return _curve_after_unloading(curve, begin_station, end_station, friction, recorder)
@@ -427,7 +429,8 @@ def _curve_after_slip(
     friction
         f, coefficient of friction
     recorder
-        takes a record for each line that the stick edge goes through
+        takes a record for each line that the stick edge goes through: slip, P and P - P_c at its
+        begin and end
     """
     # P, Q and the share of the step that is over
     load, force, begin_share = begin_station
@@ -909,8 +912,8 @@ class LoadSeries:
         are left out of them.
 
         # notation: parts (`parts`) initial loading and cycles, each with its rows of time, P and Q
-        #           and the memory curve at its first row; `first_steps` number of the first step of
-        #           each part; `times` of all rows
+        #           and the memory curve (tangential force up to each load) at its first row;
+        #           `first_steps` number of the first step of each part; `times` of all rows
 
         About 400 a cycle and 100 of the initial loading, evenly spread over each record, a portion
         of a load step, with both its ends. Of a measured record of more than 1,000 rows
@@ -1096,7 +1099,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     cycle_number = np.searchsorted(cycle_starts - time_slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
-    # PathPart: rows, delay, memory curve at the first row
+    # PathPart: rows of a part of the path, and how much later than their times it is
     loading, *cycles = (
         PathPart(rows[first_row : last_row + 1], 0.0)
         for first_row, last_row in pairwise(rows_at_ends)
@@ -1348,9 +1351,9 @@ def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """The share of each record (n,) that is over when `share_of_step` of its load step is: (n,). A
-    step has one record or more, each up to its `step_share_at_end`; `record_number` (n,) selects
-    them.
+    """The share of each record (n,), a portion of a load step, that is over when `share_of_step` of
+    its step is: (n,). A step has one record or more, each up to its `step_share_at_end`;
+    `record_number` (n,) selects them.
     """
     is_first_record = np.diff(records.step_number, prepend=-1) > 0
     share_at_begin = np.where(is_first_record, 0.0, np.append(0.0, records.step_share_at_end[:-1]))[

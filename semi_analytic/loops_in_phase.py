@@ -113,8 +113,8 @@ class Stroke:
         return self.middle_and_half_width(*self.equivalent_load_and_tilt_of_stick(u))
 
     def friction_power(self, x: Array, u: Array) -> Array:
-        """Friction work per area and u, f p |ds/du|, at points x in the slip zone and fractions u
-        of the stroke, arrays that broadcast [energy per area].
+        """Friction work per area and per fraction u of the stroke, f p |ds/du|, at points x in the
+        slip zone and fractions u, arrays that broadcast [energy per area].
         """
         # middle and half-width of the contact
         m, c = self.contact_at(u)
@@ -230,10 +230,10 @@ class Stroke:
         contact.
         """
 
-        def depth_in_slip_zone(x: Array, path_fraction: Array) -> Array:
+        def depth_in_slip_zone(x: Array, stroke_fraction: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
-            stick_middle, stick_half_width = self.stick_zone(path_fraction)
-            contact_middle, half_width = self.contact_at(path_fraction)
+            stick_middle, stick_half_width = self.stick_zone(stroke_fraction)
+            contact_middle, half_width = self.contact_at(stroke_fraction)
             return np.minimum(
                 np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
             )
@@ -286,7 +286,7 @@ class Stroke:
 def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
     """The forward and the reverse stroke of a cycle in which P, Q, bulk strain and tilt are in
     phase, and both sides of the stick zone slip in one direction; None for any other cycle, for
-    none, without friction, and where Q rests or P reaches 0.
+    a path without a cycle, without friction, and where Q rests or P reaches 0.
 
     In phase means that these four lie on one line between two turning points, each half of the
     cycle going along it once. Samples are (4, n): P, Q, bulk strain and tilt.
@@ -329,7 +329,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
 def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     """Friction work of a cycle from its loads [energy per thickness]: the closed integral of Q
     dU - m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear.
-    It is a second route to W, without slip. eps is the bulk strain, q the shear.
+    It needs no slip: a second route to the same work. eps is the bulk strain, q the shear.
     """
     # along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)

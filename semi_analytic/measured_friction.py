@@ -296,8 +296,8 @@ def _friction_of_ellipses(
     profile_and_material
         values of the arguments `profile` and `material` of `dissipation`
     loads
-        its arguments for the ellipses, by name, in the order P0, P1, Q0, Q1, phase: numbers or
-        arrays
+        its arguments for the ellipses, by name: mean and amplitude of P, mean and amplitude of Q,
+        lag of Q, in this order, numbers or arrays
     """
     # One call without friction checks every argument and gives the shape of the batch, that of the
     # loads and of the profile's numbers together.
@@ -356,9 +356,9 @@ def _friction_of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     """Every coefficient of friction at which a steady cycle of the scene dissipates `target`, for
     loads other than an ellipse [energy per thickness].
 
-    W is found by `solve` at each coefficient tried. They begin at f_min, the largest |Q|/P of the
-    path, by 513 samples of each load segment. Where no f within 1e-4 above it is admissible, no f
-    is.
+    W, the friction work of a cycle, is found by `solve` at each coefficient tried. They begin at
+    f_min, the largest |Q|/P of the path, by 513 samples of each load segment. Where no f within
+    1e-4 above it is admissible, no f is.
     """
 
     def work_at(friction: float) -> float:
@@ -441,8 +441,8 @@ def _friction_batch(
     tells whether W is known at all of them, `largest_f` is the largest f sampled.
 
     W(f) of each member of a batch is sampled, and its turning points are added. Between samples on
-    either side of the target the roots are then found by iteration. The batch of targets has n
-    members after broadcasting.
+    either side of the target the roots are then found by iteration. There are n targets after
+    broadcasting.
 
     Parameters
     ----------

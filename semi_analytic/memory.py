@@ -167,10 +167,11 @@ class Piece(NamedTuple):
         return self.slope - 2 * self.bend * self.anchor.normal_load if self.arc is None else 0.0
 
     def slope_at(self, eta: Array) -> Array:
-        """dM/d eta at loads eta (n,): (n,). On an arc it is dQ/dP of the load path, taken as 0
-        where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
-        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but
-        for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
+        """dM/d eta at loads eta (n,): (n,), M(eta) the tangential force of the flat punches up to
+        the load eta. On an arc it is dQ/dP of the load path, taken as 0 where both loads turn at
+        once. `anchor` is the instant (P as `normal_load`) from which the piece is measured; `slope`
+        is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but for an arc.
+        `time_of_load_on_arc` gives the time of the load path at which P was eta.
         """
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
@@ -337,9 +338,10 @@ def slip_to(
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
-    dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`. Slip in that direction
-    passes it at once. Only a straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a
-    curved part of the load path.
+    dM/d eta = s f (its `slope`), so that q = s f p there; f is `friction`, M(eta) the tangential
+    force of the flat punches up to the load eta. Slip in that direction passes it at once. Only a
+    straight piece can be: `bend` 0 (half of d2M/d eta2), and no `arc`, a curved part of the load
+    path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -423,7 +425,7 @@ def _load_of_slip_zone_on_arc(
 ) -> Array:
     """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
     is inside an arc of the memory curve, the path of an earlier time in full stick [force per
-    thickness].
+    thickness]. The memory curve is the tangential force of the flat punches up to each load.
 
     P_c is the load P of the arc at the time at which s Q - f P was what it is now, s the
     `direction` of slip, f `friction`. If P and Q are a single wave on one segment, that time is the

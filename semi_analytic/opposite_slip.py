@@ -237,8 +237,9 @@ class OppositeSlip(TiltedProfile):
 
         I(eta) is the stick zone after |Q| = f (P - eta), and P - eta the unloading. The series need
         -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P), the
-        dimensionless bulk strain. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact`
-        holds P, middle and half-width of the contact.
+        dimensionless bulk strain; A = 2/E*, R is the radius of the parabola, a the contact
+        half-width. `pressure_skewness` is pi kappa/A, eps = kappa Q; `_contact` holds P, middle and
+        half-width of the contact.
         """
         largest_load, _, half_width = self._contact
         # `tangential_fraction`: 1, or 0 where Q = 0 and bulk strain alone changes
@@ -320,7 +321,9 @@ class OppositeSlip(TiltedProfile):
         return sign_of_side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x) at the constant load, with its sign of slip: q/f where x slips [stress]."""
+        """Pressure p(x) at the constant load P, with the sign of slip at x as Q grows: q/f where x
+        slips [stress].
+        """
         _, contact_middle, contact_half_width = self._contact
         pressure = self.shape.pressure(
             np.asarray(x, dtype=float), np.array(contact_middle), np.array(contact_half_width)
@@ -410,9 +413,10 @@ class OppositeSlip(TiltedProfile):
         return np.asarray(-np.sum(weights * self.log_datum_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
-        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load [force
-        per thickness]. g is the rate of (U + kappa m_q) pi/A per load on the stick zone I(eta). U
-        is the tangential displacement, m_q the moment of the shear, kappa the bulk strain over Q.
+        """Kernel of the friction work, Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c =
+        load - slip_zone_load [force per thickness]. g is the rate of (U + kappa m_q) pi/A per load
+        on the stick zone I(eta). U is the tangential displacement, m_q the moment of the shear,
+        kappa the bulk strain over Q, A = 2/E*.
         """
         load, slip_zone_load = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)

@@ -731,7 +731,8 @@ class _TableSeries:
         self, interval_number: Indices, u: Array, load_or_stiffness: SeriesAsPowers
     ) -> Array:
         """P or dP/da, that of the given series, at u on the intervals with these numbers.
-        `begin_roots` and `end_roots` (n,) are their ends in u = sqrt(a - knot).
+        `begin_roots` and `end_roots` (n,) are their ends in u = sqrt(a - knot), a the contact
+        half-width; a knot is a half-width at which the curvature of the profile jumps.
         """
         begin_root = self.begin_roots[interval_number]
         end_root = self.end_roots[interval_number]
@@ -741,8 +742,9 @@ class _TableSeries:
     def sample_half_widths(self) -> Array:
         """Half-widths at the nodes and both ends of every interval, (n, nodes) [length], at which
         dP/da is tested: where it falls behind a knot it is least at the next one. An interval is a
-        range of u = sqrt(a - knot) from `begin_roots` to `end_roots`; CHEBYSHEV_NODES are those of
-        [-1, 1].
+        range of u = sqrt(a - knot) from `begin_roots` to `end_roots`, a the contact half-width; a
+        knot is a half-width at which the curvature of the profile jumps. CHEBYSHEV_NODES are those
+        of [-1, 1].
         """
         nodes_and_ends = np.concatenate([[-1.0], CHEBYSHEV_NODES, [1.0]])
         range_of_u = (self.end_roots - self.begin_roots)[:, None]
@@ -867,7 +869,7 @@ class _TableLaw(NamedTuple):
         self, d: Array, series_behind: SeriesAsPowers, closed_form_before: Callable[[Array], Array]
     ) -> Array:
         """P or dP/da at advances d of the edge of contact beyond `least_half_width`, the half-width
-        without load.
+        without load. A knot is a half-width at which the curvature of the profile jumps.
 
         Parameters
         ----------
@@ -1435,7 +1437,7 @@ def _abel_integral(
         distance_to_corner = np.maximum(distance + (begin - b), 0.0)
         root_of_squares = np.sqrt(distance_to_corner * (half_width + b))
         angles_of_corners.append(np.arctan2(root_of_squares, b))
-    # quadrature over the angle, split at the corners, (..., panels, nodes)
+    # quadrature over the angle, cut at the corners into panels, (..., panels, nodes)
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
     complement_of_angle = np.where(

@@ -251,9 +251,9 @@ class PunchSuperposition:
         """Contact pressure p(x, P) at the point x as one term of a difference between two loads
         [stress].
 
-        At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), g = dP/da, L the
-        datum length: differences of it are right. `_pressure_and_error` takes the power of the load
-        in the integrand, here 0, |x| and P.
+        At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), a the contact
+        half-width, g = dP/da, L the datum length: differences of it are right.
+        `_pressure_and_error` takes the power of the load in the integrand, here 0, |x| and P.
         """
         pressure, _ = self._pressure_and_error(0, np.abs(as_floats(x)), as_floats(load))
         return pressure if self._is_sharp_wedge else np.maximum(pressure, 0.0)

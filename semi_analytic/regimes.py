@@ -111,9 +111,9 @@ def fretting_map(
             raise InputError(f"fretting_map: {name} has {factor.min():.6g}: factors are above 0")
     # the normal contact and the compliance of contact, bodies and springs
     rig = rigged_scene(scene, checked_effects(effects))
-    cycles = max(scene.cycles, 2)
+    most_cycles = max(scene.cycles, 2)
     # instants, P or normal approach, and displacement of the actuator
-    rows = actuator_rows(path, cycles, one_step_at_constant_load=True)
+    rows = actuator_rows(path, most_cycles, one_step_at_constant_load=True)
     shape = factors[0].shape
     regimes = np.empty(shape, dtype=np.int8)
     dissipation = np.empty(shape)
@@ -132,7 +132,7 @@ def fretting_map(
         cycle_number = driven_path.first_steady_cycle
         if cycle_number is None:
             raise InputError(
-                f"fretting_map: no steady cycle among the first {cycles} with stroke ="
+                f"fretting_map: no steady cycle among the first {most_cycles} with stroke ="
                 f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
         # row at which the cycle begins

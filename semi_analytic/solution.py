@@ -58,12 +58,12 @@ def solve(
     Parameters
     ----------
     scene
-        the question, or its name in the library, or the path of its file
+        a scene, or the name of one in the library, or a scene file
     x
         (n_points,) contact points, or one [length]; 200 across the largest contact and a little
         beyond if None
     time
-        (n_steps,) instants, in any order, or one; about 400 a cycle, all events among them, if
+        (n_instants,) instants, in any order, or one; about 400 a cycle, all events among them, if
         None
     cycles
         "all" (the initial loading and every cycle up to the first steady one) or "steady" (that
@@ -91,8 +91,8 @@ def solve(
         is steady before). Cycles after the steady one are looked up, not solved. A path of more
         than 1,000 rows is answered at every row where no `time` is given, at about 400 of them
         with pointwise fields; a million rows take some seconds and memory for the rows asked
-        for, W(x) of them at 200 points five seconds for a parabola, minutes for a profile of
-        rows: leave "dissipation_density" out of `fields` where it is not wanted.
+        for, W(x), the friction work per area, at 200 points five seconds for a parabola, minutes
+        for a tabulated profile: leave "dissipation_density" out of `fields` where it is not wanted.
 
     Raises
     ------

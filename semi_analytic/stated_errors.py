@@ -87,8 +87,8 @@ def error_of_displacement(friction: float, approaches: Array, displacements: Arr
     friction
         f
     approaches
-        (n,) int_0^P ln(2 L/a) d eta at each instant: the normal approach over A/pi [force per
-        thickness]
+        (n,) int_0^P ln(2 L/a) d eta at each instant: the normal approach over A/pi, A = 2/E* [force
+        per thickness]
     displacements
         (n,) int_0^P M' ln(2 L/a) d eta: the tangential displacement over A/pi [force per
         thickness]. M(eta) is the tangential force of the flat punches up to the load eta
@@ -115,7 +115,7 @@ def error_of_work(
     contact: Contact, spans: Sequence[Span], work: float, loop_integral: LoopIntegral
 ) -> tuple[float, float]:
     """Relative error of the friction work W of a cycle, and relative difference of the closed
-    integral of Q dU from W.
+    integral of Q dU from W; U is the relative tangential displacement.
 
     The error of W is that of its kernel Lam = int ln(a/c) d eta; a and c are the half-widths of
     contact and of stick. Where slip is tiny W keeps more digits than the closed integral, whose
@@ -126,8 +126,8 @@ def error_of_work(
     Parameters
     ----------
     spans
-        of the cycle, times in full stick or with slip in one direction; none of a load series,
-        whose records have the error of Lam in W already
+        of the cycle, times in full stick or with slip in one direction; none of a path of straight
+        steps, whose work has the error of Lam already
     work
         W over A/pi, A = 2/E* [force^2 per thickness^2]
     loop_integral
@@ -152,9 +152,10 @@ def error_of_work(
 def _error_of_span(contact: Contact, span: Span) -> float:
     """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
     over A/pi [force^2 per thickness^2]; 0 in stick and gross sliding. w = +-Q - f P grows in slip;
-    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P. The
-    span holds its load segment, begin, end and direction of slip, 0 for none. Its `sticking_piece`
-    is the piece of the memory curve that holds the stick edge, None if nothing sticks.
+    Lam is the integral of ln(a/c) over the loads from P_c, that at the edge of stick, to P; a and c
+    are the half-widths of contact and of stick, A = 2/E*. The span holds its load segment, begin,
+    end and direction of slip, 0 for none. Its `sticking_piece` is the piece of the memory curve
+    (tangential force up to each load) that holds the stick edge, None if nothing sticks.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
@@ -219,7 +220,7 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     # finite values only
     largest_pressure = _largest_finite(contact.pressure(sampled_places, load))
     largest_values = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
-    # relative errors along curved pieces of the memory curve
+    # relative errors along curved pieces of the memory curve, tangential force up to each load
     errors_of_arcs = {
         name: largest_error(sums.arc_errors[name]) / largest_value
         if largest_value > _SMALLEST_FLOAT
@@ -238,14 +239,16 @@ def errors_of_sums(contact: Contact, sums: SumsOfKernels) -> dict[str, float]:
     kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
     for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
         # by the error of the half-widths of contact and of stick
-        error_by_edge, error_by_stick_edge = (
+        error_by_contact_edge, error_by_stick_edge = (
             _error_beside_edges(contact, sums.distances, half_widths, nearest_share)
             / largest_pressure
             for half_widths in (sums.half_widths, sums.stick_half_widths)
         )
-        errors[f"pressure{suffix}"] = kernel_error + error_by_edge
+        errors[f"pressure{suffix}"] = kernel_error + error_by_contact_edge
         error_of_shear_sum = errors_of_arcs["shear"] + sums.n_kernels * kernel_error
-        errors[f"shear{suffix}"] = error_of_shear_sum + error_by_edge + 2 * error_by_stick_edge
+        errors[f"shear{suffix}"] = (
+            error_of_shear_sum + error_by_contact_edge + 2 * error_by_stick_edge
+        )
     if sums.largest_slip > _SMALLEST_FLOAT:
         slip_kernel_errors = contact.quadrature_error("slip_integral", sampled_places, load)
         slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip

@@ -735,8 +735,8 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     Integrated over the time of slip, cut where an edge passes a corner of the profile. Next to
     singular ends the rule is graded; intervals that have not converged are halved. NaN where that
     does not help. The integrand is that of the kernel Lam(P, P_c), the integral of ln(a/a(P_c))
-    over the loads from P_c, that at the stick edge, to P. `contact` is the normal contact P(a) of
-    the profile, A = 2/E*.
+    over the loads from P_c, that at the stick edge, to P; a is the contact half-width. `contact` is
+    the normal contact P(a) of the profile.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -771,8 +771,8 @@ _ROUNDING_MARGIN = 1e-12
 
 
 def groups_by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, int]]:
-    """Groups of ellipses whose loads one table of ln a(P) can serve: numbers of the ellipses, first
-    and last octave of the table.
+    """Groups of ellipses whose loads one table of ln a(P) can serve, a(P) the contact half-width:
+    numbers of the ellipses, first and last octave of the table.
 
     Loads of a group lie in [2^first octave, 2^(last octave + 1)), its largest ones within eight
     octaves. Which table an ellipse gets follows from its own loads alone. Loads below 2^-48 of the
@@ -801,14 +801,14 @@ def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     To ten digits, E* being the composite modulus; NaN where the quadrature does not converge.
     `ellipses` holds the loads and angles of m ellipses, `contact` is the normal contact P(a) of the
-    profile. Where the load of the slip zones is no small share of P0, ln a(P) is looked up in a
-    series.
+    profile. Where the load of the slip zones is no small share of the mean of P, ln a(P) is looked
+    up in a series, a(P) the contact half-width.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (1.0, 0.0, 0.3, math.pi / 2, 0.5))
-    ... )  # constant P, Q1 = 0.6 f P
+    ... )  # constant P, |Q| <= 0.6 f P
     >>> works = dissipation_of(loop, HertzContact(modulus=1.0, radius=1.0, datum_length=1.0))
     >>> (
     ...     round(float(works.sum()), 9),
@@ -847,12 +847,12 @@ def _dissipation_of_group(
     error of their sum, (3, m).
 
     Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
-    from the largest load P - P_c of the slip zones over P0. Above 0.002: integrals over the loads P
-    and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of ln a. Below, and
-    up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow but with all
-    digits. P_c is the load at the stick edge, a the contact half-width. The last arguments of the
-    two integrators are quadrature rules and 3e-8, the share of W below which error checks count as
-    converged.
+    from the largest load P - P_c of the slip zones over the mean load P0. Above 0.002: integrals
+    over the loads P and P_c. Above 1e-6: the kernel Lam = int ln(a(eta)/a(P_c)) d eta by a table of
+    ln a. Below, and up to 0.002 for eight ellipses or fewer: Lam of the normal contact itself, slow
+    but with all digits. P_c is the load at the stick edge, a the contact half-width. The last
+    arguments of the two integrators are quadrature rules and 3e-8, the share of W below which error
+    checks count as converged.
     """
     works_and_error = np.empty((3, len(ellipses.mean_load)))
 
@@ -960,7 +960,7 @@ def _work_over_phases(
     def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
         """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,).
         w = +-Q - f P grows in slip; `kernel` gives Lam, the kernel of the friction work, from P and
-        P - P_c.
+        P - P_c, P_c the load at the stick edge.
         """
         slip_rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASE_NAMES):
@@ -1006,8 +1006,8 @@ def _work_over_loads(
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
         """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,), a
-        the contact half-width. A course is P or P_c, the load at the stick edge, through a phase of
-        slip.
+        the contact half-width, P0 the mean load. A course is P or P_c, the load at the stick edge,
+        through a phase of slip.
         """
         weight, load = np.empty((2, *angle.shape))
         # _COURSE_NAMES: "P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M"
@@ -1389,9 +1389,9 @@ class LogHalfWidth:
         self.series_ends = (self._corner_load + np.square(self._first_v))[1:]
 
     def _values_of_series(self, series_number: Indices, v: Array) -> Array:
-        """L = ln a by the polynomials of the given numbers at v = sqrt(P - P_b), shape of v; P_b is
-        the load of the corner below each. `_first_v` and `_last_v` (n,) are the ends of the
-        polynomials; within them the position goes from -1 to 1.
+        """L = ln a, a the contact half-width, by the polynomials of the given numbers at v = sqrt(P
+        - P_b), shape of v; P_b is the load of the profile's corner below each. `_first_v` and
+        `_last_v` (n,) are the ends of the polynomials; within them the position goes from -1 to 1.
         """
         first_v = self._first_v[series_number]
         position = (v - first_v) * (2 / (self._last_v[series_number] - first_v)) - 1
@@ -1711,7 +1711,7 @@ def phase_integrals(
     #           amplitude of P; u, v forward and reverse amplitude, of (Q -+ f P)/f; D angle from E
     #           to G, t_E time of E; h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0,
     #           ellipses along axis 1; alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2),
-    #           k = 4 alpha beta = 4 P1 sin(t_E)
+    #           k = 4 alpha beta = 4 P1 sin(t_E); a(eta) contact half-width under the load eta
 
     With S = sin(h y), C = cos(h y), Z = sin(g y), X = cos(g y) at the nodes, a bar for the node
     1 - y, which is one of the same rule, and s the angle in the phase of slip:
