@@ -6,9 +6,9 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     cycles.py       the last cycle of a solution, on the points of another: `Cycle` `last_cycle`
                     `Event` `events` `index_of_first_row` `NAMES_OF_BULK_SERIES`
     dimensionless.py the scales: `scales_of_reference` `Scales` `compliance_of_materials`
-    `energy_scale` datum.py        what displacements count from, c_t and c_n of finite bodies:
-    `effects_between`
-                    `lacks_datum` `cycle_from_supports`
+                    `energy_scale`
+    datum.py        what displacements count from, c_t and c_n of finite bodies:
+                    `effects_between` `lacks_datum` `cycle_from_supports`
     isolated.py     single values that no neighbour supports: `spike_mask` `without_spikes`
     pairs.py        reference and result on common points: `Pair` `are_half_planes`
                     `has_coupled_tractions` `engine_in_words`
@@ -25,9 +25,10 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `expected_rows` `EXPECTED_HEADS`
     why.py          the difference of W split by what makes it: `Why` `Step` `percent_of`
                     `in_percent`
-    judged.py       all of that with its verdict: `JudgedPair` words.py        all of that in
-    sentences, whose words are in templates/words.txt: `headline_sentence`
-                    `verdict_in_few_words` `verdict_in_sentences` `verdict_in_short`
+    judged.py       all of that with its verdict: `JudgedPair`
+    words.py        all of that in sentences, whose words are in templates/words.txt:
+                    `headline_sentence` `verdict_in_few_words` `verdict_in_sentences`
+                    `verdict_in_short`
                     `sentence_on_judging` `labels_judged_by_size` `verdict_for_colour`
                     `sentence_on_work` `question_in_words` `bodies_in_words`
                     `bulk_and_tilt_in_words` `unlike_materials_in_words` `idealisation_in_words`
@@ -47,8 +48,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms`
                     `cost_in_words` `cell_of_term` `is_covered` `are_covered` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `ValuesOfRun`
-    `read_run_values`
-                    `run_values_of_content` `run_values_of_solution` `difference_of_runs`
+                    `read_run_values` `run_values_of_content` `run_values_of_solution`
+                    `difference_of_runs`
                     `Difference` `ValueRow` `SAME` `NAMES_OF_COUNTS` `FORMAT_OF_SOLUTION`
                     `is_baseline` `write_baseline` `patterned_tolerances`
 """

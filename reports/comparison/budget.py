@@ -387,6 +387,7 @@ class _RunSolver:
         """
         import halfplane_fe
 
+        # `report`: the function to which the solver reports its progress
         with self.stage(f"budget, {label}") as report:
             try:
                 solution = halfplane_fe.solve(
@@ -1032,7 +1033,8 @@ class Extrapolation(PythonNumbers):
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
     """Order of convergence p of three solutions: that of the curve phi_0 + alpha h^p through their
-    values. None where the values are not monotone, or where p lies outside 0.01 to 16.
+    values, phi_0 the value at size zero, alpha a factor. None where the values are not monotone, or
+    where p lies outside 0.01 to 16.
 
     Parameters
     ----------
@@ -1070,12 +1072,13 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
 
 
 def kind_of_sequence(refinement: Refinement) -> _Kind:
-    """How the values of a refinement study change as the element size falls.
+    """How the values phi of a refinement study change as the element size h falls, in a word.
 
     "too few": fewer than three values. "exact": all values are equal to rounding. Changes of one
-    sign: "monotone" where the curve phi_0 + alpha h^p that fits best has a p from 0.01 to 16, else
-    "diverging". Other changes (both signs, or some 0): "oscillating" where the change between the
-    two finest meshes is smaller than the largest of the others, else "diverging".
+    sign: "monotone" where the curve phi_0 + alpha h^p that fits best (phi_0 the value at size zero,
+    alpha a factor, p the order) has a p from 0.01 to 16, else "diverging". Other changes (both
+    signs, or some 0): "oscillating" where the change between the two finest meshes is smaller than
+    the largest of the others, else "diverging".
 
     `refinement` holds the values phi of one quantity (finest mesh first), their spread (largest
     minus smallest) and the difference that counts as rounding.
@@ -1112,8 +1115,8 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     `refinement` holds sizes and values, the finest mesh first; spread: largest minus smallest
     value.
 
-    The two lower limits on the uncertainty are ours. Where noise is about as large as the trend,
-    the published rules on four solutions cover the true value 80 times of 100, with the limits 94
+    The two lower bounds on the uncertainty are ours. Where noise is about as large as the trend,
+    the published rules on four solutions cover the true value 80 times of 100, with the bounds 94
     times (tests/test_reports_budget.py).
 
     >>> limit = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
@@ -1123,6 +1126,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     kind = kind_of_sequence(refinement)
     n_solutions = len(refinement.values)
     finest_value = refinement.values[0]
+    # an extrapolation: order, kind, value at size zero, its uncertainty, the rule in words
     if n_solutions == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
@@ -1264,8 +1268,8 @@ def _order_of_best_curve(refinement: Refinement) -> float | None:
 
 def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve:
     """The curve phi_0 + alpha h^p that fits the values of a refinement study best, for `weights`
-    (k,) of the k solutions, p between 0.01 and 16. Its order is None where the best p is an end of
-    that range.
+    (k,) of the k solutions: phi_0 the value at size zero, alpha a factor, p the order, between 0.01
+    and 16. The order of the curve is None where the best p is an end of that range.
 
     `refinement` holds the sizes h and the values phi of the solutions, finest first. The returned
     curve has its limit phi_0, its value at the finest size, and the deviation of the solutions.
@@ -1279,7 +1283,7 @@ def _curve_of_free_order(refinement: Refinement, weights: Array) -> _FittedCurve
         alpha, (m,).
         """
         powers = relative_sizes ** np.atleast_1d(orders)[:, None]
-        # (m, k), less their mean: phi_0 drops out
+        # (m, k), minus their mean: phi_0 drops out
         powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
         alpha = (weights * powers) @ centred_values / np.sum(weights * powers**2, axis=1)
         residuals = centred_values - alpha[:, None] * powers
@@ -1307,8 +1311,8 @@ def _fitted_curve(
     refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
 ) -> _FittedCurve:
     """Fit the curve phi_0 + sum_j alpha_j h^p_j to the solutions of a refinement study by weighted
-    least squares; h are their sizes, p_j the `powers`. Returns limit phi_0, finest value and
-    standard deviation.
+    least squares; h are their sizes, p_j the `powers`. Returns its limit phi_0 at size zero, its
+    value at the finest size, and the standard deviation of the solutions from it.
 
     Parameters
     ----------

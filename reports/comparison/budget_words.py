@@ -20,8 +20,9 @@ def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
     """
     first_budgets = [entry for entry in budget.budgets if entry.metric.headline]
     names = []
-    for place, term in enumerate(first_budgets[0].terms if first_budgets else ()):
-        if all(_is_negligible(entry, entry.terms[place]) for entry in first_budgets):
+    # all budgets have the same sources of error, in the same order
+    for index, term in enumerate(first_budgets[0].terms if first_budgets else ()):
+        if all(_is_negligible(entry, entry.terms[index]) for entry in first_budgets):
             names.append(term.name)
     return tuple(names)
 

@@ -89,7 +89,8 @@ def last_cycle(solution: ContactSolution) -> Cycle:
     states, in `work.skipped`, that it holds no whole cycle. InputError where it should hold one and
     does not.
 
-    `fraction` of the returned cycle is 0 where a cycle of the load path starts, 1 where it ends.
+    `fraction` of the returned cycle (k,) is the place of each instant in the period of the load
+    path: 0 where a period starts, 1 where it ends.
     """
     if "whole_cycle" in solution.work.skipped:
         return _cycle_of_all_instants(solution)
@@ -101,13 +102,13 @@ def last_cycle(solution: ContactSolution) -> Cycle:
         )
     time = solution.time[indices]
     fraction_since_start = (time - time[0]) / (time[-1] - time[0])
-    # instants are placed in the cycle of the load path, which may start earlier
+    # instants are placed in the period of the load path, which may start earlier
     fraction = fraction_since_start + _fraction_at_start(solution, time[0])
     return _cycle_at_instants(solution, indices, fraction, is_whole=True)
 
 
 def _fraction_at_start(solution: ContactSolution, time: float) -> float:
-    """Fraction of the load path's cycle, 0 to 1, that is over at `time`; 0 without a period."""
+    """Fraction of the load path's period, 0 to 1, that is over at `time`; 0 without a period."""
     path = solution.scene.load.path()
     if path.period is None:
         return 0.0
@@ -132,7 +133,7 @@ def _cycle_at_instants(
     indices
         (k,) indices of the instants in the solution
     fraction
-        (k,) fraction of the load path's cycle that is over at each instant; the time itself where
+        (k,) fraction of the load path's period that is over at each instant; the time itself where
         the instants are no whole cycle
     is_whole
         whether the instants are a whole cycle
@@ -164,8 +165,8 @@ def _cycle_at_instants(
 
 
 def cycle_interpolated_by_time(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
-    """The reference solution interpolated to the times and points of `target_cycle`, which holds no
-    whole cycle.
+    """The last instants of a reference solution, interpolated to the times and points of
+    `target_cycle`, the instants of a result that holds no whole cycle.
 
     Instants are matched by their times: a target time after the end of the reference is moved back
     by whole periods, into the last cycle of the reference. In both cycles `fraction` is the time
@@ -193,10 +194,10 @@ def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     """A cycle of one solution interpolated to the points and instants of another solution's cycle,
     `target_cycle`; the values of `cycle` itself where both have the same points and instants.
 
-    Instants are matched by the fraction of the cycle, since two engines may have needed different
-    numbers of revolutions. Interpolation is linear in x and in time; the state is that of the
-    nearest point and instant. Instants within 1e-9 of a period are the same, and points within
-    1e-12 of the range of x.
+    Instants are matched by the fraction of the load period, since two engines may have needed
+    different numbers of revolutions. Interpolation is linear in x and in time; the state (stick,
+    slip, open) is that of the nearest point and instant. Instants within 1e-9 of a period are the
+    same, and points within 1e-12 of the range of x.
 
     `interpolation_errors` of the returned cycle are estimated by leaving out every second sample.
     At a square-root edge, where interpolation converges slowest, the error exceeded the estimate
@@ -207,8 +208,8 @@ def interpolated_cycle(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     InputError
         Where `target_cycle` has points beyond an end of `cycle` at which there is still pressure.
     """
-    # `fraction` (k,): place of each instant in the cycle of the load path, from 0 to 1. Above 1 the
-    # target starts within a cycle of the load path and ends in the next one.
+    # `fraction` (k,): place of each instant in the period of the load path, from 0 to 1. Above 1
+    # the target starts within a period and ends in the next one.
     starts_later = target_cycle.fraction[-1] > cycle.fraction[-1] + _FRACTION_TOLERANCE
     if starts_later and cycle.is_whole and target_cycle.is_whole:
         return _interpolated_for_later_start(cycle, target_cycle, engine)
@@ -236,31 +237,30 @@ def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bo
 
 def _interpolated_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     """A cycle interpolated to the points and instants of another solution's cycle, `target_cycle`,
-    that starts later in the load path's cycle: its last instants, of fraction above 1, lie in the
-    next cycle of the load path.
+    that starts later in the period of the load path: its last instants, of fraction above 1, lie in
+    the next period.
 
     Those instants are moved one period back. All are then interpolated in the order of time, and
     the values are put back into the order of `target_cycle`. `engine` names `cycle` in messages.
-    `fraction` (k,) is the place of an instant in the cycle of the load path: 0 at its start, 1 at
-    its end.
+    `fraction` (k,) is the place of an instant in the period: 0 at its start, 1 at its end.
     """
-    is_in_next_cycle = target_cycle.fraction > 1 + _FRACTION_TOLERANCE
-    fraction_in_cycle = target_cycle.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
-    indices_by_time = np.argsort(fraction_in_cycle, kind="stable")
+    is_in_next_period = target_cycle.fraction > 1 + _FRACTION_TOLERANCE
+    fraction_in_period = target_cycle.fraction - np.where(is_in_next_period, 1.0, 0.0)
+    indices_by_time = np.argsort(fraction_in_period, kind="stable")
     target_in_order = replace(
         target_cycle,
-        fraction=read_only_copy(fraction_in_cycle[indices_by_time]),
+        fraction=read_only_copy(fraction_in_period[indices_by_time]),
         time=read_only_copy(target_cycle.time[indices_by_time]),
     )
     sampled_cycle = interpolated_cycle(cycle, target_in_order, engine)
 
-    # the inverse of the sorting
-    places_in_target = np.argsort(indices_by_time, kind="stable")
+    # the inverse of the sorting: index, in the order of time, of each instant of the target
+    indices_in_order = np.argsort(indices_by_time, kind="stable")
     array_by_name: dict[str, Any] = {}
     # fields (k, n), states (k, n), edges (k, 2), loads and displacements (k,)
     for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series_names):
         array = getattr(sampled_cycle, name)
-        array_by_name[name] = read_only_copy(array[places_in_target], array.dtype)
+        array_by_name[name] = read_only_copy(array[indices_in_order], array.dtype)
     return replace(
         sampled_cycle, time=target_cycle.time, fraction=target_cycle.fraction, **array_by_name
     )
@@ -289,8 +289,9 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
     """Interpolate a cycle to the instants of another solution's cycle, `target_cycle`.
 
     Returns the interpolated cycle, and an estimate of the interpolation error of each field (k, n)
-    and edge (k, 2), over its largest value. Interpolation is linear in the fraction of the cycle, 0
-    at its start and 1 at its end; states are those of the nearest instant.
+    and edge (k, 2), over its largest value. Interpolation is linear in `fraction` (k,), the place
+    of an instant in the period of the load path, 0 at its start and 1 at its end; states (stick,
+    slip, open) are those of the nearest instant.
     """
     sampled_values: dict[str, Any] = {}
     # pressure, shear and slip; edges of contact and stick; loads and displacements
@@ -298,12 +299,12 @@ def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, 
         sampled_values[name] = read_only_copy(
             _interpolate_linearly(target_cycle.fraction, cycle.fraction, getattr(cycle, name))
         )
-    nearest_instants = _nearest_indices(target_cycle.fraction, cycle.fraction)
+    nearest_indices = _nearest_indices(target_cycle.fraction, cycle.fraction)
     sampled_cycle = replace(
         cycle,
         time=target_cycle.time,
         fraction=target_cycle.fraction,
-        state=read_only_copy(cycle.state[nearest_instants], np.int8),
+        state=read_only_copy(cycle.state[nearest_indices], np.int8),
         **sampled_values,
     )
     given_values = {name: getattr(cycle, name) for name in (*_FIELD_NAMES, *_EDGE_NAMES)}
@@ -314,8 +315,8 @@ def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, flo
     """Interpolate a cycle to the surface points `x`.
 
     Returns the interpolated cycle, and an estimate of the interpolation error of each field and of
-    the pointwise dissipation, over its largest value. Interpolation is linear in x; states are
-    those of the nearest point, and open beyond the range of the cycle's points.
+    the pointwise dissipation, over its largest value. Interpolation is linear in x; states (stick,
+    slip, open) are those of the nearest point, and open beyond the range of the cycle's points.
     """
     # Pressure, shear and slip with points along the first axis, (n_points, k instants), since the
     # interpolation is along that; the pointwise dissipation is (n_points,).
@@ -431,7 +432,7 @@ def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, 
     bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
     slip ends.
     """
-    # index of the instant in the cycle -> what happens there
+    # index of the instant in the cycle -> what happens there, such as "P largest"
     labels = _labels_of_extremes(cycle, friction, first_index)
     if not labels:
         labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
@@ -490,11 +491,11 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
     return labels
 
 
-def _distance_in_time(cycle: Cycle, instants: Iterable[int]) -> Array:
-    """(k,) time between each instant of a cycle and the nearest of those with the indices
-    `instants`, as a fraction of the cycle.
+def _distance_in_time(cycle: Cycle, indices: Iterable[int]) -> Array:
+    """(k,) time between each instant of a cycle and the nearest of the instants with these
+    `indices`, as a fraction of the cycle.
     """
-    distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(instants)])
+    distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(indices)])
     if cycle.is_whole:  # its end is its start
         distance = np.minimum(distance, 1 - distance)
     return np.asarray(distance.min(axis=1))

@@ -350,7 +350,7 @@ def _with_dotted_names(value: Any, name: str = "") -> dict[str, Any]:
             if key != "file"
         ]
     elif isinstance(value, list):
-        entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
+        entries = [(f"{name}[{index}]", entry) for index, entry in enumerate(value)]
     else:
         return {name: value}
     flat_values: dict[str, Any] = {}

@@ -78,13 +78,14 @@ def without_spikes(values: Array) -> Array:
     if not is_spike.any():
         return values
     smooth_values = values.copy()
-    for instant, point in np.argwhere(is_spike):
+    # indices of the instant and the point of each spike
+    for step, point in np.argwhere(is_spike):
         neighbours = [
             neighbour
             for neighbour in (point - 1, point + 1)
-            if 0 <= neighbour < values.shape[1] and not is_spike[instant, neighbour]
+            if 0 <= neighbour < values.shape[1] and not is_spike[step, neighbour]
         ]
-        smooth_values[instant, point] = np.mean(values[instant, neighbours]) if neighbours else 0.0
+        smooth_values[step, point] = np.mean(values[step, neighbours]) if neighbours else 0.0
     return read_only_copy(smooth_values)
 
 
@@ -100,14 +101,14 @@ def masks_of_isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dic
     counts slip from another origin.
     """
     # edges (k, 2), left and right, beside which a difference may be large
-    edges = {
+    edges_by_field = {
         "pressure": [reference_cycle.contact_edges],
         "shear": [reference_cycle.contact_edges, reference_cycle.stick_edges],
     }
     masks = {
         name: spike_mask(getattr(result_cycle, name)) for name in ("pressure", "shear", "slip")
     }
-    for name, edges_of_field in edges.items():
+    for name, edges_of_field in edges_by_field.items():
         reference_values = np.nan_to_num(getattr(reference_cycle, name))
         difference = getattr(result_cycle, name) - reference_values
         largest_reference = np.max(np.abs(reference_values), initial=0.0)

@@ -84,8 +84,9 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """How far a solution violates each law of contact, with the largest admitted violation.
 
     From its fields: no tension, |q| <= f p ("cone"; left out where the solution has no shear), slip
-    along the shear, loads as in the scene. From its record: the residuals that the engine states.
-    For an external result a law is left out if the fields were derived from it.
+    along the shear, loads as in the scene. From its record: the residuals that the engine reports.
+    For an external result a law is left out if the fields were derived from it. A certificate holds
+    the violation of one law at every instant, the largest, its instant, and the limit.
 
     The limit is 1e-9; for printed digits of an external result 1e-3, and for straight load steps of
     theory corrected by responses of finite bodies 1e-6. A violation is (n_steps,), dimensionless.
@@ -94,7 +95,8 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     if not np.isnan(solution.shear).all():
         violations_in_fields["cone"] = _violation_of_coulomb_limit(solution)
     derived_fields = names_of_derived_fields(solution)
-    # states that were derived from the tractions obey the law by construction; loads likewise
+    # stick and slip states that were derived from the tractions obey the law by construction;
+    # loads likewise
     if "state" not in derived_fields:
         violations_in_fields["slip"] = _violation_in_slip(solution)
     if "normal_load" not in derived_fields:
@@ -327,9 +329,9 @@ def values_of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
 
 def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
     """The number that the tolerance of an expected number is relative to: the size of the expected
-    number. Where that is 0, a typical size of its kind in the solution: of an energy A f^2 P^2, of
-    a stress the largest p, of a length the largest half-width a, of a moment P a, P the largest
-    load; 1 of a share.
+    number. Where that is 0, a typical size of its kind in the solution: of an energy A f^2 P^2 (A
+    the compliance of the materials, f the friction coefficient), of a stress the largest p, of a
+    length the largest half-width a, of a moment P a, P the largest load; 1 of a share.
 
     `expected.quantity` names the number, such as "dissipation"; `QUANTITIES` has its kind.
     """
@@ -355,8 +357,11 @@ def largest_load_ratio(solution: ContactSolution) -> float:
     friction = solution.scene.friction.coefficient
     if not friction:
         return math.nan
-    rows = solution.last_cycle
-    return largest_ratio_of(solution.normal_load[rows], solution.tangential_load[rows]) / friction
+    indices = solution.last_cycle  # of the instants
+    largest_ratio = largest_ratio_of(
+        solution.normal_load[indices], solution.tangential_load[indices]
+    )
+    return largest_ratio / friction
 
 
 def expected_numbers(

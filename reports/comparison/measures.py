@@ -190,8 +190,8 @@ def _first_index_of_largest(size: Array) -> int:
 def _worst_value_and_place(
     series: Array, is_considered: Mask, places: Array
 ) -> tuple[float | None, float | None]:
-    """The value of largest size in a series, and its place; the first where several are as large. A
-    NaN counts as largest; (None, None) where no value is considered.
+    """The value of largest size in a series, and the time or x at which it stands; the first where
+    several are as large. A NaN counts as largest; (None, None) where no value is considered.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def _worst_value_and_place(
     is_considered
         (k,) whether a value is considered
     places
-        (k,) times or places of the values
+        (k,) time of each value, or its x on the surface
 
     Examples
     --------
@@ -219,12 +219,14 @@ def _worst_value_and_place(
 def _value_at_worst_instant(
     pair: Pair, series: Array, is_considered: Mask | None = None, **further_fields: Any
 ) -> MetricValue:
-    """A metric with a value at every instant, `series` (k,). Its value is the largest in size at
-    the instants `is_considered` (k,), by default those in contact with P of at least 0.1 P_ref.
-    `further_fields` are those of `MetricValue`, such as a note.
+    """A metric that is a series over the last cycle, `series` (k,): its value is the entry of
+    largest size at the instants `is_considered` (k,), with the time of that entry.
+
+    By default those instants count that are in contact with a normal load of at least a tenth of
+    the reference load. `further_fields` are those of `MetricValue`, such as a note.
     """
     if is_considered is None:
-        is_considered = pair.is_judged
+        is_considered = pair.is_judged  # in contact, and loaded enough
     value, time = _worst_value_and_place(series, is_considered, pair.result_cycle.time)
     return MetricValue(value=value, time=time, series=series, **further_fields)
 
@@ -417,7 +419,7 @@ def _place_of_largest_value(pair: Pair, values: Array) -> float:
 
 
 def largest_pressure(pair: Pair) -> MetricValue:
-    """Largest p of the cycle."""
+    """Largest pressure p of the cycle, (result − reference)/reference."""
     reference_value = float(pair.reference_cycle.pressure.max())
     result_value = float(pair.result_cycle.pressure.max())
     metric_value = _difference_of_largest_values(
@@ -427,7 +429,7 @@ def largest_pressure(pair: Pair) -> MetricValue:
 
 
 def largest_half_width(pair: Pair) -> MetricValue:
-    """Largest half distance of the contact edges in the cycle."""
+    """Largest half distance of the contact edges in the cycle, (result − reference)/reference."""
     reference_value = _largest_half_distance(pair.reference_cycle)
     result_value = _largest_half_distance(pair.result_cycle)
     metric_value = _difference_of_largest_values(
@@ -470,11 +472,13 @@ def _difference_of_stick_zones(
 ) -> MetricValue:
     """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
 
-    States of the reference may follow the rule by which those of an external result were found. The
-    amount of the reference is that by its own rule, from `pair.plain_reference`.
+    The states (stick, slip) of the reference may follow the rule by which those of an external
+    result were found. The amount of the reference is that by its own rule, from
+    `pair.plain_reference`.
 
-    `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
-    value where one solution lacks the zone or both do: the note then names them.
+    `length_of` takes the length from a solution, such as the half-width of the zone [length]; NaN
+    means that there is no such zone. No value where one solution lacks the zone or both do: the
+    note then names them.
     `pair.scales.half_width` is a_ref, the half-width of contact at the reference load.
     """
     reference_value = float(length_of(pair.reference))
@@ -506,6 +510,9 @@ def largest_slip(pair: Pair) -> MetricValue:
     No value where the finite elements slip by no more than round-off (1e-11 of their largest s) and
     the reference by more; none without friction, or where the result never has contact. Where the
     reference does not slip, the difference is over f p_ref a_ref/E* (`pair.scales.slip`).
+
+    # notation: f friction coefficient, p_ref and a_ref pressure and half-width at the reference
+    # load, E* contact modulus
     """
     # last cycles: slip s [length] and state (open, stick, slip) of the common points, (k, n)
     reference_cycle = pair.reference_cycle
@@ -538,6 +545,9 @@ def largest_slip_common(pair: Pair) -> MetricValue:
     """Largest range of the slip s that any point has, over the points and instants in contact in
     both solutions: (result − reference)/reference. No value without such a point. Where the
     reference does not slip, the difference is over f p_ref a_ref/E* (`pair.scales.slip`).
+
+    # notation: f friction coefficient, p_ref and a_ref pressure and half-width at the reference
+    # load, E* contact modulus
     """
     is_closed = _is_closed_in_both(pair)  # (k instants, n points)
     if not is_closed.any():
@@ -565,6 +575,8 @@ def dissipation(pair: Pair) -> MetricValue:
     An external result is compared with W of `pair.reference`, which integrates by the same rule and
     on the same points as the result. The table shows the W of `pair.plain_reference`, the same
     solution with its own rule and points. `pair.scales.dissipation` is A f^2 P_ref^2.
+
+    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load
     """
     # the two W of the reference differ for an external result only
     metric_value = _difference_of_extremes(
@@ -585,14 +597,21 @@ def largest_dissipation_density(pair: Pair) -> MetricValue:
     """Largest friction work per area w(x) of the last cycle: (result − reference)/reference, with
     the place x/a_ref of the result's largest value. Over A f^2 P_ref^2/a_ref
     (`pair.scales.dissipation_density`) where the reference does no friction work.
+
+    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load,
+    # a_ref half-width at it
     """
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    value_on_points = float(reference_cycle.dissipation_density.max())
-    largest_value = float(result_cycle.dissipation_density.max())
+    reference_value = float(reference_cycle.dissipation_density.max())
+    result_value = float(result_cycle.dissipation_density.max())
     metric_value = _difference_of_largest_values(
-        pair, "dissipation_density", value_on_points, largest_value, pair.scales.dissipation_density
+        pair,
+        "dissipation_density",
+        reference_value,
+        result_value,
+        pair.scales.dissipation_density,
     )
     metric_value = _with_stated_uncertainties(
         pair, metric_value, "largest_dissipation_density", "dissipation_density"
@@ -605,10 +624,11 @@ def largest_dissipation_density(pair: Pair) -> MetricValue:
 def edge_tension(pair: Pair) -> MetricValue:
     """Largest tensile stress along a face at an edge of contact, (result − reference)/reference.
 
-    Where the stress of the reference is negligible beside f p_ref (`pair.scales.shear`) it is the
-    difference over f p_ref. Its uncertainty is the sum of those that both solutions state. No value
-    without friction, or where one solution does not state that stress. The reference counts with
-    its own states and edges (`pair.plain_reference`), not with those by a rule of the result.
+    Where the stress of the reference is negligible beside f p_ref (`pair.scales.shear`), friction
+    coefficient times reference pressure, the difference is over f p_ref. The uncertainty of the
+    metric is the sum of those that both solutions report. No value without friction, or where one
+    solution does not report that stress. The reference counts with its own stick and slip states
+    and edges (`pair.plain_reference`), not with those by a rule of the result.
     """
     if not pair.result.scene.friction.coefficient:
         return _metric_without_value("frictionless: nothing stretches the faces")
@@ -689,7 +709,7 @@ def peak_pressure(pair: Pair) -> MetricValue:
 
     Both maxima are over the same points, so that the distance of the points from the true peak
     cancels. With the reference's true peak every result would look too low, by up to (h/a)^2/8,
-    h the spacing of the points.
+    h the spacing of the points, a the half-width of contact.
     """
     reference_value = pair.reference_cycle.pressure.max(axis=1)
     result_value = pair.result_cycle.pressure.max(axis=1)
@@ -773,7 +793,17 @@ def _normal_resultant(cycle: Cycle, face_lengths: Array, normals: Array) -> Arra
 
 def _tangential_resultant(cycle: Cycle, face_lengths: Array, normals: Array) -> Array:
     """Tangential load Q that the tractions of a cycle carry at each instant, (k,)
-    [force / thickness]; `face_lengths` and `normals` as in `_normal_resultant`.
+    [force / thickness].
+
+    Parameters
+    ----------
+    cycle
+        `pressure` and `shear` (k, n) at its instants and points [stress]
+    face_lengths
+        (n,) length of the face that belongs to each point [length]
+    normals
+        (2, n) components (x, y) of the unit normal n out of the lower body: on that body the
+        pressure acts against it, positive shear along (n_y, -n_x)
     """
     normal_x, normal_y = normals
     return np.asarray(
@@ -854,7 +884,8 @@ def stick_edge(pair: Pair) -> MetricValue:
     Left out is an instant at which full stick comes or goes one instant earlier in one of them. The
     note counts the instants at which the two differ in full stick, partial slip or full slip. NaN,
     which fails, where they differ and no instant is left; no value where both always slip fully.
-    Judged are instants in contact with P of at least 0.1 P_ref (`pair.is_judged`, (k,)).
+    Judged are instants in contact with a normal load of at least a tenth of the reference load
+    (`pair.is_judged`, (k,)).
     """
     # last cycles: `stick_edges` (k, 2), left and right, at the common instants
     reference_cycle = pair.reference_cycle
@@ -945,12 +976,12 @@ def _has_comparable_stick_edges(
     [True, True, False, True, True, True]
     """
     both_have_edges = (status_of_reference != _FULL_SLIP) & (status_of_result != _FULL_SLIP)
-    is_one_step_late = (
+    is_one_instant_late = (
         (status_of_reference != status_of_result)
         & _equals_neighbour_in_time(status_of_reference, status_of_result)
         & _equals_neighbour_in_time(status_of_result, status_of_reference)
     )
-    return np.asarray(both_have_edges & ~is_one_step_late)
+    return np.asarray(both_have_edges & ~is_one_instant_late)
 
 
 def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np.int8]) -> Mask:
@@ -962,8 +993,8 @@ def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np
 
 def state(pair: Pair) -> MetricValue:
     """Share of the length in contact, in result or reference, on which their states (stick, slip
-    forward or reverse, open) differ, at each instant. The value is the mean over the time in
-    contact; none where that is a single instant or there is no contact.
+    forward or reverse, open) differ, at each instant. The value of the metric is the mean over the
+    time in contact; none where that is a single instant or there is no contact.
     """
     # last cycles: `state` (k, n), 0 where a point is open, at the common instants and points
     reference_cycle = pair.reference_cycle
@@ -989,12 +1020,16 @@ def slip(pair: Pair) -> MetricValue:
 
     Where the range of s_ref is below 1e-12 of f p_ref a_ref/E* (`pair.scales.slip`) the difference
     is divided by f p_ref a_ref/E*, and the metric is marked `absolute`.
+
+    # notation: s_ref slip of the reference, f friction coefficient, p_ref and a_ref pressure and
+    # half-width at the reference load, E* contact modulus
     """
     # last cycles: slip s (k, n) [length] at the common instants and points
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    is_closed = _is_closed_in_both(pair)  # at an open point s is a displacement, and no slip
-    # judged are instants with P of at least 0.1 P_ref
+    # (k, n) in contact in both: at an open point s is a displacement, and no slip
+    is_closed = _is_closed_in_both(pair)
+    # judged are instants with a normal load of at least a tenth of the reference load
     is_considered = pair.is_judged & is_closed.any(axis=1)
     if not is_considered.any():
         return _metric_without_value(_REASON_NO_CONTACT)
@@ -1010,12 +1045,16 @@ def slip(pair: Pair) -> MetricValue:
 
 
 def moment(pair: Pair) -> MetricValue:
-    """Moment M, result − reference over P_ref a_ref, at the worst instant."""
+    """Moment M of the pressure about x = 0, result − reference over P_ref a_ref (load and
+    half-width of the reference), at the worst instant.
+    """
     return _difference_of_series(pair, "moment", pair.scales.moment)
 
 
 def tilt(pair: Pair) -> MetricValue:
-    """Tilt, result − reference over A P_ref/a_ref, at the worst instant."""
+    """Tilt of the upper body, result − reference over A P_ref/a_ref, at the worst instant; A = 2/E*
+    is the compliance, P_ref and a_ref are load and half-width of the reference.
+    """
     return _difference_of_series(pair, "tilt", pair.scales.tilt)
 
 
@@ -1037,10 +1076,13 @@ def tangential_displacement(pair: Pair) -> MetricValue:
     """Tangential displacement U, result − reference over the range of U_ref in the cycle, at the
     worst instant.
 
-    No value where the two solutions count U from different places, where U_ref does not vary (by
-    more than 1e-12 of A f P_ref, `pair.scales.displacement`), or where no instant carries enough
-    load: 0.1 P_ref, `pair.is_judged`. A note says where U of half-planes is given with the
+    No value where the two solutions count U from different places, or where U_ref does not vary (by
+    more than 1e-12 of A f P_ref, `pair.scales.displacement`). None either where no instant carries
+    enough load, 0.1 P_ref (`pair.is_judged`). A note says where U of half-planes is given with the
     compliances of the bodies (`pair.effects`).
+
+    # notation: U_ref that of the reference, A = 2/E* compliance of the materials, f friction
+    # coefficient, P_ref reference load
     """
     if pair.lacks_common_datum:
         return _metric_without_value(_REASON_NO_DATUM)
@@ -1078,8 +1120,8 @@ def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Me
     """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
 
     The metric has no value where a solution does not state the displacement, nor where that of the
-    reference does not vary: by less than 1e-12 of A f P_ref, a typical displacement. A note says
-    that the displacements of half-planes are given with the compliances of the bodies.
+    reference does not vary: by less than 1e-12 of a typical displacement. A note says that the
+    displacements of half-planes are given with the compliances of the bodies.
 
     Parameters
     ----------
@@ -1119,8 +1161,9 @@ def dissipation_of_steps(pair: Pair) -> MetricValue:
     path).
 
     Finite elements correct their own W for the curve of the path within an increment. W on the
-    polygon is multiplied by the same factor, so that only the rest of the error is left. Over
-    A f^2 P_ref^2 (`pair.scales.dissipation`) where the reference dissipates nothing.
+    polygon is multiplied by the same factor, so that only the rest of the error is left. Where the
+    reference dissipates nothing the difference is over A f^2 P_ref^2 (`pair.scales.dissipation`):
+    A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load.
     """
     # theory with straight loads between the instants; on the smooth path where there is none
     reference_on_polygon = pair.polygon_reference or pair.reference
@@ -1134,8 +1177,8 @@ def dissipation_of_steps(pair: Pair) -> MetricValue:
 
 
 def hysteresis(pair: Pair) -> MetricValue:
-    """Closed integral of Q dU over the cycle, (result − reference)/reference; no value where the
-    load path is not periodic.
+    """Closed integral of Q dU over the cycle, the work of the tangential load Q on the displacement
+    U: (result − reference)/reference; no value where the load path is not periodic.
     """
     if not pair.is_periodic:
         return _metric_without_value(_REASON_NO_LOOP)
@@ -1152,6 +1195,8 @@ def bulk_term(pair: Pair) -> MetricValue:
     strain. Where the reference does no friction work (below 1e-12 of A f^2 P_ref^2,
     `pair.scales.dissipation`) the difference is over A f^2 P_ref^2, and marked `absolute`. No value
     where the load path does not repeat, or where a solution states no m_q (`shear_moment`).
+
+    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -1199,6 +1244,9 @@ def dissipation_density(pair: Pair) -> MetricValue:
 
     Over A f^2 P_ref^2/a_ref (`pair.scales.dissipation_density`) and marked `absolute` where the
     reference does no friction work anywhere: no more than 1e-12 of that. A NaN counts as work.
+
+    # notation: A = 2/E* compliance of the materials, f friction coefficient, P_ref reference load,
+    # a_ref half-width at it
     """
     # last cycles: `dissipation_density` is w at the common points, (n,)
     reference_cycle = pair.reference_cycle
@@ -1216,9 +1264,11 @@ def dissipation_density(pair: Pair) -> MetricValue:
 
 
 def energy_balance(pair: Pair) -> MetricValue:
-    """Largest residual of the energy balance that the result states in its record; no reference is
-    needed. No value where it states none.
+    """Largest residual of the energy balance that the result states in its record, work of the
+    loads minus stored energy and dissipation; no reference is needed. No value where the record
+    states none.
     """
+    # (n_steps,) over the largest work of the loads
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
         return _metric_without_value("the result records none")

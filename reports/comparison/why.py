@@ -116,8 +116,8 @@ class Why(PythonNumbers):
         """The parts of the bodies, the unexplained part, and that of mesh and steps; their sum is
         E, the difference of W. Empty where the difference is not split.
 
-        A part has its cause in words, its share of W with uncertainty, and the sum of the parts
-        before it.
+        A part has its cause in words, its size over theory's W with uncertainty, and the sum of the
+        parts before it.
         """
         if not self.parts:
             return []

@@ -986,10 +986,10 @@ def summary_latex(comparison: JudgedPair) -> str:
     difference and one for the verdict. It needs the LaTeX package booktabs.
     """
     heads, rows = cells_of_first_table(comparison)
-    # such as & and ±, which LaTeX writes by commands
-    escape_table = str.maketrans(_LATEX_OF_SIGN)
+    # signs such as & and ±, and the commands by which LaTeX writes them
+    command_by_sign = str.maketrans(_LATEX_OF_SIGN)
     latex_rows = [
-        " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *rows)
+        " & ".join(cell.translate(command_by_sign) for cell in row) for row in (heads, *rows)
     ]
     heads_row, *value_rows = [rf"{row} \\" for row in latex_rows]
     latex_lines = [
@@ -1093,9 +1093,10 @@ def summary_rows(
     half-widths and dissipation first; then how the dissipation changes from cycle to cycle, the
     work of the loads, load cycles of a record, laws of contact, notes, and what was skipped.
 
-    With `loads_are_found`, under a prescribed displacement, also how near the loads come to gross
-    sliding. `solution.loop_work` is the closed integral of Q dU, NaN where no cycle closes;
-    `dissipation_drift` the relative change of the dissipation from the cycle before.
+    `loads_are_found`: whether the solver determined the loads, from a prescribed displacement. Then
+    a row states how near they come to gross sliding. `solution.loop_work` is the closed integral of
+    Q dU, NaN where no cycle closes; `dissipation_drift` the relative change of the dissipation from
+    the cycle before.
     """
     rows = first_summary_rows(solution)
     if loads_are_found and solution.scene.friction.coefficient:

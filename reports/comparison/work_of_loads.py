@@ -77,15 +77,15 @@ def normal_work(solution: ContactSolution) -> float | None:
     solution that is not of the project's finite elements, or holds no closed cycle (`loop_work` is
     NaN).
     """
-    instants = solution.last_cycle  # indices
-    has_constant_tilt = solution.tilt is None or np.ptp(solution.tilt[instants]) == 0
-    has_constant_loads = np.ptp(solution.normal_load[instants]) == 0 and has_constant_tilt
+    indices = solution.last_cycle  # of the instants
+    has_constant_tilt = solution.tilt is None or np.ptp(solution.tilt[indices]) == 0
+    has_constant_loads = np.ptp(solution.normal_load[indices]) == 0 and has_constant_tilt
     has_approach = solution.engine == "halfplane_fe" and not np.isnan(solution.loop_work)
     if has_constant_loads or are_half_planes(solution.scene) or not has_approach:
         return None
-    work = float(np.trapezoid(solution.normal_load[instants], solution.normal_approach[instants]))
+    work = float(np.trapezoid(solution.normal_load[indices], solution.normal_approach[indices]))
     if solution.tilt is not None and solution.moment is not None:
-        work += float(np.trapezoid(-solution.moment[instants], solution.tilt[instants]))
+        work += float(np.trapezoid(-solution.moment[indices], solution.tilt[indices]))
     return work
 
 
@@ -93,7 +93,8 @@ def solution_on_straight_steps(solution: ContactSolution) -> ContactSolution:
     """The solution with the dissipation that it would have if the load path were straight between
     its instants: the work that finite elements add for the curve of the path is subtracted.
     """
-    # (n_steps,) work added for the curve in each increment
+    # (n_steps,) work added for the curve in the increment that ends at each instant; None where
+    # nothing was added
     curve_work = solution.record.energy.get("curve")
     if curve_work is None or not solution.dissipation > 0:
         return solution
