@@ -628,15 +628,15 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
 
     tolerances: dict[str, float] = {}
     for option_text in option_texts:
-        key, equals, tolerance_text = option_text.rpartition("=")
-        if equals and key not in METRICS:
+        key, equals_sign, tolerance_text = option_text.rpartition("=")
+        if equals_sign and key not in METRICS:
             known_names = list(METRICS)
             raise InputError(
                 f"--tolerance {option_text}: unknown metric"
                 f" {key!r};{did_you_mean(key, known_names)}"
                 f" there are {', '.join(known_names)}"
             )
-        is_unjudged = bool(equals) and tolerance_text.strip() == "none"
+        is_unjudged = bool(equals_sign) and tolerance_text.strip() == "none"
         # 0.05 for "5%" and "0.05"; NaN where it is no number
         tolerance = math.inf if is_unjudged else share_of(tolerance_text)
         if not is_unjudged and not 0 < tolerance < math.inf:
@@ -645,12 +645,13 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
                 " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
         if not is_unjudged and tolerance >= 1 and not tolerance_text.endswith("%"):
-            alternatives = f"{key}{equals}{tolerance:g}%, or {key}{equals}{100 * tolerance:g}%"
+            start = f"{key}{equals_sign}"
+            alternatives = f"{start}{tolerance:g}%, or {start}{100 * tolerance:g}%"
             raise InputError(
                 f"--tolerance {option_text}: a number without % is a share, and this is"
                 f" {100 * tolerance:g} %; write {alternatives}"
             )
-        keys = [key] if equals else _MAIN_METRICS
+        keys = [key] if equals_sign else _MAIN_METRICS
         tolerances |= dict.fromkeys(keys, tolerance)
     return tolerances
 
@@ -675,7 +676,7 @@ def ended_by_signals() -> Generator[list[int], None, None]:
     signals_received: list[int] = []  # by their numbers
 
     def end_program(number: int, _frame: object) -> None:
-        """Handle the signal of that number."""
+        """Note the signal of that number, and raise KeyboardInterrupt."""
         signals_received.append(number)
         raise KeyboardInterrupt
 

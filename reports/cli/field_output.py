@@ -76,6 +76,7 @@ def fields(job: Job) -> Answer:
     if options.pictures and options.at:
         require_drawing(stages)
     load_engines(stages)
+    # InputError, naming the command, for a solution without meshed bodies
     solution = files.with_bodies(solve_finite_elements(job), "fields")
     # which instants are written and drawn
     request = _request(job, solution, criteria)
@@ -255,6 +256,8 @@ def _parts(
         both engines; empty where no fatigue measure was asked for
     pvd_file
         path of the collection that ParaView opens
+
+    A `Sheet` is a table: title, heads, rows, and the columns that are flush right.
     """
     from reports.field_output.files import NO_PEAK
     from reports.units import load_unit, units

@@ -74,6 +74,7 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
     """The checks of this machine: Python, packages, gmsh, off-screen rendering, and whether the
     output folder `out` can be written to. Each has a name, whether it is good, and why.
     """
+    # `_GMSH`, which meshes a disc, and `_SCREEN`, which renders a sphere, are programs as text
     return (
         Finding(
             "Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"
@@ -97,12 +98,14 @@ def _packages() -> tuple[bool, str]:
     """Whether all packages that the program needs are installed; and a text that lists their
     versions, then the names of those that are missing.
     """
-    version_of = {}
+    version_by_package: dict[str, str] = {}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
-            version_of[name] = version(name)
-    packages_in_words = ", ".join(f"{name} {number}" for name, number in version_of.items())
-    missing_packages = [name for name in _PACKAGES if name not in version_of]
+            version_by_package[name] = version(name)
+    packages_in_words = ", ".join(
+        f"{name} {version_text}" for name, version_text in version_by_package.items()
+    )
+    missing_packages = [name for name in _PACKAGES if name not in version_by_package]
     if missing_packages:
         packages_in_words += f"; missing: {', '.join(missing_packages)}"
     return not missing_packages, packages_in_words

@@ -273,7 +273,8 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     """What the terminal shows of the report on an external result: assumptions, verdict, metrics
     without a value, what the rows of the result show, likely causes, and the mesh study if there is
     one. `page` is the path of the page. Of `report`: `guesses` are assumptions on the file,
-    `read_as` how its columns were read, `evidence` what the rows show, `diagnoses` likely causes.
+    `read_as` how its columns were read, `evidence` what the rows show, `diagnoses` likely causes. A
+    `Sheet` is a table: title, heads, rows, and the columns that are flush right.
     """
     from reports.comparison.words import reading_in_words
 

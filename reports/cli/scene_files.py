@@ -77,7 +77,7 @@ def init(file: Path, options: Options) -> Answer:
     return Answer(EXIT_WITHIN, sentences)
 
 
-def _write_new_files(text_of: dict[Path, str]) -> None:
+def _write_new_files(text_by_path: dict[Path, str]) -> None:
     """Write new text files, path -> text, all or none. InputError where a file is there already, or
     can't be written.
     """
@@ -85,7 +85,7 @@ def _write_new_files(text_of: dict[Path, str]) -> None:
 
     # an ExitStack calls its callbacks at the end: they remove what was written, unless all was
     with ExitStack() as undo:
-        for path, text in text_of.items():
+        for path, text in text_by_path.items():
             try:
                 with path.open("x", encoding="utf-8") as stream:
                     undo.callback(path.unlink, missing_ok=True)
@@ -116,12 +116,12 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     text = (TEMPLATES / "scene.toml").read_text("utf-8")
     if bodies:
         # remove the sign of a comment from the lines of the bodies
-        first_place = text.index("# [bodies.lower]")
-        last_place = text.index("# What you admit")
+        start_of_bodies = text.index("# [bodies.lower]")
+        end_of_bodies = text.index("# What you admit")
         text = (
-            text[:first_place]
-            + re.sub(r"(?m)^# ", "", text[first_place:last_place])
-            + text[last_place:]
+            text[:start_of_bodies]
+            + re.sub(r"(?m)^# ", "", text[start_of_bodies:end_of_bodies])
+            + text[end_of_bodies:]
         )
     if profile == "flat_rounded":
         # comments behind the lines start in column 32
@@ -176,7 +176,7 @@ def check(source: str, options: Options) -> Answer:
     # the largest |Q|/(f P) of the path, with its time and loads
     nearest_instant = nearest_to_sliding(scene)
     # what bulk stress and tilt do to the contact; None without them
-    bulk = bulk_and_tilt(scene)
+    bulk_effects = bulk_and_tilt(scene)
     # by half-plane theory; None where it does not take the scene
     contact = None
     remarks_on_scene: list[str] = []
@@ -202,7 +202,7 @@ def check(source: str, options: Options) -> Answer:
     rows = rows_of_contact(scene, contact) if contact else []
     rows += rows_of_sliding(scene, nearest_instant)
     table = Sheet("By half-plane theory", ("", "value"), rows, (1,))
-    bulk_sentences = bulk_in_words(bulk) if bulk else ""
+    bulk_sentences = bulk_in_words(bulk_effects) if bulk_effects else ""
     # how it was found out that the bodies have room for the contact, and on bulk stress and tilt
     sentences = filter(None, [refusals.size_in_words, bulk_sentences])
     content = {
@@ -217,8 +217,8 @@ def check(source: str, options: Options) -> Answer:
         "profile_fit": fit_content(scene),
         "uncertainty_of_inputs": stated_content(scene),
     }
-    if bulk:
-        content["bulk_and_tilt"] = vars(bulk)
+    if bulk_effects:
+        content["bulk_and_tilt"] = vars(bulk_effects)
     marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
     parts: list[Part] = [verdict, table, *marked_remarks, *sentences, *notes]
     return Answer(EXIT_WITHIN, parts, lambda: content, scene.name)
@@ -480,15 +480,17 @@ def show(name: str, options: Options) -> Answer:
     )
 
 
-def tagged(chosen_scenes: Sequence[str]) -> list[Scene]:
-    """The scenes of the library that have all these tags; InputError for a word that is no tag."""
+def tagged(chosen_tags: Sequence[str]) -> list[Scene]:
+    """The scenes of the library that have all of `chosen_tags`; InputError for a word that is no
+    tag.
+    """
     from scenes import InputError, load_scene, rig_names, scene_names, tags
 
-    for tag in chosen_scenes:
+    for tag in chosen_tags:
         if tag not in tags():
             raise InputError(f"--tag {tag}: there is no such tag; there are {', '.join(tags())}")
     scenes = [load_scene(name) for name in (*scene_names(), *rig_names())]
-    return [scene for scene in scenes if set(chosen_scenes) <= set(scene.tags)]
+    return [scene for scene in scenes if set(chosen_tags) <= set(scene.tags)]
 
 
 def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
@@ -524,9 +526,9 @@ def _details(scene: Scene) -> Iterator[str]:
     # key of a metric -> largest relative difference of finite elements and theory
     tolerances = tolerances_of(scene, are_half_planes(scene))
     expected_lines = [
-        f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"
-        f" {number.engine}: {number.source}"
-        for number in scene.expected
+        f"{expected.quantity.replace('_', ' ')} = {expected.value:.9g} to {expected.tolerance:g},"
+        f" {expected.engine}: {expected.source}"
+        for expected in scene.expected
     ]
     sections = [(name, getattr(scene, name)) for name in ("name", "title", "purpose", "source")]
     sections += [("tags", ", ".join(scene.tags)), ("question", question_in_words(scene))]

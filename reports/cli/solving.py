@@ -423,9 +423,10 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     """The report on a comparison, with the budget of its errors, which is measured here, and for
     real bodies the causes of the difference.
 
-    `seconds_before` is the processor time before the finite elements were solved. From it follows
-    what the budget costs over the run itself. `job` has the scene, the command-line options (of
-    which mesh and solver have settings), and the stages whose progress is shown.
+    The budget states what each source of error (mesh, load steps, far field) adds to the difference
+    from theory. `seconds_before` is the processor time before the finite elements were solved. From
+    it follows what the budget costs over the run itself. `job` has the scene, the command-line
+    options (of which mesh and solver have settings), and the stages whose progress is shown.
     """
     from reports.comparison.budget import error_budget, solve_refinements
     from reports.comparison.pairs import are_half_planes
@@ -574,11 +575,11 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third_answer is not None and third_answer.failure:
         complain(f"halfplane: {scene.name}: {third_answer.failure}")
-        code = EXIT_NOT_CONVERGED
+        code = EXIT_NOT_CONVERGED  # 3
     else:
         code = exit_code(comparison)  # 0 if it passed, else 1
         if not all(finding.is_met for finding in findings):
-            code = EXIT_OUTSIDE
+            code = EXIT_OUTSIDE  # 1
 
     def parts() -> Iterator[Part]:
         """What the terminal shows of a report, from the headline to the path of the page: verdict,
@@ -633,9 +634,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     """What the terminal shows first of a comparison: headline, table of the values of both
-    solutions, causes of the difference and verdict; in short forms unless `verbose`. A pair is a
-    text and its style on a terminal. `comparison.why` is the difference of the dissipation split by
-    causes, None where it was not split.
+    solutions, causes of the difference and verdict; in short forms unless `verbose` (the option
+    --verbose). A pair is a text and its style on a terminal; a `Sheet` is a table: title, heads,
+    rows, and the columns that are flush right. `comparison.why` is the difference of the
+    dissipation split by causes, None where it was not split.
     """
     from reports.comparison.words import (
         cells_of_first_table,
@@ -726,7 +728,8 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
     The table has a row for each metric and a column for each source of error (mesh, load steps,
     far field): what it contributes to the difference E of the result from theory. Then come the
     rest of E that no source explains, and its uncertainty u. E stands in the table above. An entry
-    of `budget.budgets` is the budget of one metric.
+    of `budget.budgets` is the budget of one metric. A `Sheet` is a table: title, heads, rows, and
+    the columns that are flush right.
     """
     from reports.comparison.budget_words import budget_table, cost_in_words, negligible_terms
 
@@ -758,7 +761,8 @@ def _are_per_cent(rows: Sequence[tuple[str, ...]]) -> bool:
 
 def _expected_shown(findings: Sequence[ExpectedNumber]) -> Iterator[Part]:
     """What the terminal shows of the numbers that a scene expects (`findings`): a table with the
-    values of the engines, and how many are met. Nothing where it expects none.
+    values of the engines (a `Sheet`: title, heads, rows, columns that are flush right), and how
+    many are met. Nothing where it expects none.
     """
     from reports.comparison.laws import EXPECTED_HEADS, expected_rows
 
@@ -868,11 +872,11 @@ def _answer_of_one_engine(
     findings = list(expected_numbers(scene, (solution,)))
     if inputs is None:
         inputs = _effects_of_inputs(job)
+    # one check for each law of contact: the largest violation, and whether the law holds
     law_checks = certificates(solution)
-    admissible = solution.record.converged and all(check.holds for check in law_checks)
-    code = (
-        EXIT_WITHIN if admissible and all(finding.is_met for finding in findings) else EXIT_OUTSIDE
-    )
+    is_admissible = solution.record.converged and all(check.holds for check in law_checks)
+    is_passed = is_admissible and all(finding.is_met for finding in findings)
+    code = EXIT_WITHIN if is_passed else EXIT_OUTSIDE  # 0 or 1
     values_of_rig = {}  # of a scene that prescribes displacements
     if job.scene.load.is_driven:
         values_of_rig["largest_sliding_ratio"] = largest_load_ratio(solution)
@@ -894,7 +898,7 @@ def _answer_of_one_engine(
         content_of_solution = solution_content(solution, law_checks)
         return {
             "passed": code == EXIT_WITHIN,
-            "admissible": admissible,
+            "admissible": is_admissible,
             **{
                 name: content_of_solution[name]
                 for name in _SOLUTION_KEYS

@@ -57,6 +57,8 @@ _MOST_DOTS = 400
 def sketch(scene: Scene, half_width: float) -> Plate:
     """A figure of both bodies to scale, with their supports, their loads and the contact.
 
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
+
     Parameters
     ----------
     half_width
@@ -120,6 +122,8 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     """A figure of a profile fitted to measured rows, in two panels: the trace, levelled by the fit,
     with the fitted curve; and the residuals, row minus curve, with a band of ± twice the noise and
     lines at ± `half_width`. None for a profile that is not fitted.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
 
     Parameters
     ----------
@@ -410,10 +414,10 @@ def _marks_of_supports(
     half_width_of_base = float(np.abs(points[is_at_base, 0]).max())
     left_x, right_x = frame.x.pixels_of([-half_width_of_base, half_width_of_base]).tolist()
     y_of_base = float(frame.y.pixels_of(points[farthest_point, 1]))
-    base_rolls = getattr(shape, "base", "") == "rollers"
+    base_has_rollers = getattr(shape, "base", "") == "rollers"
     # ends of the plane, direction away from the body, whether with rollers; in pixels, y downwards
     yield from _marks_of_plane(
-        (left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls
+        (left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_has_rollers
     )
     if getattr(shape, "sides", "") == "guided":
         yield from _marks_of_plane(

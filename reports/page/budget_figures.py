@@ -55,6 +55,8 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
 
     An entry of `budget.budgets` is the budget of one metric: its terms, and whether the bodies are
     the half-planes of theory. Then the rest of E is unexplained, else it is the idealisation error.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     budgets_with_tolerance = [
         budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.tolerance
@@ -119,6 +121,8 @@ def waterfall(why: Why) -> Plate | None:
 
     A part of `why` has its cause in words, its change of W (a value with uncertainty, both over
     theory's W), and the sum of the changes before it. `why.difference` is the sum of all.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     parts = why.all_parts
     if not parts:
@@ -257,8 +261,8 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
     lines = [(0.0, "zero")]
     if is_judged:
         lines += [(-1.0, "limit"), (1.0, "limit")]
-    for place, css in lines:
-        yield Segments(np.array([[[place, lower_edge + 0.06], [place, lower_edge + 0.56]]]), css)
+    for x, css in lines:
+        yield Segments(np.array([[[x, lower_edge + 0.06], [x, lower_edge + 0.56]]]), css)
 
 
 def _blocks_of_bar(
@@ -349,6 +353,8 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
 
     A run on a mesh has its `size` (element size over that of the run itself), `values` (key of a
     metric -> value), and a reason where it failed. `headline` metrics are those of the first table.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     runs = [run for run in budget.refinements.mesh_runs if not run.failure]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
@@ -365,14 +371,13 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
         sizes = tuple(size for size, _ in known_points)
         values = tuple(value for _, value in known_points)
         # value at size zero, and how the values change with the size
-        limit = extrapolate(
+        extrapolation = extrapolate(
             Refinement(sizes, values, formal_order=2.0, rounding=ROUND_OFF_OF_METRIC)
         )
-        if limit.kind == "monotone" and limit.value is not None:
+        limit = extrapolation.value
+        if extrapolation.kind == "monotone" and limit is not None:
             distances_by_label[metric.label] = [
-                (size, abs(value - limit.value))
-                for size, value in known_points
-                if value != limit.value
+                (size, abs(value - limit)) for size, value in known_points if value != limit
             ]
     words_of_axes = "element size, over that of the run", "distance from the value at size zero"
     sizes_of_runs = [run.size for run in runs]
@@ -389,6 +394,8 @@ def study_convergence(study: MeshStudy) -> Plate | None:
 
     A level of the study is a mesh, with its element size at the contact. A row holds a metric, its
     values on all meshes, and their extrapolation to size zero.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     sizes = [level.size for level in study.levels]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
@@ -418,6 +425,8 @@ def _figure_of_convergence(
     logarithmic, beside lines of order 1 and 2.
 
     None for fewer than three meshes, or where all distances are 0.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
 
     Parameters
     ----------

@@ -97,7 +97,7 @@ class CycleView:
         self.largest_x = self._largest_distance() / self.scales.half_width
 
     def _slip_points_and_load(self, instant: int) -> tuple[int, float]:
-        """How many points slip at an instant, and P there."""
+        """How many points slip at the instant of that index (states 2 and 3), and P there."""
         n_slipping = int((self.result_cycle.state[instant] >= 2).sum())
         return n_slipping, float(self.result_cycle.normal_load[instant])
 
@@ -214,8 +214,8 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     stick_edge = float(permanent_edges(comparison.reference)[1])
     if not np.isfinite(stick_edge) or stick_edge >= outer_edge:
         stick_edge = min(0.0, outer_edge)
-    places = stick_edge + np.linspace(0.12, 0.97, count) * (outer_edge - stick_edge)
-    return sorted({int(np.abs(x - place).argmin()) for place in places})
+    x_wanted = stick_edge + np.linspace(0.12, 0.97, count) * (outer_edge - stick_edge)
+    return sorted({int(np.abs(x - x_of_point).argmin()) for x_of_point in x_wanted})
 
 
 def sheared_displacement(cycle: Cycle) -> Array:

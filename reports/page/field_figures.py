@@ -64,30 +64,32 @@ def tractions(view: CycleView) -> Plate:
 
     `view` holds the last cycles of both solutions, with tractions (k instants, n points), points
     `x` over a_ref, and the numbered instants (`chosen_events`, each with index and label).
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
-    instants = [event.index for event in view.chosen_events]
+    instant_indices = [event.index for event in view.chosen_events]
     cells = []
     for number, event in enumerate(view.chosen_events, start=1):
         panels = traction_panels(
             view,
             event.index,
-            instants,
+            instant_indices,
             f"event-{number}",
             (320.0, 220.0),
             f"{number}  {event.label}",
         )
         cells.append(Cell(panels, event.index))  # a click on it shows that instant
     table = {
-        "time": np.repeat(view.result_cycle.time[instants], len(view.x)),
-        "x": np.tile(view.result_cycle.x, len(instants)),
-        "x/a_ref": np.tile(view.x, len(instants)),
+        "time": np.repeat(view.result_cycle.time[instant_indices], len(view.x)),
+        "x": np.tile(view.result_cycle.x, len(instant_indices)),
+        "x/a_ref": np.tile(view.x, len(instant_indices)),
     }
     name_of_scale = {"p": "p_ref", "q": "(f p_ref)"}
     # letter of a traction -> its name in a cycle, and the number that it is divided by
     for letter, (field, scale) in _traction_fields(view).items():
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
             column_name = f"{letter}_{role}/{name_of_scale[letter]}"
-            table[column_name] = (getattr(cycle, field)[instants] / scale).ravel()
+            table[column_name] = (getattr(cycle, field)[instant_indices] / scale).ravel()
     return figure_with_texts("tractions", cells, table, traction_keys(view), columns=3)
 
 
@@ -201,8 +203,8 @@ def _tractions_at(
     last cycles of both solutions, all points over a_ref, and the largest that is drawn.
     """
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
-    different_instants = np.array(list(dict.fromkeys(instants)))
-    grid = np.ix_(different_instants, np.flatnonzero(is_drawn))
+    instants_once = np.array(list(dict.fromkeys(instants)))
+    grid = np.ix_(instants_once, np.flatnonzero(is_drawn))
     traction_pairs = {}
     for letter, (field, scale) in _traction_fields(view).items():
         reference_values = getattr(view.reference_cycle, field)[grid] / scale
@@ -218,6 +220,8 @@ def moving_instant(view: CycleView) -> Plate:
 
     `view` holds the last cycles of both solutions with their loads, displacements U (k,) and states
     (k, n), and the index of the instant that is shown first.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     width = 560.0
     every_instant = range(len(view.result_cycle.time))
@@ -271,11 +275,11 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     x = engine.cycle.x / view.scales.half_width
     state_of_points = engine.cycle.state[view.shown_instant]
     # A state ends midway between two points of different states.
-    ends_of_state = np.flatnonzero(np.diff(state_of_points))
-    midpoints = (x[ends_of_state + 1] + x[ends_of_state]) / 2
+    last_points = np.flatnonzero(np.diff(state_of_points))  # index of the last point of each state
+    midpoints = (x[last_points + 1] + x[last_points]) / 2
     boundaries = np.clip(midpoints, -view.largest_x, view.largest_x)
     ends = [-view.largest_x, *boundaries.tolist(), view.largest_x]
-    states_of_blocks = state_of_points[[0, *(ends_of_state + 1).tolist()]].tolist()
+    states_of_blocks = state_of_points[[0, *(last_points + 1).tolist()]].tolist()
     blocks = []
     for left_end, right_end, state_code in zip(ends[:-1], ends[1:], states_of_blocks, strict=True):
         if right_end > left_end:
@@ -291,6 +295,8 @@ def state_map(view: CycleView) -> Plate:
 
     `view` holds the last cycles of both solutions, with states (k instants, n points) as codes 0 to
     3, the instants `time` (k,), the points `x` over a_ref, and the largest of them that is drawn.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
@@ -331,14 +337,14 @@ def state_map(view: CycleView) -> Plate:
         )
 
     # the table of all states; of a long path evenly many instants, half a million states in all
-    points = np.flatnonzero(np.abs(view.x) <= view.largest_x)
-    instant_count = min(len(view.time), max(_MOST_STATES // len(points), 2))
-    instants = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
-    grid = np.ix_(instants, points)
+    point_indices = np.flatnonzero(np.abs(view.x) <= view.largest_x)
+    instant_count = min(len(view.time), max(_MOST_STATES // len(point_indices), 2))
+    instant_indices = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
+    grid = np.ix_(instant_indices, point_indices)
     codes = ", ".join(f"{int(state)} {state_name}" for state, state_name in STATE_NAMES.items())
     table = {
-        "time": np.repeat(view.result_cycle.time[instants], len(points)),
-        "x": np.tile(view.result_cycle.x[points], len(instants)),
+        "time": np.repeat(view.result_cycle.time[instant_indices], len(point_indices)),
+        "x": np.tile(view.result_cycle.x[point_indices], len(instant_indices)),
         f"state_reference ({codes})": states_of_reference[grid].ravel(),
         f"state_result ({codes})": states_of_result[grid].ravel(),
     }
@@ -350,7 +356,7 @@ def state_map(view: CycleView) -> Plate:
         STATE_KEYS,
         columns=3,
         share=share_in_words,
-        written=len(instants),
+        written=len(instant_indices),
         instants=len(view.time),
         stretch=view.part_of_path,
     )
@@ -361,11 +367,11 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
     map: of the instant and of the point nearest to each. Time goes up. A map has 440 columns and
     360 rows. `view.time` (k,) are the instants, `view.x` (n,) the points over a_ref.
     """
-    places = np.linspace(-view.largest_x, view.largest_x, _MAP_COLUMNS)
-    points = np.abs(view.x[:, None] - places).argmin(axis=0)
-    times = np.linspace(view.time[-1], view.time[0], _MAP_ROWS)
-    instants = np.abs(view.time[:, None] - times).argmin(axis=0)
-    return np.ix_(instants, points)
+    x_of_columns = np.linspace(-view.largest_x, view.largest_x, _MAP_COLUMNS)
+    point_indices = np.abs(view.x[:, None] - x_of_columns).argmin(axis=0)
+    time_of_rows = np.linspace(view.time[-1], view.time[0], _MAP_ROWS)
+    instant_indices = np.abs(view.time[:, None] - time_of_rows).argmin(axis=0)
+    return np.ix_(instant_indices, point_indices)
 
 
 def dissipation_density(view: CycleView) -> Plate | None:
@@ -373,7 +379,10 @@ def dissipation_density(view: CycleView) -> Plate | None:
     difference in per cent of the largest w of the reference. None where nothing is dissipated.
 
     `view` holds the last cycles of both solutions, with w (n,) at the points `x` over a_ref. The
-    scale of w is A f^2 P_ref^2/a_ref.
+    scale of w is A f^2 P_ref^2/a_ref: A = 2/E* the compliance of the materials, f the friction
+    coefficient, P_ref and a_ref load and half-width of the reference.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     x = view.x
     scales = view.scales

@@ -58,6 +58,8 @@ def half_widths(view: CycleView) -> Plate:
 
     `view` holds the last cycles of both solutions: `engines` (cycle, name, class of lines in the
     style sheet) of reference and result, the axis of time, and words for the part of the path.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     a_ref = view.scales.half_width
     curves: list[Curve] = []
@@ -102,7 +104,7 @@ def half_widths(view: CycleView) -> Plate:
         view.over_time(),
         difference_axis,
         [
-            ZERO,
+            ZERO,  # a line at 0
             Curve(view.time, differences["contact"], "d p", "contact"),
             Curve(view.time, differences["stick"], "d q", "stick"),
         ],
@@ -113,7 +115,8 @@ def half_widths(view: CycleView) -> Plate:
     # of the result's points
     spacing = _spacing_at_the_edge(view.result_cycle) / a_ref
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
-    # the named values fill the caption; `stretch` is the part of the path in words
+    # the named values fill the caption; `stretch` is the part of the path in words, such as "last
+    # cycle"
     return figure_with_texts(
         "half_widths",
         (upper_panel, lower_panel),
@@ -142,7 +145,10 @@ def discrepancies(view: CycleView) -> Plate:
     Where none has, the metrics by which half-planes are judged are drawn in per cent.
 
     `view` holds the comparison and the axis of time. A metric's `series` is its value at each
-    instant, (k,); `is_judged` (k,) is True at instants in contact with P of at least 0.1 P_ref.
+    instant, (k,); `is_judged` (k,) is True at instants in contact with a normal load of at least a
+    tenth of the reference load.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -155,21 +161,20 @@ def discrepancies(view: CycleView) -> Plate:
         marks.append(Rule(1.0, "limit"))
     keys = []
     largest_ratio = 0.0
-    # each with the class of its line in the style sheet
+    # `LINE_LOOKS`: classes of lines in the style sheet, one for each metric
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
         unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
         ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
         # Instants at a light load are not judged: errors relative to the small traction measure
         # the mesh only.
         judged_ratios = np.where(view.comparison.is_judged, ratios, np.nan)
-        # index
-        worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
+        worst_index = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
         largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
         marks.append(Curve(view.time, judged_ratios, css, metric.label))
-        per_cent = "" if has_tolerances else " %"
+        unit_in_words = "" if has_tolerances else " %"
         text = (
-            f"{metric.label}: {judged_ratios[worst_instant]:.2g}{per_cent} at"
-            f" {view.time[worst_instant]:.3g}"
+            f"{metric.label}: {judged_ratios[worst_index]:.2g}{unit_in_words} at"
+            f" {view.time[worst_index]:.3g}"
         )
         keys.append(Key(css, minus(text)))
     if has_tolerances:
@@ -210,18 +215,20 @@ def slip_histories(view: CycleView) -> Plate:
 
     `view` holds the last cycles of both solutions: `engines` (cycle with slip (k, n), name) of
     reference and result, points `x` over a_ref (n,), and the axis of time.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     # indices of up to four points between the stick zone and the edge of contact
     points = slip_points(view.comparison)
     unit_of_length = units(view.scene)[1]
-    places = [f"x = {view.x[point]:.3f} a_ref" for point in points]
+    labels = [f"x = {view.x[point]:.3f} a_ref" for point in points]
     # (k, number of points) of reference and result [length]
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
     curves = []
     for line_width, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
-        for column, place in enumerate(places):
+        for column, label in enumerate(labels):
             css = f"{line_width} point-{column}"
-            curves.append(Curve(view.time, slip[:, column], css, f"{place}, {engine.name}"))
+            curves.append(Curve(view.time, slip[:, column], css, f"{label}, {engine.name}"))
     slip_of_reference, slip_of_result = slips
     table = {"time": view.result_cycle.time}
     for column, point in enumerate(points):
@@ -232,7 +239,7 @@ def slip_histories(view: CycleView) -> Plate:
     difference = slip_of_result - slip_of_reference
     worst_column = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
-        f"result − reference at {places[worst_column]}, where it is largest:",
+        f"result − reference at {labels[worst_column]}, where it is largest:",
         view.difference_over_time(difference[:, worst_column], f" {unit_of_length}"),
     ]
     least_slip = 1e-12 * view.scales.half_width  # least range of the axis
@@ -249,7 +256,7 @@ def slip_histories(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
-    keys = [Key(f"point-{column}", place) for column, place in enumerate(places)]
+    keys = [Key(f"point-{column}", label) for column, label in enumerate(labels)]
     return figure_with_texts(
         "slip_history", [panel], table, keys, columns=1, stretch=view.part_of_path
     )
@@ -260,6 +267,8 @@ def cumulative_work(view: CycleView) -> Plate | None:
     by each solution that holds it; None for other loads, and where neither does.
 
     `view` holds the comparison, its scene, and the legend entry (`keys`) of each solution.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []  # (legend entry, times (n,), work up to each time (n,))
@@ -303,6 +312,8 @@ def load_path(view: CycleView) -> Plate:
     `view` holds the last cycles of both solutions, the instants that figures mark by numbers
     (`chosen_events`) and the index of the one that is shown first (`shown_instant`). A class of a
     line in the style sheet is called css.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     cycle = view.result_cycle
     scene = view.comparison.result.scene
@@ -312,22 +323,23 @@ def load_path(view: CycleView) -> Plate:
     parts = _parts_of_path(scene)
     normal_load = np.concatenate([part.normal_load for part in parts])
     tangential_load = np.concatenate([part.tangential_load for part in parts])
-    largest_normal = 1.08 * float(normal_load.max())
-    largest_tangential = 1.25 * max(float(np.abs(tangential_load).max()), 0.15 * largest_normal)
+    # where the axes of P and Q end: a little beyond the largest loads
+    end_of_p_axis = 1.08 * float(normal_load.max())
+    end_of_q_axis = 1.25 * max(float(np.abs(tangential_load).max()), 0.15 * end_of_p_axis)
 
     marks: list[Mark] = []
     if friction:
         for sign in (1, -1):
-            friction_limit = sign * largest_normal * friction
-            marks.append(Curve([0, largest_normal], [0, friction_limit], "cone", "|Q| = f P"))
+            friction_limit = sign * end_of_p_axis * friction
+            marks.append(Curve([0, end_of_p_axis], [0, friction_limit], "cone", "|Q| = f P"))
     marks += [
         Curve(part.normal_load, part.tangential_load, part.line_css, part.name) for part in parts
     ]
-    least_tangential = min(-0.3 * largest_tangential, 1.25 * float(tangential_load.min()))
+    start_of_q_axis = min(-0.3 * end_of_q_axis, 1.25 * float(tangential_load.min()))
     panel = Panel(
         "load-path",
-        Axis(0.0, largest_normal, f"normal load P  [{unit}]"),
-        Axis(least_tangential, largest_tangential, f"tangential load Q  [{unit}]"),
+        Axis(0.0, end_of_p_axis, f"normal load P  [{unit}]"),
+        Axis(start_of_q_axis, end_of_q_axis, f"tangential load Q  [{unit}]"),
         marks,
         "Load path in the plane of P and Q",
         height=_LOOP_HEIGHT,
@@ -476,19 +488,19 @@ def _numbered_dots(
     y = panel.frame.y.pixels_of(y_values)
     label_places: list[Array] = []  # of the numbers that are drawn
     for event_number, event in enumerate(events, start=1):
-        instant = event.index
-        event_data = {"event": instant}  # a click shows that instant
-        # the number stands 13 pixels away from the middle of the loop, within the panel
-        dot_place = np.array([x[instant], y[instant]])
-        wanted_shift = 13 * _direction_from_middle(x, y, instant)
+        index = event.index  # of the instant
+        event_data = {"event": index}  # a click shows that instant
+        # the number stands 13 pixels from its dot, away from the middle of the loop
+        dot_place = np.array([x[index], y[index]])
+        wanted_shift = 13 * _direction_from_middle(x, y, index)
         shift = _shift_into_box(wanted_shift, dot_place, panel.frame.box)
         label_place = dot_place + shift
-        yield Dot(float(x_values[instant]), float(y_values[instant]), "event", 3.4, data=event_data)
+        yield Dot(float(x_values[index]), float(y_values[index]), "event", 3.4, data=event_data)
         if all(np.hypot(*(label_place - drawn_place)) > 11 for drawn_place in label_places):
             label_places.append(label_place)
             yield Note(
-                float(x_values[instant]),
-                float(y_values[instant]),
+                float(x_values[index]),
+                float(y_values[index]),
                 str(event_number),
                 "number",
                 "middle",
@@ -565,6 +577,8 @@ def hysteresis(view: CycleView) -> Plate | None:
 
     None where neither load nor displacement moves, or the result holds no displacement. `view`
     holds the last cycles of both solutions, with U and Q (k,), and their entries of a legend.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     comparison = view.comparison
     scene = view.scene

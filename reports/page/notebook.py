@@ -102,8 +102,8 @@ def _shown_instant(solution: ContactSolution, time: float | None) -> int:
             " least"
         )
     if time is None:
-        instants = solution.last_cycle
-        return int(instants[np.argmax(np.abs(solution.tangential_load[instants]))])
+        indices = solution.last_cycle  # of the instants
+        return int(indices[np.argmax(np.abs(solution.tangential_load[indices]))])
     if not stored_times.min() <= time <= stored_times.max():
         raise InputError(
             f"plot: time = {time:g} lies outside the solution, which goes from"
@@ -141,11 +141,11 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    instants = solution.last_cycle
+    indices = solution.last_cycle  # of the instants
     axes.pcolormesh(
         solution.x,
-        solution.time[instants],
-        solution.state[instants],
+        solution.time[indices],
+        solution.state[indices],
         cmap=ListedColormap(list(_STATE_COLOURS)),
         vmin=-0.5,
         vmax=3.5,
@@ -171,8 +171,8 @@ def loop_figure(solution: ContactSolution) -> Figure:
     InputError
         For a solution without displacement.
     """
-    instants = solution.last_cycle
-    displacement = solution.tangential_displacement[instants]
+    indices = solution.last_cycle  # of the instants
+    displacement = solution.tangential_displacement[indices]
     if not np.isfinite(displacement).any():
         raise InputError(
             "plot_loop: the solution holds no relative tangential displacement; solve it with that"
@@ -181,7 +181,7 @@ def loop_figure(solution: ContactSolution) -> Figure:
     scene = solution.scene
     figure, (axes,) = _axes(1, (5.5, 4.5))
     force, length, _ = scene.unit_words
-    axes.plot(displacement, solution.tangential_load[instants], color="black")
+    axes.plot(displacement, solution.tangential_load[indices], color="black")
     words_of_axis = f"relative tangential displacement U [{length}]"
     # U of theory counts from a place at that distance
     if scene.bodies.half_planes or lacks_datum(solution):

@@ -155,18 +155,19 @@ class RigMotion:
         friction_limit = self.scene.friction.coefficient * normal_load
         is_at_limit = np.abs(tangential_load) >= friction_limit * (1 - _LIMIT_TOLERANCE)
         # no stick zone, and all of f P is used: the bodies slide as a whole
-        slides = ~is_apart & np.isnan(stick_half_width) & is_at_limit
-        slide_direction = np.where(slides, np.sign(tangential_load), 0)
-        sticks = stick_half_width >= contact_half_width * (1 - _WIDTH_TOLERANCE)
+        is_sliding = ~is_apart & np.isnan(stick_half_width) & is_at_limit
+        slide_direction = np.where(is_sliding, np.sign(tangential_load), 0)
+        is_sticking = stick_half_width >= contact_half_width * (1 - _WIDTH_TOLERANCE)
 
-        # A step sticks, or slides, where the contact does so at both ends of the step.
-        instant_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
-        direction_before = slide_direction[instant_before]
+        # In a step the contact sticks where it sticks at its end and did not slide at its start; it
+        # slides where it does so at both.
+        index_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
+        direction_before = slide_direction[index_before]
         motions = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
-        motions[sticks & (direction_before == 0)] = Motion.STICK
+        motions[is_sticking & (direction_before == 0)] = Motion.STICK
         motions[(slide_direction > 0) & (direction_before > 0)] = Motion.FORWARD
         motions[(slide_direction < 0) & (direction_before < 0)] = Motion.BACK
-        motions[is_apart | is_apart[instant_before]] = Motion.APART
+        motions[is_apart | is_apart[index_before]] = Motion.APART
         return motions
 
     @cached_property
@@ -174,8 +175,8 @@ class RigMotion:
         """Slip of the middle of the contact since the first instant, (k,) [length]: where it moves,
         the bodies slide as a whole.
         """
-        middle = int(np.argmin(np.abs(self.solution.x)))
-        slip = self.solution.slip[self.instants, middle]
+        middle_point = int(np.argmin(np.abs(self.solution.x)))
+        slip = self.solution.slip[self.instants, middle_point]
         return np.asarray(slip - slip[0])
 
     def time_fraction(self, motion: Motion) -> float:
@@ -191,11 +192,12 @@ class RigMotion:
     def intervals(self) -> Iterator[tuple[Motion, float, float]]:
         """Each motion with the times at which it begins and ends."""
         motions = self.motions[1:]
+        # indices of the instants at which a motion begins and ends
         changes = np.flatnonzero(np.diff(motions)) + 1
-        begins = [0, *changes.tolist()]
-        ends = [*changes.tolist(), len(motions)]
-        for begin, end in zip(begins, ends, strict=True):
-            yield Motion(int(motions[begin])), float(self.time[begin]), float(self.time[end])
+        first_indices = [0, *changes.tolist()]
+        last_indices = [*changes.tolist(), len(motions)]
+        for first, last in zip(first_indices, last_indices, strict=True):
+            yield Motion(int(motions[first])), float(self.time[first]), float(self.time[last])
 
 
 # ------------------------------------------------------------------------------------------ figures
@@ -206,6 +208,8 @@ def _loop(rig_motion: RigMotion) -> Plate:
 
     `rig_motion` holds loads and displacements (k,) at the shown instants; `motion_by_elements`
     those by finite elements beside theory, or None.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
@@ -307,6 +311,8 @@ def _over_time(rig_motion: RigMotion) -> Plate:
 
     `rig_motion` holds time, loads, displacements and slip of the middle (k,) at the shown instants,
     and what the contact does (stick, partial slip, ...) with the times between which it does so.
+
+    A `Plate` is a figure: panels, legend, caption, and the table of its numbers for a CSV.
     """
     unit_of_length = units(rig_motion.scene)[1]
     unit_of_load = load_unit(rig_motion.scene)
@@ -452,7 +458,8 @@ def may_slide(rig_motion: RigMotion) -> bool:
 def _sentence(rig_motion: RigMotion) -> str:
     """The first sentences on a rig: whether the bodies slide as a whole and how far, and the
     dissipation W. Where they do not slide, the uncertainties of the inputs may allow it. The middle
-    of the contact slips only while all of it slides; `slide_distance` is its way in a motion.
+    of the contact slips only while all of it slides; `slide_distance` is the distance that it slips
+    in a motion.
     """
     unit_of_length = units(rig_motion.scene)[1]
     part_of_path = rig_motion.part_of_path

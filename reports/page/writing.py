@@ -392,8 +392,8 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
     scene = view.scene
     # indices of the instants and points that the page holds: about 200 instants at most, and
     # 100,000 instants times points
-    instants = _instants_of_slider(view)
-    points = _points_of_slider(view, len(instants))
+    instant_indices = _instants_of_slider(view)
+    point_indices = _points_of_slider(view, len(instant_indices))
     # U0, V0 of the reference, U1, V1 of the result. V is U without its elastic part: Q over V is a
     # wide loop.
     series = {
@@ -406,24 +406,28 @@ def _data_of_slider(view: CycleView) -> dict[str, Any]:
         "V1": sheared_displacement(view.result_cycle),
     }
     # tractions and slip as packed numbers; states as codes (instants, points)
-    fields, states = _fields_of_slider(view, np.ix_(instants, points))
+    fields, states = _fields_of_slider(view, np.ix_(instant_indices, point_indices))
     return {
-        "instants": len(instants),
-        "points": len(points),
+        "instants": len(instant_indices),
+        "points": len(point_indices),
         "of": [len(view.result_cycle.time), len(view.result_cycle.x)],
         "stretch": view.part_of_path,
-        "rows": instants.tolist(),
-        "x": [_seven_digits(x) for x in view.x[points]],
+        "rows": instant_indices.tolist(),
+        "x": [_seven_digits(x) for x in view.x[point_indices]],
         "series": {
-            name: list(map(_seven_digits, values[instants])) for name, values in series.items()
+            name: list(map(_seven_digits, values[instant_indices]))
+            for name, values in series.items()
         },
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
         "events": [
-            [_position_of(event.index, instants), event.label] for event in view.chosen_events
+            [_position_of(event.index, instant_indices), event.label]
+            for event in view.chosen_events
         ],
-        "start": _position_of(view.shown_instant, instants),
-        "slip_points": [_position_of(point, points) for point in slip_points(view.comparison)],
+        "start": _position_of(view.shown_instant, instant_indices),
+        "slip_points": [
+            _position_of(point, point_indices) for point in slip_points(view.comparison)
+        ],
         "time_words": view.time_words,
         "load_unit": load_unit(scene),
         "length": units(scene)[1],
@@ -436,17 +440,19 @@ def _instants_of_slider(view: CycleView) -> NDArray[np.int_]:
     with the first, the last and those that have a number in figures (`view.chosen_events`, each
     with its index in the cycle).
     """
-    last_instant = len(view.result_cycle.time) - 1
-    spaced_instants = (
-        np.linspace(0, last_instant, min(last_instant + 1, _MOST_INSTANTS)).round().astype(int)
+    last_index = len(view.result_cycle.time) - 1
+    spaced_indices = (
+        np.linspace(0, last_index, min(last_index + 1, _MOST_INSTANTS)).round().astype(int)
     )
-    chosen_instants = [event.index for event in view.chosen_events]
-    return np.unique([*spaced_instants.tolist(), 0, last_instant, *chosen_instants])
+    chosen_indices = [event.index for event in view.chosen_events]
+    return np.unique([*spaced_indices.tolist(), 0, last_index, *chosen_indices])
 
 
 def _points_of_slider(view: CycleView, n_instants: int) -> NDArray[np.int_]:
     """Indices of the points that the page holds for its slider: of those drawn evenly as many as
-    fit for `n_instants` instants, with the last one and those whose slip is shown over time.
+    fit for `n_instants` instants, with the last one and those whose slip is shown over time. `view`
+    holds the points `x` over a_ref (n,), and the largest that is drawn; a page carries at most
+    100,000 instants times points.
     """
     drawn_points = np.flatnonzero(np.abs(view.x) <= 1.02 * view.largest_x)
     stride = -(-len(drawn_points) * n_instants // _MOST_VALUES)
@@ -495,15 +501,16 @@ def _extent_of_slider_in_words(script_data: Mapping[str, Any]) -> str:
     """A sentence on how many instants and points of the last cycle the page's slider moves through.
     `script_data` is what the page's script is given; all its numbers here are counts.
     """
-    all_instants, all_points = script_data["of"]
-    slider_instants = script_data["instants"]
-    slider_points = script_data["points"]
-    stretch = script_data["stretch"]  # such as "last cycle" or "whole record"
-    if slider_instants == all_instants and slider_points == all_points:
-        return f"The slider moves through every instant and point of the {stretch}."
+    n_all_instants, n_all_points = script_data["of"]
+    n_slider_instants = script_data["instants"]
+    n_slider_points = script_data["points"]
+    part_of_path = script_data["stretch"]  # such as "last cycle" or "whole record"
+    if n_slider_instants == n_all_instants and n_slider_points == n_all_points:
+        return f"The slider moves through every instant and point of the {part_of_path}."
     return (
-        f"The slider moves through {slider_instants} of the {all_instants} instants and"
-        f" {slider_points} of the {all_points} points of the {stretch} (those near the contact);"
+        f"The slider moves through {n_slider_instants} of the {n_all_instants} instants and"
+        f" {n_slider_points} of the {n_all_points} points of the {part_of_path} (those near the"
+        " contact);"
         " figures that stand still, and the CSV, hold all of them, but where their captions say"
         " less."
     )
@@ -626,18 +633,20 @@ def published(comparison: Comparison) -> str:
     scene = comparison.scene
     reference_cycle = comparison.reference_cycle
     # the instant of the largest P, and of several with that P the one of the largest |Q|
-    largest_normal = reference_cycle.normal_load.max()
-    has_largest_normal = reference_cycle.normal_load >= largest_normal * (1 - 1e-9)
-    tangential_load = np.where(has_largest_normal, np.abs(reference_cycle.tangential_load), -1.0)
-    instant = int(np.argmax(tangential_load))
+    largest_normal_load = reference_cycle.normal_load.max()
+    has_largest_load = reference_cycle.normal_load >= largest_normal_load * (1 - 1e-9)
+    size_of_q = np.where(has_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
+    instant = int(np.argmax(size_of_q))  # index
     title = f"t = {reference_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)
     # without the panel of the differences; with words on the axis of x
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
     traction_panel = replace(traction_panel, x=view.over_x(), room=None)
 
-    moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.displacement
-    loop_plate = hysteresis(view) if moves else None
+    stroke = np.ptp(reference_cycle.tangential_displacement)
+    is_moving = stroke > 1e-9 * comparison.scales.displacement
+    # figure of the loops: Q over U, then Q over U − k Q
+    loop_plate = hysteresis(view) if is_moving else None
     # edges over time, not over the share of the period
     view.time = view.result_cycle.time
     view.time_words = "time"
