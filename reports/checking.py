@@ -115,15 +115,15 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     rows: of each block of 100,000 rows two lines between neighbouring rows are taken, that with the
     largest ratio and that with the largest P.
     """
-    load = scene.load
-    if not isinstance(load, TimeSeriesLoad):
-        path = load.path()
+    load_history = scene.load
+    if not isinstance(load_history, TimeSeriesLoad):
+        path = load_history.path()
         part_of_loading = "initial loading" if path.cycle else "path"
         segments_before_cycle = [(segment, part_of_loading) for segment in path.initial_loading]
         return segments_before_cycle + [(segment, "cycle") for segment in path.cycle]
-    part_of_loading = "initial loading" if load.repeats else "path"
-    part_after_first_line = "cycle" if load.repeats else "path"
-    rows = load.series()  # (n, 3) time, P, Q
+    part_of_loading = "initial loading" if load_history.repeats else "path"
+    part_after_first_line = "cycle" if load_history.repeats else "path"
+    rows = load_history.series()  # (n, 3) time, P, Q
     segments: list[tuple[LoadSegment, str]] = []
     for first_row in range(0, len(rows) - 1, _ROWS_PER_BLOCK):
         block = rows[first_row : first_row + _ROWS_PER_BLOCK + 1]
@@ -135,8 +135,8 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
             _load_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1
         )
         line_of_highest_ratio = np.argmax(ratio)
-        line_of_highest_load = np.argmax(np.max(normal_load, axis=1))
-        for line in np.unique([line_of_highest_ratio, line_of_highest_load]).tolist():
+        line_of_highest_p = np.argmax(np.max(normal_load, axis=1))
+        for line in np.unique([line_of_highest_ratio, line_of_highest_p]).tolist():
             start_time, start_p, start_q = block[line].tolist()
             end_time, end_p, end_q = block[line + 1].tolist()
             segment = StraightSegment(start_time, end_time, (start_p, start_q), (end_p, end_q))
@@ -198,7 +198,7 @@ def _has_only_tension(scene: Scene) -> bool:
     )
 
 
-def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: float) -> str:
+def _hint_on_rows_to_leave_out(load_record: TimeSeriesLoad, friction: float, time: float) -> str:
     """The end of an error message on a record of loads that slides or lifts off at `time`: the
     number of that row, and the keys of the scene that leave such rows out.
 
@@ -208,7 +208,7 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
 
     Parameters
     ----------
-    load
+    load_record
         a record of loads: `rows` holds time, P and Q; `repeats`: the rows are one cycle;
         `has_bulk_or_tilt`: it has bulk stress, tilt or moment too; `least_normal_load`: the P below
         which rows are noise, None where it is not stated
@@ -217,9 +217,9 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
     time
         of the row at fault
     """
-    rows = load.rows.values  # time, P, Q in its columns
+    rows = load_record.rows.values  # time, P, Q in its columns
     # Numbers, from 0, of the first row used and of the one after the last.
-    first_row, row_beyond = load.row_bounds()
+    first_row, row_beyond = load_record.row_bounds()
     row = first_row + int(np.argmax(np.append(rows[first_row:row_beyond, 0] >= time, True)))
     row = min(row, row_beyond - 1)
 
@@ -231,9 +231,9 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
     largest_load = float(np.max(used_rows[:, 1]))
     # _LARGEST_NOISE_SHARE: 0.05 of the largest P
     if (
-        load.least_normal_load is None
-        and not load.repeats
-        and not load.has_bulk_or_tilt
+        load_record.least_normal_load is None
+        and not load_record.repeats
+        and not load_record.has_bulk_or_tilt
         and largest_sliding_load < _LARGEST_NOISE_SHARE * largest_load
     ):
         # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
@@ -248,7 +248,7 @@ def _hint_on_rows_to_leave_out(load: TimeSeriesLoad, friction: float, time: floa
         )
 
     # A sentence on the keys that leave out rows that slide; "" where none helps.
-    if advice_on_sliding := sliding_rows_in_words(load, friction):
+    if advice_on_sliding := sliding_rows_in_words(load_record, friction):
         return f"{row_in_words}. {advice_on_sliding}"
     return (
         f"{row_in_words}. To leave rows out, write load.start or load.end: a time, or"
@@ -612,7 +612,7 @@ class _Contact:
     pressure: Callable[[Array], Array]  # x (n,) -> p [stress] (n,)
 
 
-def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Contact | None:
+def _contact_of_convex_profile(scene: Scene, normal_load: float, time: float) -> _Contact | None:
     """Edges and pressure of the contact of a convex profile under one load P, with the tilt that
     the load path has at `time`; a thousandth of the time of a solution by theory.
 
@@ -620,7 +620,7 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
 
     Parameters
     ----------
-    load
+    normal_load
         P [force per thickness]
     time
         instant of the load path whose tilt counts
@@ -644,7 +644,7 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
         # A convex profile gives middle and half-width of the contact under a load and a tilt.
         convex = convex_profile(scene.profile)
         middle_x, half_width = convex.contact_centre_and_half_width(
-            load / (np.pi * pressure_scale), tilt
+            normal_load / (np.pi * pressure_scale), tilt
         )
     except InputError:
         return None
@@ -656,13 +656,13 @@ def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Conta
     return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
 
 
-def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _Contact:
+def _contact_by_theory(scene: Scene, normal_load: float, time: float, source: str) -> _Contact:
     """Edges and pressure of the contact under one normal load P, by half-plane theory. The scene is
     solved with this load alone, and with the tilt or moment that the load path has at `time`.
 
     Parameters
     ----------
-    load
+    normal_load
         P [force per thickness]
     source
         name of the scene in messages
@@ -675,8 +675,10 @@ def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _
     import semi_analytic
 
     # A load path from 0 to P, which is reached at time 1.
-    load_to_p = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
-    scene_at_p = scene.model_copy(update={"load": load_to_p})
+    path_to_p = PolygonLoad(
+        initial_loading=((normal_load, 0.0),), **_tilt_or_moment_at(scene, time)
+    )
+    scene_at_p = scene.model_copy(update={"load": path_to_p})
 
     def solution_at(x: Array, *fields: str) -> ContactSolution:
         """Solution under P at places x, with the named fields."""

@@ -240,7 +240,8 @@ def show_table(
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
-    # Blanks beside the rules, whether there are outer rules, and widths of the columns.
+    # Blanks beside the rules (vertical lines between columns), whether there are outer rules, and
+    # widths of the columns.
     layout = _layout([columns, *table_rows], console.width)
     table = Table(
         title=Text(_printable_text(title)),
@@ -281,11 +282,11 @@ def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
     _Layout(blanks=0, has_outer_rules=False, widths=[8, 1])
     """
     n_columns = len(rows[0])
-    rules_between = n_columns - 1
+    n_rules_between_columns = n_columns - 1
     layouts = []
     # From the widest layout to the narrowest: with blanks, without, without outer rules.
     for blanks, n_outer_rules in ((1, 2), (0, 2), (0, 0)):
-        width_of_rules = rules_between * (1 + 2 * blanks) + n_outer_rules
+        width_of_rules = n_rules_between_columns * (1 + 2 * blanks) + n_outer_rules
         # Widths in which no word is broken; none where there is no room.
         widths = _column_widths(rows, total_width - width_of_rules)
         if widths:
@@ -326,12 +327,12 @@ def _column_widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]
     widths = [_longest_word(column) for column in columns]
     if sum(widths) > total_width:
         return []
-    # one place more for each column that is too narrow, until all places are used
-    while free_places := total_width - sum(widths):
+    # one character more for each column that is too narrow, until all free ones are used
+    while n_free_characters := total_width - sum(widths):
         narrow_columns = [
             column for column, width in enumerate(widths) if width < full_widths[column]
         ]
-        for column in narrow_columns[:free_places]:
+        for column in narrow_columns[:n_free_characters]:
             widths[column] += 1
     return widths
 

@@ -311,17 +311,17 @@ def uncertain_value(
         `value` is the change by one standard uncertainty of the input, its `uncertainty` the change
         of second order
     key
-        key of this value in `changes`
+        key of the computed value in `changes`
     correlation
         (n, n) correlation matrix of the inputs
     """
     estimates = {by_input.key: by_input.changes[key] for by_input in changes_by_inputs}
-    changes = np.array([estimate.value for estimate in estimates.values()])
+    changes_of_value = np.array([estimate.value for estimate in estimates.values()])
     second_order = math.hypot(*(estimate.uncertainty for estimate in estimates.values()))
 
     # a correlation of -1 may leave a negative sum of squares by round-off
-    variance = max(float(changes @ correlation @ changes), 0.0)
-    if not np.all(np.isfinite(changes)):
+    variance = max(float(changes_of_value @ correlation @ changes_of_value), 0.0)
+    if not np.all(np.isfinite(changes_of_value)):
         variance = math.nan
     return UncertainValue(
         quantity.words, quantity.unit, value, estimates, second_order, math.sqrt(variance)
@@ -1225,6 +1225,7 @@ def values_of_ellipses(
             4 * profile["radius"] / (math.pi * composite_modulus(scene.material))
         )
         values[STICK] = np.sqrt(width_squared_per_load * stick_load)
+    # `reason`: why a draw has no W
     return values, batch.reason == semi_analytic.Reason.SLIDING
 
 
@@ -1350,11 +1351,13 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
     if reason := _reason_without_values(scene_solved):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
     try:
-        effects_of_inputs = _input_effects(scene_solved, effects)
+        uncertainties_by_inputs = _input_effects(scene_solved, effects)
         # The note says that pads were taken as blocks.
         if scene_solved is scene:
-            return effects_of_inputs
-        return replace(effects_of_inputs, notes=(*effects_of_inputs.notes, _BLOCKS_FOR_PADS))
+            return uncertainties_by_inputs
+        return replace(
+            uncertainties_by_inputs, notes=(*uncertainties_by_inputs.notes, _BLOCKS_FOR_PADS)
+        )
     except (InputError, ConvergenceError) as fault:
         return InputEffects(
             scene.inputs,

@@ -99,20 +99,20 @@ def check_record(scene: Scene) -> RecordCheck | None:
     Reduction leaves out rows between turning points of P or Q, or within a threshold of the path.
     Every W is None for records that repeat or have more than 200,000 rows.
 
-    # notation: load.average number of rows of one mean, 1 for none; load.reduce kind of reduction,
-    None for none; load.threshold its limits in P and Q, None for none
+    `load_record.average` is the number of rows of one mean, 1 for none; `reduce` the kind of
+    reduction, None for none; `threshold` its limits in P and Q, None for none.
     """
-    load = scene.load
-    if not isinstance(load, TimeSeriesLoad):
+    load_record = scene.load
+    if not isinstance(load_record, TimeSeriesLoad):
         return None
-    rows = load.used_rows().values
+    rows = load_record.used_rows().values
     # Rows that the load path goes through, after averaging and reduction.
-    n_path_rows = len(load.kept_rows())
+    n_path_rows = len(load_record.kept_rows())
     # Standard deviation of the noise of P and of Q; 0 where none is seen.
     # _NORMAL, _TANGENTIAL: columns of P and of Q
     sigmas_of_loads = (sigma_of_noise(rows[:, _NORMAL]), sigma_of_noise(rows[:, _TANGENTIAL]))
     # _MOST_ROWS_FOR_WORK: 200,000 rows
-    if len(rows) > _MOST_ROWS_FOR_WORK or load.repeats:
+    if len(rows) > _MOST_ROWS_FOR_WORK or load_record.repeats:
         return RecordCheck(
             n_rows=len(rows),
             n_path_rows=n_path_rows,
@@ -129,14 +129,17 @@ def check_record(scene: Scene) -> RecordCheck | None:
     # W of the record as it is, then without these keys.
     work_of_path = _work_of_record(scene)
     work_without_reduction = work_of_path
-    if load.reduce is not None:
+    if load_record.reduce is not None:
         work_without_reduction = _work_of_record(scene, **no_reduction)
     work_of_all_rows = work_without_reduction
-    if load.average != 1:
+    if load_record.average != 1:
         work_of_all_rows = _work_of_record(scene, average=1, **no_reduction)
     work_at_half_threshold = None
-    if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
-        half_of_each = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
+    if (
+        load_record.threshold is not None
+        and max(load_record.threshold.P, load_record.threshold.Q) > 0
+    ):
+        half_of_each = {"P": load_record.threshold.P / 2, "Q": load_record.threshold.Q / 2}
         work_at_half_threshold = _work_of_record(scene, threshold=half_of_each)
 
     # W of means over several rows, which remove noise.
@@ -279,16 +282,16 @@ def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentenc
 
     `record_check` holds the standard deviation of the noise of P and of Q, and W of the load path,
     and of that with half the threshold for a turning point; None where a W is not known.
-    `load.reduce` is the kind of reduction of the record, None for none.
+    `load_record.reduce` is the kind of reduction of the record, None for none.
     """
-    load = scene.load
-    assert isinstance(load, TimeSeriesLoad)
-    yield from _rows_in_words(scene, load)
+    load_record = scene.load
+    assert isinstance(load_record, TimeSeriesLoad)
+    yield from _rows_in_words(scene, load_record)
     # Sentences on the parts of the record, such as rests and blocks of cycles.
     for text in parts_in_words(scene):
         yield Sentence(text, is_warning=False)
-    if load.reduce is not None:
-        yield _reduction_in_words(scene, load, record_check)
+    if load_record.reduce is not None:
+        yield _reduction_in_words(scene, load_record, record_check)
     if record_check.work_at_half_threshold is not None and record_check.work_of_path:
         relative_change = _relative_change(
             record_check.work_at_half_threshold, record_check.work_of_path
@@ -297,7 +300,7 @@ def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentenc
         # _LARGEST_CHANGE_WITHOUT_WARNING: 1 % of W
         yield Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
     if any(record_check.noise):
-        yield _noise_in_words(scene, load, record_check)
+        yield _noise_in_words(scene, load_record, record_check)
 
 
 def _relative_change(value: float | None, value_before: float | None) -> float:
@@ -309,45 +312,52 @@ def _per_cent(relative_change: float) -> str:
     return minus(f"{100 * relative_change:+.2g} %")
 
 
-def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
+def _rows_in_words(scene: Scene, load_record: TimeSeriesLoad) -> Iterator[Sentence]:
     """Sentences on which rows of a record are used, where not all are: those between the keys start
-    and end, or those with at least the normal load `load.least_normal_load`.
+    and end, or those with at least the normal load `load_record.least_normal_load`.
 
-    None of them is a warning. `load.rows` holds time, P and Q of all rows.
+    None of them is a warning. `load_record.rows` holds time, P and Q of all rows.
     """
     # Numbers, from 0, of the first row used and of the one after the last.
-    first_row, row_beyond = load.row_bounds()
-    if row_beyond - first_row < len(load.rows):
+    first_row, row_beyond = load_record.row_bounds()
+    if row_beyond - first_row < len(load_record.rows):
         yield Sentence(
-            f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load.rows):,} count, by the keys"
-            " start and end.",
+            f"Rows {first_row + 1:,} to {row_beyond:,} of {len(load_record.rows):,} count, by the"
+            " keys start and end.",
             is_warning=False,
         )
-    if load.least_normal_load is not None:
+    if load_record.least_normal_load is not None:
         # _NORMAL: column of P
-        is_below = load.rows.values[first_row:row_beyond, _NORMAL] < load.least_normal_load
+        is_below = (
+            load_record.rows.values[first_row:row_beyond, _NORMAL] < load_record.least_normal_load
+        )
         if not np.any(is_below):
             return
         yield Sentence(
-            f"P is below least_normal_load = {number(load.least_normal_load)} {load_unit(scene)} in"
+            f"P is below least_normal_load = {number(load_record.least_normal_load)}"
+            f" {load_unit(scene)} in"
             f" {np.count_nonzero(is_below):,} of the rows: Q counts as 0 there. Of these the first"
             f" {int(np.argmin(is_below)):,} are initial loading at Q = 0.",
             is_warning=False,
         )
 
 
-def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
+def _reduction_in_words(
+    scene: Scene, load_record: TimeSeriesLoad, record_check: RecordCheck
+) -> Sentence:
     """A sentence on how many rows of a record the load path goes through, and how much W changes by
     leaving out all others; a warning where it changes by more than 1 %.
 
     `record_check` holds the numbers of rows, `work_of_path` (W of the reduced record) and
-    `work_without_reduction`; a W is None where it could not be computed. `load.average` is the
-    number of rows of one mean, 1 for none.
+    `work_without_reduction`; a W is None where it could not be computed. `load_record.average` is
+    the number of rows of one mean, 1 for none.
     """
     path_in_words = (
         f"The path goes through {record_check.n_path_rows:,} of {record_check.n_rows:,} rows"
     )
-    rows_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
+    rows_in_words = (
+        "all of them" if load_record.average == 1 else f"all means of {load_record.average}"
+    )
     if record_check.work_of_path is None and record_check.work_without_reduction is None:
         return Sentence(
             f"{path_in_words}; what that changes in W was not computed.", is_warning=False
@@ -370,12 +380,14 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: Record
     return Sentence(text, abs(relative_change) > _LARGEST_CHANGE_WITHOUT_WARNING)
 
 
-def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
+def _noise_in_words(
+    scene: Scene, load_record: TimeSeriesLoad, record_check: RecordCheck
+) -> Sentence:
     """A sentence on the noise of a record of loads: its standard deviation, and how much means of
     several rows, which remove it, change W.
 
-    It is a warning where they change W by more than 1 % and `load.average` (the number of rows of
-    one mean, 1 for none) does not ask for them.
+    It is a warning where they change W by more than 1 % and `load_record.average` (the number of
+    rows of one mean, 1 for none) does not ask for them.
 
     Parameters
     ----------
@@ -397,7 +409,7 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
     )
 
     # The record is averaged: how much that changes W.
-    if load.average > 1:
+    if load_record.average > 1:
         relative_change = _relative_change(
             record_check.work_without_reduction, record_check.work_of_all_rows
         )
@@ -409,7 +421,7 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordChec
                 " smaller load.average"
             )
         text = (
-            f"{noise_in_words}. The means of {load.average} rows change W by"
+            f"{noise_in_words}. The means of {load_record.average} rows change W by"
             f" {_per_cent(relative_change)}{cause}."
         )
         return Sentence(text, is_warning=False)
@@ -521,18 +533,18 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
         `engine`: name of the program; `cycle_dissipation`: W of each solved period; `scene.load`:
         the record, with `repeats` where its rows are one period
     """
-    load = solution.scene.load
-    if not isinstance(load, TimeSeriesLoad) or solution.engine not in (
+    load_record = solution.scene.load
+    if not isinstance(load_record, TimeSeriesLoad) or solution.engine not in (
         "semi_analytic",
         "halfplane_fe",
     ):
         return None
-    rows = load.series()
+    rows = load_record.series()
 
     # Rows of the first period, its duration, and the time from it to the last period solved.
     period_duration = 0.0
     shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
-    if load.repeats:
+    if load_record.repeats:
         rows = rows[1:]  # without the unloaded row before the first period
         # _TIME: column of the times
         period_duration = float(rows[-1, _TIME] - rows[0, _TIME])
@@ -546,8 +558,8 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
 
     # Cycles of Q counted in the rows that were solved, still without their work.
     solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
-    row_cycles = _cycles_of_rows(solved_rows, repeats=load.repeats)
-    if not load.repeats:
+    row_cycles = _cycles_of_rows(solved_rows, repeats=load_record.repeats)
+    if not load_record.repeats:
         cycles = cycles_with_work(row_cycles, time, work_so_far)
         last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
         return LoadCycles(tuple(cycles), time, work_so_far, last_whole_cycle)

@@ -106,12 +106,12 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     >>> [(part.kind, part.first_row, part.last_row) for part in record_parts(scene)]
     [('no load', 1, 100), ('rest', 101, 202), ('alike', 226, 676), ('rest', 700, 800)]
     """
-    load = scene.load
-    if not isinstance(load, TimeSeriesLoad) or load.repeats or load.is_driven:
+    load_record = scene.load
+    if not isinstance(load_record, TimeSeriesLoad) or load_record.repeats or load_record.is_driven:
         return ()
     # Numbers, from 0, of the first row used and of the one after the last.
-    first_row, row_beyond = load.row_bounds()
-    rows = load.rows.values[first_row:row_beyond]
+    first_row, row_beyond = load_record.row_bounds()
+    rows = load_record.rows.values[first_row:row_beyond]
     if len(rows) > _MOST_ROWS_LOOKED_THROUGH:
         return ()
     unit = load_unit(scene)
@@ -189,11 +189,11 @@ def _is_at_rest(rows: Array, window_size: int) -> Mask:
     is_window_at_rest = np.ones(n_windows, dtype=bool)
     # Columns of P and of Q.
     for column in (_NORMAL, _TANGENTIAL):
-        load = rows[:, column]
-        largest_load = maximum_filter1d(load, window_size)[centres]
-        least_load = minimum_filter1d(load, window_size)[centres]
+        load_values = rows[:, column]
+        largest_load = maximum_filter1d(load_values, window_size)[centres]
+        least_load = minimum_filter1d(load_values, window_size)[centres]
         # _LARGEST_MOTION_AT_REST: 0.05 of the range of the load
-        largest_motion = _LARGEST_MOTION_AT_REST * float(np.ptp(load))
+        largest_motion = _LARGEST_MOTION_AT_REST * float(np.ptp(load_values))
         is_window_at_rest &= largest_load - least_load <= largest_motion
     # A row is at rest where any window that holds it is. Windows at rest are counted: those that
     # begin at or before the row, minus those that end before it.
@@ -318,16 +318,16 @@ def _is_nearly_all(scene: Scene, part: RecordPart) -> bool:
     )
 
 
-def sliding_rows_in_words(load: TimeSeriesLoad, friction_coefficient: float) -> str:
+def sliding_rows_in_words(load_record: TimeSeriesLoad, friction_coefficient: float) -> str:
     """At which rows of a record the bodies slide as a whole (|Q| > f P), and what to do, in words;
     "" where there are none.
 
-    Rows with P below 5 % of its largest are left out: they are noise. `load` is the record: its
-    `rows` hold time, P and Q.
+    Rows with P below 5 % of its largest are left out: they are noise. The `rows` of `load_record`
+    hold time, P and Q.
     """
     # Numbers, from 0, of the first row used and of the one after the last.
-    first_row, row_beyond = load.row_bounds()
-    rows = load.rows.values[first_row:row_beyond]
+    first_row, row_beyond = load_record.row_bounds()
+    rows = load_record.rows.values[first_row:row_beyond]
     # _NORMAL: column of P; below, _TANGENTIAL that of Q
     normal_load = rows[:, _NORMAL]
     is_sliding = np.abs(rows[:, _TANGENTIAL]) > friction_coefficient * normal_load

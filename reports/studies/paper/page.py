@@ -51,9 +51,10 @@ def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, in the order of the file paper.toml, with its verdict and
     numbers. `examples` are the paper's two profiles, with their solutions.
     """
-    verdict_of = judge_statements(examples)  # by key of the statement
+    verdict_by_key = judge_statements(examples)  # verdict and numbers, by key of the statement
     return tuple(
-        table_row(Statement, words, verdict_of[words["key"]]) for words in PAPER_WORDS["statement"]
+        table_row(Statement, words, verdict_by_key[words["key"]])
+        for words in PAPER_WORDS["statement"]
     )
 
 
@@ -61,9 +62,10 @@ def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, in the order of the file paper.toml, with its proof and numbers.
     `examples` are the paper's two profiles, with their solutions.
     """
-    proof_of = prove_misprints(examples)  # by key of the misprint
+    # whether a misprint is proven, and numbers, by its key
+    proof_by_key = prove_misprints(examples)
     return tuple(
-        table_row(Misprint, words, proof_of[words["key"]]) for words in PAPER_WORDS["misprint"]
+        table_row(Misprint, words, proof_by_key[words["key"]]) for words in PAPER_WORDS["misprint"]
     )
 
 

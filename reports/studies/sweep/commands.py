@@ -42,8 +42,8 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     points the study has, and how many are stored. Of the command's `options`, `out` is the folder
     of the store, `quiet` stands for no progress, and those named in `WORKERS` state who solves.
 
-    Returns the exit code (0 all points are solved, 3 one failed, 130 the user interrupted), tables
-    and lines for the terminal, and the content of the JSON output.
+    Returns the exit code (0 all points are solved, 3 one failed, 130 the user interrupted), sheets
+    (printed tables) and lines for the terminal, and the content of the JSON output.
     """
     from reports.folder import default_folder, usable_folder
     from reports.studies.sweep.running import prepare, solve_waiting_points, worker_pool
@@ -120,20 +120,20 @@ def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
 def _result_parts(
     sweep: PreparedSweep, table: DataFrame, json_content: dict[str, Any]
 ) -> Iterator[Part]:
-    """Tables and lines that the terminal shows of a sweep. The tables are of the points with their
-    values, and of those that failed with the reason. The lines are counts, notes, and the path of
-    the table of all points.
+    """Sheets (printed tables) and lines that the terminal shows of a sweep. The sheets are of the
+    points with their values, and of those that failed with the reason. The lines are counts, notes,
+    and the path of the file index.csv with all points.
 
     `sweep` is the study with its points and its store; `table` has a row for each point, with
     "status", "number" and "reason". `json_content` holds the notes ("notes": each a text and how
     many points have it) and that path ("file"). At most 20 points (`_MOST_ROWS`) and three notes
-    are shown.
+    (`_MOST_NOTES`) are shown.
     """
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import coordinates_in_words
 
     # points with their values; `in_short`: without status and seconds
-    # Sheet: a table on the terminal, of title, heads, rows and indices of right-aligned columns
+    # Sheet: title, heads, rows and indices of right-aligned columns
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
     study = sweep.study

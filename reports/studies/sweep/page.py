@@ -155,8 +155,8 @@ def write_page(store: Store) -> Path:
 def table_in_words(
     table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
 ) -> tuple[list[str], list[list[str]]]:
-    """A sweep as a table of texts: heads with units, and a row for each point with its coordinates,
-    the values computed there with their uncertainties, status and seconds.
+    """A sweep's table as texts: heads with units, and the cells of a row for each point, with its
+    coordinates, the values computed there with their uncertainties, status and seconds.
 
     Parameters
     ----------
@@ -664,8 +664,8 @@ def heat_map(
     coordinates
         (n,) of the places on each of the two axes
     colour_share
-        (n,) place of the colour on the scale of colours, from 0 to 1; where it is NaN there is no
-        rectangle
+        (n,) position of the colour on the scale of colours, from 0 to 1; where it is NaN there is
+        no rectangle
     tooltips
         text that a pointer shows on each rectangle
     is_hatched

@@ -96,9 +96,9 @@ class Quantity:
         )
 
 
-def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
+def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load_path: Load) -> float:
     """Value of a quantity at one normal load of the last cycle: at the mean load P0 of an
-    elliptical path (`load`), else at the largest load. Linear between the loads of the instants.
+    elliptical `load_path`, else at the largest load. Linear between the loads of the instants.
 
     `series` (n,) has the quantity at all instants of the solution. Where an ellipse prescribes the
     approach in place of P, the largest load is taken too.
@@ -106,8 +106,8 @@ def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load: Loa
     cycle_indices = solution.last_cycle  # instants of the last cycle
     loads = solution.normal_load[cycle_indices]
     load_of_value = float(np.max(loads))
-    if isinstance(load, EllipseLoad) and not load.states_approach:
-        load_of_value = load.mean_normal_load
+    if isinstance(load_path, EllipseLoad) and not load_path.states_approach:
+        load_of_value = load_path.mean_normal_load
     ascending_indices = np.argsort(loads, kind="stable")
     return float(
         np.interp(load_of_value, loads[ascending_indices], series[cycle_indices][ascending_indices])
@@ -595,11 +595,11 @@ def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, d
     """
     import halfplane_fe
 
-    load = question.scene.load
+    load_path = question.scene.load
     notes: dict[str, str] = {}
-    if question.share_condensations and (load.tilt is not None or load.moment_is_given):
+    if question.share_condensations and (load_path.tilt is not None or load_path.moment_is_given):
         notes = {"": "the contact moves with the tilt; solved on bodies of its own"}
-    elif question.share_condensations and load.states_approach:
+    elif question.share_condensations and load_path.states_approach:
         notes = {"": "the load follows from the approach; solved on bodies of its own"}
     elif question.share_condensations:
         try:
@@ -629,11 +629,11 @@ def _shared_scales(scene: Scene) -> Scales:
         name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS
     }
     # P up to its largest value, Q = 0
-    load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
+    load_path = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
     normalised_scene = scene.vary(
         **default_texts,
         friction=Friction(coefficient=0.0),
-        load=load,
+        load=load_path,
         rig=Rig(),  # which changes no contact under a given load
         cycles=1,
     )

@@ -544,7 +544,7 @@ def _places_of_upper_body(mesh: BodyMesh, profile: Profile | None) -> Array:
     if profile is None:
         return np.stack([x, y])
 
-    # gap and its slope at |x| = c, on the side of each node
+    # gap and its slope at x = c or x = -c, by the sign of the node's x
     c = mesh.grading.outer
     small_step = 1e-4 * c
     sign_of_x = np.where(x < 0, -1.0, 1.0)
@@ -569,7 +569,7 @@ def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None 
     file and the `versions` of packages.
     """
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
-    functions = (amplitudes, equations_of, held_of, number, one_line, rows)
+    functions = (amplitudes, equations_of, lines_of_zero_displacements, number, one_line, rows)
     function_by_name = {function.__name__: function for function in functions}
     unwrapped_text = template("deck.inp").render(
         deck=deck, command=command, versions=packages, **function_by_name
@@ -705,7 +705,7 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
     return f"{len(terms)}\n{', '.join(cells)}"
 
 
-def held_of(deck: Deck) -> list[str]:
+def lines_of_zero_displacements(deck: Deck) -> list[str]:
     """Lines "node, direction" of an input deck for displacements that are 0. They are for held
     nodes of the lower body, and for those directions of the extra nodes for bulk strain and tilt
     that stand for nothing. Direction 1 is along x, 2 along y.
