@@ -132,16 +132,16 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
     x = arrays["x"]
     slip_range = np.ptp(arrays["slip"][is_in_cycle], axis=0)
     largest_creep = slip_range[(x > zone_ends[0]) & (x < zone_ends[1])].max(initial=0.0)
-    between_edges = "No node between them slips"
+    text_between_edges = "No node between them slips"
     if largest_creep:
         creep_share = largest_creep / float(slip_range.max())
-        between_edges = (
+        text_between_edges = (
             "What slips between them counts as stuck: it slips by"
             f" {creep_share:.1e} of the largest slip at most"
         )
     yield (
         f"the permanent stick zone, {zone_ends[0]:.6g} to {zone_ends[1]:.6g}, reaches beyond the"
-        f" stick edges of {n_narrower} of {len(outward_edges)} instants. {between_edges}"
+        f" stick edges of {n_narrower} of {len(outward_edges)} instants. {text_between_edges}"
     )
 
 
@@ -253,9 +253,9 @@ def work_done(
         **{name: int(count) for name, count in sorted(problem.work_counts.items())},
     }
     # name of the work -> (how often it was skipped, why)
-    skipped = _skipped_at_bodies(scene, problem, run, condensed_bodies)
-    skipped |= _skipped_along_path(scene, problem, run)
-    return Work(counts, skipped, dict(seconds))
+    skipped_work = _skipped_at_bodies(scene, problem, run, condensed_bodies)
+    skipped_work |= _skipped_along_path(scene, problem, run)
+    return Work(counts, skipped_work, dict(seconds))
 
 
 def _skipped_at_bodies(
@@ -285,28 +285,28 @@ def _skipped_at_bodies(
     """
     lower_body, upper_body = condensed_bodies
     is_one_mesh = lower_body.body is upper_body.body
-    skipped: dict[str, tuple[int, str]] = {}
+    skipped_work: dict[str, tuple[int, str]] = {}
     if is_one_mesh:
-        skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
+        skipped_work["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
     if lower_body is upper_body:
-        skipped["condensations"] = (
+        skipped_work["condensations"] = (
             1,
             "the bodies are alike: the upper one is the lower one reflected",
         )
     # CACHED: name of the count of bodies taken from the cache
     n_cached = problem.work_counts[CACHED]
     if n_cached:
-        skipped["condensations, cached"] = (
+        skipped_work["condensations, cached"] = (
             n_cached,
             "this process condensed the body before: taken from the cache",
         )
     if on_half(scene, problem.interface):
-        skipped["contact nodes"] = (
+        skipped_work["contact nodes"] = (
             len(problem.interface.x) // 2,
             "p is even in x, q even or odd: solved on one half",
         )
     if not problem.has_shear:
-        skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
+        skipped_work["tangential problem"] = (len(run.iterations), "no shear can arise")
     # CORRECTED_FACES: name of the count of runs on faces without the mesh's error
     if not problem.work_counts[CORRECTED_FACES]:
         reason = (
@@ -315,8 +315,8 @@ def _skipped_at_bodies(
         # REPEATED_RUNS: name of the count of runs repeated on faces as they are meshed
         if problem.work_counts[REPEATED_RUNS]:
             reason = "the contact did not converge without it"
-        skipped["the mesh's part of N - T"] = (1, reason)
-    return skipped
+        skipped_work["the mesh's part of N - T"] = (1, reason)
+    return skipped_work
 
 
 def _skipped_along_path(
@@ -334,18 +334,18 @@ def _skipped_along_path(
         number of iterations of each increment; number of the revolution that ended as it started
         (`steady_from`, None without one); states of all instants, and indices of those stored
     """
-    skipped: dict[str, tuple[int, str]] = {}
+    skipped_work: dict[str, tuple[int, str]] = {}
     if problem.has_shear and not problem.work_counts["slip iterations"]:
-        skipped["slip iterations"] = (len(run.iterations), "no node left stick")
+        skipped_work["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
-        skipped["revolutions"] = (
+        skipped_work["revolutions"] = (
             scene.cycles - run.steady_from - 1,
             "the revolution before ended as it started",
         )
     n_dropped = len(run.states) - len(run.stored_indices)
     if n_dropped:
-        skipped["instants"] = (
+        skipped_work["instants"] = (
             n_dropped,
             f"stored at {len(run.stored_indices)} instants: more would take gigabytes",
         )
-    return skipped
+    return skipped_work

@@ -38,15 +38,16 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
         what P and Q of the run are scaled by [force per thickness]
     """
     states = run.states
-    points = [
+    # (P, Q) at the end of each increment
+    load_points = [
         (load_unit * state.normal_load, load_unit * state.tangential_load) for state in states
     ]
-    initial_loading = tuple(points[1:])
+    initial_loading = tuple(load_points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if run.nodal_work_by_cycle and run.cycle_starts:
         first_of_cycle = run.cycle_starts[-1]
-        initial_loading = tuple(points[1 : first_of_cycle + 1])
-        cycle = tuple(points[first_of_cycle + 1 : -1])
+        initial_loading = tuple(load_points[1 : first_of_cycle + 1])
+        cycle = tuple(load_points[first_of_cycle + 1 : -1])
     times = tuple(state.time for state in states)
     polygon = PolygonLoad(initial_loading=initial_loading, cycle=cycle, times=times)
     return scene.vary(load=polygon, rig=Rig(), cycles=1)
@@ -183,11 +184,11 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     # Before it: up to two spells.
     slides_before = _slides_of(friction, run.states[: first_step + 1])
     if slides_before:
-        in_words = "; ".join(
+        earlier_slides_in_words = "; ".join(
             _slide_in_words(slide, displacement_unit, length_unit)
             for slide in slides_before[:_MOST_EARLIER_SLIDES_NAMED]
         )
-        yield f"gross sliding: before it {in_words}"
+        yield f"gross sliding: before it {earlier_slides_in_words}"
 
 
 def _slide_in_words(slide: _Slide, displacement_unit: float, length_unit: str) -> str:

@@ -88,14 +88,14 @@ def surface_force_displacement(
     rotation = k * ln_w.imag
     z_squared_over_r_squared = z_over_w.real
     x_z_over_r_squared = -z_over_w.imag
-    by_force_x = np.stack(
+    displacement_by_force_x = np.stack(
         [-c * (logarithm + z_squared_over_r_squared), -c * (x_z_over_r_squared + rotation)]
     )
     # A force along +y is a force along -z, and u_y = -u_z.
-    by_force_y = np.stack(
+    displacement_by_force_y = np.stack(
         [-c * (x_z_over_r_squared - rotation), -c * (logarithm - z_squared_over_r_squared)]
     )
-    return np.stack([by_force_x, by_force_y], axis=2)
+    return np.stack([displacement_by_force_x, displacement_by_force_y], axis=2)
 
 
 def surface_force_traction(x: Array, y: Array, normal: Array, x_of_forces: Array) -> Array:

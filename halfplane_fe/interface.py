@@ -532,9 +532,9 @@ def body_forces(
 
 def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
     """Whether both faces are flat and have nodes opposite each other, to 1e-9 of the width."""
-    flat = not (lower.y.any() or upper.y.any())
+    are_flat = not (lower.y.any() or upper.y.any())
     return (
-        flat
+        are_flat
         and lower.x.shape == upper.x.shape
         and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
     )

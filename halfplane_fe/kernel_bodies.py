@@ -144,42 +144,50 @@ class CurvatureJumpKernels:
         chord_kernels = kernels_of_slope(chord_slope, self.material)
         poisson_ratio = self.material.poisson_ratio
         modulus = self.material.young_modulus / (1 - poisson_ratio**2)
-        phi_difference = _divided_differences(self._phi(x), self._phi(s), self._phi_slope(s), x, s)
-        tangential = chord_kernels.along_by_shear + 4 / (np.pi**2 * modulus) * phi_difference
+        divided_difference_of_phi = _divided_differences(
+            self._phi(x), self._phi(s), self._phi_slope(s), x, s
+        )
+        tangential_kernel = (
+            chord_kernels.along_by_shear + 4 / (np.pi**2 * modulus) * divided_difference_of_phi
+        )
         return KernelValues(
-            chord_kernels.inward_by_pressure, tangential, chord_kernels.along_by_pressure
+            chord_kernels.inward_by_pressure, tangential_kernel, chord_kernels.along_by_pressure
         )
 
     def _phi(self, x: Array) -> Array:
         """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x of a face that is a
-        flat |x| < b between arcs of radius R [length]. Any shape.
+        flat |x| < b between arcs of radius R [length]; `x` is an array of any dimensions.
 
-        Its divided difference is the singular part of the displacement along x by a force along x.
+        Times 4/(pi^2 E'), E' = E/(1 - nu^2), its divided difference between the places of force and
+        displacement is a singular part of the displacement along x by a unit force along x.
         """
-        xlogy = scipy.special.xlogy
-        distance_from_left = x + self.flat_half_length
-        distance_from_right = x - self.flat_half_length
-        logarithmic_sum = distance_from_left * xlogy(
-            distance_from_left, np.abs(distance_from_left)
-        ) - distance_from_right * xlogy(distance_from_right, np.abs(distance_from_right))
+        xlogy = scipy.special.xlogy  # xlogy(x, y) = x ln y, and 0 where x = 0
+        distance_from_left_end = x + self.flat_half_length
+        distance_from_right_end = x - self.flat_half_length
+        logarithmic_sum = distance_from_left_end * xlogy(
+            distance_from_left_end, np.abs(distance_from_left_end)
+        ) - distance_from_right_end * xlogy(
+            distance_from_right_end, np.abs(distance_from_right_end)
+        )
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_slope(self, x: Array) -> Array:
-        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R,
-        any shape. Divided differences of Phi are the singular part of the displacement along x by a
-        force along x:
+        """Derivative dPhi/dx at places x of a face that is a flat |x| < b between arcs of radius R;
+        `x` is an array of any dimensions. Divided differences of Phi are in proportion to a
+        singular part of the displacement along x by a unit force along x:
 
             2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
             R dPhi/dx = (x + b) ln|x + b| - (x - b) ln|x - b| + b
         """
-        xlogy = scipy.special.xlogy
-        distance_from_left = x + self.flat_half_length
-        distance_from_right = x - self.flat_half_length
+        xlogy = scipy.special.xlogy  # xlogy(x, y) = x ln y, and 0 where x = 0
+        distance_from_left_end = x + self.flat_half_length
+        distance_from_right_end = x - self.flat_half_length
         slope_by_left_end = (
-            2 * xlogy(distance_from_left, np.abs(distance_from_left)) + distance_from_left
+            2 * xlogy(distance_from_left_end, np.abs(distance_from_left_end))
+            + distance_from_left_end
         )
-        logarithm_at_right_end = 2 * xlogy(distance_from_right, np.abs(distance_from_right))
-        slope = slope_by_left_end - logarithm_at_right_end - distance_from_right
+        logarithm_at_right_end = 2 * xlogy(distance_from_right_end, np.abs(distance_from_right_end))
+        slope = slope_by_left_end - logarithm_at_right_end - distance_from_right_end
         return np.asarray(slope / (2 * self.radius))
 
 
@@ -234,7 +242,7 @@ class FaceKernels:
         Each is a Chebyshev series, a sum of coefficients times T_i(x/r) T_j(s/r), plus a singular
         part (`jump_kernels`) where the curvature of the face jumps; r is `reach`, the half-width of
         the side that may touch. `inward_by_pressure`, `along_by_shear` and `along_by_pressure` of
-        the series are the coefficients (d+1, d+1).
+        the series are the coefficients (d+1, d+1), d its degree in x and in s.
         """
         degree = len(self.inward_by_pressure) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
@@ -261,9 +269,9 @@ class FaceKernels:
         x (n,) of a flat face, by forces at s (m,).
 
         It is the derivative along x of the displacement along x, which is a Chebyshev series in
-        x/r and s/r; r is `reach`, the half-width of the side that may touch. `along_by_pressure`
-        and `along_by_shear` (d+1, d+1) are its coefficients by a pressing force and by a force
-        along x.
+        x/r and s/r, of degree d in each; r is `reach`, the half-width of the side that may touch.
+        `along_by_pressure` and `along_by_shear` (d+1, d+1) are its coefficients by a pressing force
+        and by a force along x.
 
         Parameters
         ----------
@@ -479,7 +487,7 @@ def _slope_of(face: Face, x: Array) -> Array:
     return slope_of_arc(x, radius, flat_half_length)
 
 
-def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interface:
+def _on_middle_line(interface_along_axes: Interface, lower: Face, upper: Face) -> Interface:
     """Contact compliance of two curved faces along the normal and tangent of the line midway
     between them, from that along the axes x and y. The gap is the distance along that normal.
 
@@ -494,14 +502,14 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
 
     Parameters
     ----------
-    along_axes
+    interface_along_axes
         compliance of both bodies along x and y, with nodes on flat faces: places `x` of the nodes,
         length of face of each, N, T and K (n, n), K None where it is zero
     lower, upper
         shapes of the two faces: `depth` of each below its middle, at places x
     """
     # Normal of the line midway between the faces.
-    x = along_axes.x
+    x = interface_along_axes.x
     depth_of_lower = lower.depth(x)
     depth_of_upper = upper.depth(x)
     # The lower face lies at y = -depth, the upper one at y = +depth.
@@ -514,9 +522,9 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
     weight_xy = np.multiply.outer(n_x, n_y)
     weight_yx = weight_xy.T
     weight_yy = np.multiply.outer(n_y, n_y)
-    compliance_y = along_axes.normal_compliance
-    compliance_x = along_axes.tangential_compliance
-    coupling_along_axes = along_axes.coupling
+    compliance_y = interface_along_axes.normal_compliance
+    compliance_x = interface_along_axes.tangential_compliance
+    coupling_along_axes = interface_along_axes.coupling
     if coupling_along_axes is None:
         coupling_along_axes = np.zeros_like(compliance_x)
     # weight_xy[i, j] is n_x at node i times n_y at node j
@@ -539,8 +547,8 @@ def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interfac
         - weight_xy * compliance_y
     )
     return replace(
-        along_axes,
-        face_lengths=read_only_copy(along_axes.face_lengths / n_y),
+        interface_along_axes,
+        face_lengths=read_only_copy(interface_along_axes.face_lengths / n_y),
         face_normals=read_only_copy(np.stack([n_x, n_y])),
         gap=read_only_copy((depth_of_lower + depth_of_upper) * n_y),
         normal_compliance=read_only_copy(normal_compliance),

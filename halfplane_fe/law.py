@@ -70,6 +70,7 @@ def states_if_closed(trial_shear: Array, limit: Array) -> States:
     >>> states_if_closed(np.array([0.5, -3.0]), np.array([1.0, 1.0])).tolist()
     [1, 3]
     """
+    # _SLIPS: the states slip forward and slip in reverse; _STICK: stick
     sense_of_slip = np.where(trial_shear > 0, *_SLIPS)
     return np.where(np.abs(trial_shear) > limit, sense_of_slip, _STICK)
 

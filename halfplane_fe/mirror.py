@@ -89,7 +89,7 @@ def half_interface(faces: Interface) -> Interface:
     # and of its columns in x
     tangential_compliance = _folded(faces.tangential_compliance, parity_of_shear, parity_of_shear)
     if is_coupled:
-        # An odd q is zero at x = 0: its row is zero, and any compliance solves.
+        # An odd q is zero at x = 0: its row and column are zero, and any positive number serves.
         tangential_compliance[0, 0] = faces.tangential_compliance.diagonal().max()
     return replace(
         faces,
@@ -141,8 +141,9 @@ def _images(faces: Interface) -> _Images:
 def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> Array:
     """Reduce a matrix over n nodes, symmetric about x = 0, to the m nodes at x >= 0: (m, m).
 
-    It is S^T M S, where S continues values on the right half to the left one, as an even function
-    (parity 1) or an odd one (parity -1), halved. Rows and columns each have their parity.
+    It is S^T M S, M the matrix, where S continues values on the right half to the left one, as an
+    even function (parity 1) or an odd one (parity -1), halved. Rows and columns each have their
+    parity.
     """
     middle = len(matrix) // 2  # of the node at x = 0, which is its own image
     folded_rows = (matrix[middle:] + parity_of_rows * matrix[middle::-1]) / 2
@@ -200,7 +201,7 @@ def run_at_all_nodes(run: PathRun, faces: Interface) -> PathRun:
         states = np.where(images.shear_sign < 0, states_of_image[states], states)
         return replace(state, values=values, node_states=read_only_copy(states, np.int8))
 
-    middle = len(faces.x) // 2
+    middle = len(faces.x) // 2  # number of the node at x = 0
     return replace(
         run,
         states=[state_at_all_nodes(state) for state in run.states],

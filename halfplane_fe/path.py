@@ -87,9 +87,10 @@ class _Load(NamedTuple):
         """
         if self.segment is None:
             return 0.0
-        pair = self.segment.loads(time)
+        stored_loads = self.segment.loads(time)
         return sum(
-            factor * float(load) for factor, load in zip(self.combination, pair, strict=True)
+            factor * float(load)
+            for factor, load in zip(self.combination, stored_loads, strict=True)
         )
 
 
@@ -292,9 +293,9 @@ def stretches(segment: LoadSegment, friction: float, n_increments: float) -> lis
     stretches_of_segment = []
     cut_times = [segment.start, *turning_points(segment, friction), segment.end]
     for start, end in itertools.pairwise(cut_times):
-        unrounded = n_increments * (end - start) / (segment.end - segment.start)
-        n_of_stretch = max(2, int(np.ceil(unrounded)))
-        ends_of_increments = np.linspace(start, end, n_of_stretch + 1)[1:]
+        unrounded_number = n_increments * (end - start) / (segment.end - segment.start)
+        n_increments_of_stretch = max(2, int(np.ceil(unrounded_number)))
+        ends_of_increments = np.linspace(start, end, n_increments_of_stretch + 1)[1:]
         stretches_of_segment.append(Stretch(segment, start, tuple(ends_of_increments)))
     return stretches_of_segment
 

@@ -189,17 +189,17 @@ def remainder_kernels(
     # axis force along x and outwards.
     factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
     displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
-    displacement_along, displacement_out = displacements[system.contact_dofs].reshape(
+    displacement_along_x, displacement_outwards = displacements[system.contact_dofs].reshape(
         2, -1, 2, n_forces
     )
     kernels = RemainderKernels(
         x=x,
         x_of_forces=forces.x,
         # a pull moves the face out as far as a push moves it in
-        inward_by_pressure=displacement_out[:, 1],
-        along_by_shear=displacement_along[:, 0],
-        along_by_pressure=-displacement_along[:, 1],
-        outward_by_shear=displacement_out[:, 0],
+        inward_by_pressure=displacement_outwards[:, 1],
+        along_by_shear=displacement_along_x[:, 0],
+        along_by_pressure=-displacement_along_x[:, 1],
+        outward_by_shear=displacement_outwards[:, 0],
         unknowns=len(free_dofs),
     )
     return _with_chord_slopes(kernels, y, forces.y, material) if y.any() else kernels
@@ -402,7 +402,8 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
     x, y = system.mesh.p[:, system.node_of_dof[system.held_dofs]]
     component = system.held_dofs % 2  # x or y
     displacements = _half_plane_field(displacement, x, y, forces)
-    held_displacements = displacements[component, np.arange(len(x))]  # of each held freedom
+    # of each held degree of freedom
+    held_displacements = displacements[component, np.arange(len(x))]
     return held_displacements.reshape(len(x), -1)
 
 
@@ -505,8 +506,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     # Those of the power series; equal powers of x and s stand twice in a term.
     compliance = 2 * coefficients[even_powers.index((0, 0))]
     curvature = 2 * coefficients[even_powers.index((0, 2))] / half_length**2
-    fourth_order = 24 * coefficients[even_powers.index((0, 4))] / half_length**4
-    mixed_order = 2 * coefficients[even_powers.index((2, 2))] / half_length**4
+    fourth_coefficients = 24 * coefficients[even_powers.index((0, 4))] / half_length**4
+    mixed_coefficients = 2 * coefficients[even_powers.index((2, 2))] / half_length**4
 
     # k_tn(x, s) and -k_nt(s, x), with x and s exchanged.
     odd_powers = odd_exponents(degree)
@@ -517,18 +518,18 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
         [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
     )
     cross_coefficients = np.linalg.lstsq(odd_terms, cross_kernels, rcond=None)[0]
-    first_order = cross_coefficients / half_length  # k_tn = e x - a s + ...
+    first_coefficients = cross_coefficients / half_length  # k_tn = e x - a s + ...
     return FaceSeries(
         normal_compliance=float(compliance[0]),
         tangential_compliance=float(compliance[1]),
         normal_curvature=float(curvature[0]),
         tangential_curvature=float(curvature[1]),
-        strain_under_pressure=float(first_order[odd_powers.index((1, 0))]),
-        slope_under_shear=-float(first_order[odd_powers.index((0, 1))]),
-        normal_fourth=float(fourth_order[0]),
-        tangential_fourth=float(fourth_order[1]),
-        normal_mixed=float(mixed_order[0]),
-        tangential_mixed=float(mixed_order[1]),
+        strain_under_pressure=float(first_coefficients[odd_powers.index((1, 0))]),
+        slope_under_shear=-float(first_coefficients[odd_powers.index((0, 1))]),
+        normal_fourth=float(fourth_coefficients[0]),
+        tangential_fourth=float(fourth_coefficients[1]),
+        normal_mixed=float(mixed_coefficients[0]),
+        tangential_mixed=float(mixed_coefficients[1]),
     )
 
 

@@ -158,8 +158,8 @@ def visible_states(
         rise_of_p = load_increments[block, 0, None]
         rise_of_q = load_increments[block, 1, None]
         if gap_and_slip_per_stress_and_tilt is not None:
-            # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one
-            # root, m the middle of the stick zone, A = 2 in scaled variables.
+            # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - x_m)/A] over one
+            # common root, x_m the middle of the stick zone, A = 2/E* = 2 in scaled variables.
             stresses_and_tilt = [
                 state.stresses_and_tilt for state in states[block.start : block.stop + 1]
             ]
@@ -291,8 +291,8 @@ def shear_grows_within_cone(
             nodes_at_edges = np.append(closed_nodes[_NODES_AT_EDGE], nodes_at_edges)
         rise_of_pressure = (state_after.pressure - state_before.pressure)[nodes_at_edges]
         change_of_shear = np.abs(state_after.shear - state_before.shear)[nodes_at_edges]
-        is_within = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
-        sticks_in_full[instant] = is_within.all()
+        is_below_limit = change_of_shear < _LESS_THAN_F * friction * rise_of_pressure
+        sticks_in_full[instant] = is_below_limit.all()
     return sticks_in_full
 
 
@@ -317,7 +317,7 @@ def _gap_and_slip_from_middle(
     end_nodes = np.stack([first_stick_node, last_stick_node], axis=1)
     has_stick_zone = is_stick.any(axis=1, keepdims=True)
 
-    def from_middle(per_unit: Array) -> Array:
+    def change_from_middle(per_unit: Array) -> Array:
         """Change of gap or slip of n nodes in k increments, (k, n), minus its value at the middle
         of the stick zone; `per_unit` (n, 3) is that by a unit of both bulk stresses and of tilt.
         """
@@ -326,4 +326,4 @@ def _gap_and_slip_from_middle(
         return np.asarray((change - middle_value) * has_stick_zone)
 
     gap_per_unit, slip_per_unit = displacement_per_unit
-    return from_middle(gap_per_unit), from_middle(slip_per_unit)
+    return change_from_middle(gap_per_unit), change_from_middle(slip_per_unit)

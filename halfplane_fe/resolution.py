@@ -232,14 +232,14 @@ def resolution_notes(
     n_elements_without_note = expected_errors.n_elements_without_note()
 
     # The narrowest contact under load.
-    elements_in_least = revolution.least_half_width() / element_size
-    if expected_errors.needs_note(elements_in_least):
+    elements_in_least_contact = revolution.least_half_width() / element_size
+    if expected_errors.needs_note(elements_in_least_contact):
         yield (
-            f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
-            f" is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest),"
+            f"the contact is {elements_in_least_contact:.2g} elements from its middle to its edge"
+            f" where it is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest),"
             f" {element_size:.3g} each on the coarser side:"
-            f" {expected_errors.errors_in_words(elements_in_least)};"
-            f" {_advice_on_mesh(mesh, elements_in_least / n_elements_without_note)}"
+            f" {expected_errors.errors_in_words(elements_in_least_contact)};"
+            f" {_advice_on_mesh(mesh, elements_in_least_contact / n_elements_without_note)}"
         )
 
     # A profile near a wedge.
@@ -255,7 +255,7 @@ def resolution_notes(
 
     # Steep parts of the pressure beyond a kink: each flank has the resolution of a Hertz contact of
     # so many elements.
-    for flank in flanks(profile, elements_in_least * element_size, element_size):
+    for flank in flanks(profile, elements_in_least_contact * element_size, element_size):
         factor_on_size = flank.equivalent_hertz_elements / n_elements_without_note
         # _NOTED_ERROR: error that is worth a note, 0.05
         if expected_errors.shear_error(flank.equivalent_hertz_elements) > _NOTED_ERROR:
@@ -357,7 +357,7 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
     # notation: A = 2/E*, f coefficient of friction, P largest load
     """
     dissipation = revolution.dissipation  # over A f^2 P^2
-    elements_in_slip = revolution.widest_slip_zone() / element_size
+    elements_in_slip_zone = revolution.widest_slip_zone() / element_size
     largest_half_width = float(np.max(revolution.contact_half_width, initial=element_size))
     # friction work of a mesh on which nothing should slip, over A f^2 P^2
     # _DISSIPATION_BY_MESH: times the square of the element size over the half-width
@@ -368,13 +368,15 @@ def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings)
             f"no node slips: a slip zone narrower than an element, {element_size:.3g} at the edges,"
             " would not be seen, and its dissipation would be missing"
         )
-    elif elements_in_slip < _FEW_ELEMENTS:
-        error_text = "some per cent or more" if elements_in_slip > 1 else "a factor, up or down"
+    elif elements_in_slip_zone < _FEW_ELEMENTS:
+        error_text = (
+            "some per cent or more" if elements_in_slip_zone > 1 else "a factor, up or down"
+        )
         yield (
-            f"slip zones are {elements_in_slip:.2g} elements wide at most,"
+            f"slip zones are {elements_in_slip_zone:.2g} elements wide at most,"
             f" {element_size:.3g} each: the"
             f" error of the dissipation is {error_text};"
-            f" {_advice_on_mesh(mesh, elements_in_slip / _ENOUGH_ELEMENTS_IN_SLIP)}"
+            f" {_advice_on_mesh(mesh, elements_in_slip_zone / _ENOUGH_ELEMENTS_IN_SLIP)}"
         )
     elif dissipation_by_mesh > _NOTED_ERROR * dissipation:
         yield (

@@ -83,21 +83,21 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
 
         # Distance of the end from the middle by each of three lines.
         distances = side * (x[nodes_beyond] - middle)
-        ends_of_lines = [
+        ends_by_lines = [
             _end_of_zone(
                 distances[first_position : first_position + _ON_LINE],
                 slip_range[nodes_beyond][first_position:][:_ON_LINE],
             )
             for first_position in _FIRST_NODES
         ]
-        end_of_first, end_of_second, end_of_last = ends_of_lines
-        place = middle + side * end_of_second
+        end_by_first_line, end_by_second_line, end_by_last_line = ends_by_lines
+        place = middle + side * end_by_second_line
         spacing = abs(x[first_sliding] - x[first_sliding - side])
 
         # It is accepted within two nodes of the end by states. False of NaN too
         if abs(place - ends_by_states[column]) <= _SAME_END * spacing:
             places[column] = place
-            difference_of_lines = abs(end_of_last - end_of_first)
+            difference_of_lines = abs(end_by_last_line - end_by_first_line)
             # _BY_LINES: fitted shares
             uncertainty[column] = _BY_LINES * difference_of_lines + _BY_SPACING * spacing
     return Edges(places, uncertainty)

@@ -324,11 +324,11 @@ def _forces_by_active_set(
     earlier_sets: set[bytes] = set()  # node states of the steps so far
     for _ in range(_MOST_ITERATIONS):
         forces, violation, next_states = step(states)
-        changes = next_states != states
-        if not changes.any():
+        has_changed = next_states != states
+        if not has_changed.any():
             return forces, states
         if next_states.tobytes() in earlier_sets:
-            worst_node = int(np.argmax(np.where(changes, violation, -np.inf)))
+            worst_node = int(np.argmax(np.where(has_changed, violation, -np.inf)))
             next_states = np.where(np.arange(len(states)) == worst_node, next_states, states)
         earlier_sets.add(next_states.tobytes())
         states = next_states

@@ -129,7 +129,7 @@ class _MeshArrays:
 
 def mirrored_mesh(
     draw: Callable[[], Mapping[str, list[int]]],
-    size: str,
+    size_formula: str,
     order: int,
     cells: Cells = "triangles",
     points_on_true_face: Callable[[Array, dict[str, Indices]], Array] | None = None,
@@ -142,7 +142,7 @@ def mirrored_mesh(
     draw
         function that draws the half into gmsh's current model (geo kernel, lengths of order one).
         It returns boundary name -> tags of its curves; curves without a name lie on the axis
-    size
+    size_formula
         element size at a point (x, y), as a formula of gmsh's field MathEval. For quadrilaterals
         twice the size that is wanted: gmsh halves each element at the end
     order
@@ -159,7 +159,7 @@ def mirrored_mesh(
         MeshTri, MeshTri2, MeshQuad or MeshQuad2 with the named boundaries.
     """
     # Half the mesh: points, elements, and the nodes of each named boundary.
-    half_mesh = _mesh_of_half(draw, size, order, cells)
+    half_mesh = _mesh_of_half(draw, size_formula, order, cells)
     if points_on_true_face is not None:
         half_mesh = _MeshArrays(
             points_on_true_face(half_mesh.points, half_mesh.boundary_nodes),
@@ -332,5 +332,5 @@ def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:
     (numbers of nodes).
     """
     facets = mesh.boundary_facets()
-    is_inside = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
-    return facets[is_inside].astype(np.int64)
+    is_on_named_boundary = np.isin(mesh.facets[:, facets], nodes).all(axis=0)
+    return facets[is_on_named_boundary].astype(np.int64)

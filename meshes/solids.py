@@ -92,20 +92,20 @@ def _draw_quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     # gmsh returns a tag, a number, for each point and curve. `surface_points`: abscissae of the
     # ends of the surface elements.
     geometry = gmsh.model.geo
-    surface = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
-    end_of_surface = geometry.addPoint(grading.radius, 0, 0)
-    bottom = geometry.addPoint(0, -grading.radius, 0)
-    contact = [
+    tags_of_surface_points = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
+    end_point_of_surface = geometry.addPoint(grading.radius, 0, 0)
+    bottom_point = geometry.addPoint(0, -grading.radius, 0)
+    contact_lines = [
         geometry.addLine(first_point, second_point)
-        for first_point, second_point in itertools.pairwise(surface)
+        for first_point, second_point in itertools.pairwise(tags_of_surface_points)
     ]
-    free_line = geometry.addLine(surface[-1], end_of_surface)
-    arc = geometry.addCircleArc(end_of_surface, surface[0], bottom)
-    axis = geometry.addLine(bottom, surface[0])
-    geometry.addPlaneSurface([geometry.addCurveLoop([*contact, free_line, arc, axis])])
-    for line in contact:
+    free_line = geometry.addLine(tags_of_surface_points[-1], end_point_of_surface)
+    arc = geometry.addCircleArc(end_point_of_surface, tags_of_surface_points[0], bottom_point)
+    axis_line = geometry.addLine(bottom_point, tags_of_surface_points[0])
+    geometry.addPlaneSurface([geometry.addCurveLoop([*contact_lines, free_line, arc, axis_line])])
+    for line in contact_lines:
         geometry.mesh.setTransfiniteCurve(line, 2)  # two nodes: one element on each line
-    return {"contact": contact, "free": [free_line], "far_field": [arc]}
+    return {"contact": contact_lines, "free": [free_line], "far_field": [arc]}
 
 
 Indices = NDArray[np.int64]
@@ -234,12 +234,12 @@ def _cross_section_area(shape: Solid, face: Face) -> float:
     """
     if isinstance(shape, Cylinder):
         return np.pi * shape.radius**2 / 2
-    nodes, weights = np.polynomial.legendre.leggauss(20)
+    gauss_points, weights = np.polynomial.legendre.leggauss(20)
     # Where the face is flat up to an arc, nothing is missing above the flat.
     flat_half_length = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
     interval_ends = np.linspace(flat_half_length, shape.width / 2, 65)
     half_interval = (interval_ends[1] - interval_ends[0]) / 2
-    depths = face.depth(interval_ends[:-1, None] + half_interval * (1 + nodes))  # (64, 20)
+    depths = face.depth(interval_ends[:-1, None] + half_interval * (1 + gauss_points))  # (64, 20)
     area = shape.width * shape.height
     if isinstance(shape, TShape | ShoulderedPad):
         step = shape.step
@@ -332,37 +332,41 @@ class _Outline:
         # number, for each point and curve.
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
-        surface_points_drawn = [
+        tags_of_surface_points = [
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(surface_x, self._rounded_depth(surface_x), strict=True)
         ]
-        contact = [
+        contact_lines = [
             geometry.addLine(first_point, second_point)
-            for first_point, second_point in itertools.pairwise(surface_points_drawn)
+            for first_point, second_point in itertools.pairwise(tags_of_surface_points)
         ]
-        for line in contact:
+        for line in contact_lines:
             geometry.mesh.setTransfiniteCurve(line, 2)
 
         # Rest of the face, sides, base and axis.
-        free_line, face_end = self._draw_rest_of_face(
-            float(surface_x[-1]), surface_points_drawn[-1], grading.edge_size, growth
+        free_curves, face_end_point = self._draw_rest_of_face(
+            float(surface_x[-1]), tags_of_surface_points[-1], grading.edge_size, growth
         )
-        axis_end = geometry.addPoint(0, -self._height, 0)
-        sides = []
-        last_point = face_end
+        axis_end_point = geometry.addPoint(0, -self._height, 0)
+        side_lines = []
+        last_point = face_end_point
         # A half-cylinder has no sides: its face goes down to the base.
         if self._face_drop < self._height * (1 - 1e-9):
             for x, y in (*self._step_corners, self._side_end):
                 corner_point = geometry.addPoint(x, y, 0)
-                sides.append(geometry.addLine(last_point, corner_point))
+                side_lines.append(geometry.addLine(last_point, corner_point))
                 last_point = corner_point
-        base = geometry.addLine(last_point, axis_end)
-        axis = geometry.addLine(axis_end, surface_points_drawn[0])
+        base_line = geometry.addLine(last_point, axis_end_point)
+        axis_line = geometry.addLine(axis_end_point, tags_of_surface_points[0])
         geometry.addPlaneSurface(
-            [geometry.addCurveLoop([*contact, *free_line, *sides, base, axis])]
+            [
+                geometry.addCurveLoop(
+                    [*contact_lines, *free_curves, *side_lines, base_line, axis_line]
+                )
+            ]
         )
-        return {"contact": contact, "free": free_line, "base": [base]} | (
-            {"sides": sides} if sides else {}
+        return {"contact": contact_lines, "free": free_curves, "base": [base_line]} | (
+            {"sides": side_lines} if side_lines else {}
         )
 
     def _draw_rest_of_face(
@@ -400,8 +404,8 @@ class _Outline:
             ).tolist()
             if start >= arc_begin:
                 last_point = geometry.addPoint(face_end, -self._face_drop, 0)
-                centre = geometry.addPoint(arc_begin, -radius, 0)
-                return [geometry.addCircleArc(first_point, centre, last_point)], last_point
+                centre_point = geometry.addPoint(arc_begin, -radius, 0)
+                return [geometry.addCircleArc(first_point, centre_point, last_point)], last_point
 
         # Else one line of a flat face, or a polygon.
         face_x = np.array([face_end])
