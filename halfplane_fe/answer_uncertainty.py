@@ -173,11 +173,11 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     share_by_flanks = _share_of_flanks(task, run, arrays)
     # (n,) W(x) times the length of each node
     work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
-    work = max(float(work_of_nodes.sum()), 1e-300)
-    share_by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
+    work_of_cycle = max(float(work_of_nodes.sum()), 1e-300)
+    share_by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work_of_cycle
     relative_uncertainty = share_by_flanks + share_by_turns
-    cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
-    return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
+    uncertainty_of_run = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
+    return float(uncertainty_of_run + arrays["dissipation"] * relative_uncertainty)
 
 
 def _share_of_flanks(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
@@ -231,14 +231,16 @@ def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
     """
     path = scene.load.path()
     # rows of the instants of the last cycle
-    cycle = np.flatnonzero(is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
-    is_smooth = any(not part.is_straight for part in path.cycle)
-    if path.period is None or not is_smooth or not _is_out_of_phase(arrays, cycle):
+    rows_of_cycle = np.flatnonzero(
+        is_loaded_in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    )
+    is_smooth = any(not segment.is_straight for segment in path.cycle)
+    if path.period is None or not is_smooth or not _is_out_of_phase(arrays, rows_of_cycle):
         return np.zeros(len(arrays["x"]))
 
     # For both senses of slip: the increment in which a node first reaches the end of its slip.
-    time = arrays["time"][cycle]
-    slip = arrays["slip"][cycle]
+    time = arrays["time"][rows_of_cycle]
+    slip = arrays["slip"][rows_of_cycle]
     # _SAME_SLIP: share of the range of slip that is round-off
     tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
     shares = []
@@ -311,13 +313,15 @@ def value_uncertainties(
             has_low_order=task.has_errors_of_low_order,
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        from_coarse_run = _from_coarse_run(values, coarse_values)
+        change_from_coarse_run = _from_coarse_run(values, coarse_values)
         if not task.has_errors_of_low_order:
             refinement = task.scales.element / task.element
             # DENSITY_RULE: uncertainty from a difference of two meshes, with an error of order 1
-            from_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse_run, refinement)
+            change_from_coarse_run = DENSITY_RULE.uncertainty(
+                0.0, change_from_coarse_run, refinement
+            )
         # without an estimate by its neighbours there is none
-        density_error = max(density_error, float(np.nan_to_num(from_coarse_run)))
+        density_error = max(density_error, float(np.nan_to_num(change_from_coarse_run)))
         node = int(np.argmax(arrays["dissipation_density"]))
         share_by_turns = _shares_of_turns(scene, arrays)[node]
         density_error += float(arrays["dissipation_density"][node] * share_by_turns)
@@ -347,8 +351,8 @@ def _displacement_uncertainties(
     """Uncertainties of tangential displacement and normal approach by the mesh [length], by the
     names of both.
 
-    They follow from the difference between the fine and the coarse run. At instants when the
-    contact is only a few elements wide, a further one counts.
+    They follow from the difference between the fine and the coarse run. Added is the error at
+    instants when the contact is only a few elements wide.
 
     Parameters
     ----------
@@ -368,11 +372,11 @@ def _displacement_uncertainties(
     estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
     # (n_instants,) of the quadratic elements at the contact edges: two node distances
     element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
-    for displacement, load in (
+    for name, load in (
         ("tangential_displacement", arrays["tangential_load"]),
         ("normal_approach", arrays["normal_load"]),
     ):
-        estimates[displacement] += of_small_contacts(
+        estimates[name] += of_small_contacts(
             load, element_sizes, arrays["contact_half_width"], scales.modulus
         )
     return estimates

@@ -19,7 +19,7 @@ zero. Then D and the difference V of the two values fix it all:
 The place of the edge follows from the answer, as two distances in the load that moves it. The way
 from the last node is its slip (or pressure) over the rate. The way to the next node is what that
 lacks of the Coulomb limit (or its gap) over the rate. The change of the rates at the kink gives A.
-An edge meets a corner node 0.051 elements before it is there, on its way outwards, and a mid-side
+An edge meets a corner node 0.053 elements before it is there, on its way outwards, and a mid-side
 node D - 1/2 before that.
 
 While an edge moves on, g has no mean. What counts is where edges stand:
@@ -592,11 +592,11 @@ def _placed_by_load(
     rates_by_load = nodal_values(problem.rates(state.node_states, len(state.loads))[1])
     _, pressure_rates, shear_rates, _ = rates_by_load
     # f p - s q of the nodes (n,), s the sense of slip, and its derivative by Q
-    to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
+    forces_to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
-    turn = TurnOfSlip(sense, sense * float(travel[node]), float(to_limit[last_stuck]))
+    turn = TurnOfSlip(sense, sense * float(travel[node]), float(forces_to_limit[last_stuck]))
     edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
-    return edge, _unevenness(edge, last_stuck, to_limit, rates_to_limit)
+    return edge, _unevenness(edge, last_stuck, forces_to_limit, rates_to_limit)
 
 
 def _unevenness(edge: Edge, last_node: int, force: Array, force_rates: Array) -> Array:
@@ -649,10 +649,13 @@ def _place_put_right(edge: Edge, last_node: int, unevenness: Array) -> float:
     unevenness
         (3,) how unevenly the load moves the edge, by the nodes behind it: 0 where evenly
     """
-    at_first, at_second, _ = unevenness  # nodes behind the last one
-    if _is_corner(edge.interface, last_node) or not np.isfinite([at_first, at_second]).all():
+    unevenness_at_first, unevenness_at_second, _ = unevenness  # nodes behind the last one
+    if (
+        _is_corner(edge.interface, last_node)
+        or not np.isfinite([unevenness_at_first, unevenness_at_second]).all()
+    ):
         return edge.place
-    share_of_spacing = _OFF_MID_SIDE * float(at_first - at_second)
+    share_of_spacing = _OFF_MID_SIDE * float(unevenness_at_first - unevenness_at_second)
     if abs(share_of_spacing) > _MOST_OFF_MID_SIDE:
         return edge.place
     return edge.place + edge.side * edge.spacing * share_of_spacing
@@ -882,11 +885,11 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     problem.work_counts[TAKEN_OFF] = len(works_at_edges)
     # The two edges of a zone mostly stand alike in their elements, so their errors add up.
     rms_of_all = math.hypot(
-        sum(at_edge.rms for at_edge in works_at_stick_edges),
-        sum(at_edge.rms for at_edge in works_at_contact_edges),
+        sum(work_at_edge.rms for work_at_edge in works_at_stick_edges),
+        sum(work_at_edge.rms for work_at_edge in works_at_contact_edges),
     )
     return Excess(
-        value=sum(at_edge.work for at_edge in works_at_edges),
+        value=sum(work_at_edge.work for work_at_edge in works_at_edges),
         rms=rms_of_all,
         edges=len(works_at_edges),
         is_unplaced=not works_at_edges,
@@ -1103,21 +1106,21 @@ def _at_contact_edge(
     n_loads = len(states[0].loads)
     rates_of_contacts: dict[bytes, Array] = {}  # by the set of closed nodes
 
-    def rates_by_load(state: States) -> Array:
-        """Derivatives (4, n) by P of slip, normal force, shear force and gap of the nodes, whose
-        states are `state` (n,). Between like bodies they depend on the closed nodes alone; unlike
+    def rates_by_load(node_states: States) -> Array:
+        """Derivatives (4, n) by P of slip, normal force, shear force and gap of the nodes, for
+        given `node_states` (n,). Between like bodies they depend on the closed nodes alone; unlike
         ones are taken in full stick.
         """
         if problem.interface.coupling is not None:
-            state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
-        closed_key = (state != OPEN).tobytes()
+            node_states = np.where(node_states != OPEN, STICK, OPEN).astype(np.int8)
+        closed_key = (node_states != OPEN).tobytes()
         if closed_key not in rates_of_contacts:
-            rates_of_contacts[closed_key] = nodal_values(problem.rates(state, n_loads)[0])
+            rates_of_contacts[closed_key] = nodal_values(problem.rates(node_states, n_loads)[0])
         return rates_of_contacts[closed_key]
 
-    def pressure_by_load(state: States) -> Array:
+    def pressure_by_load(node_states: States) -> Array:
         """(n,) derivative of the nodal normal force by P."""
-        return np.asarray(rates_by_load(state)[1])
+        return np.asarray(rates_by_load(node_states)[1])
 
     for state in states:
         rates_by_load(state.node_states)  # cached in the order of the states
@@ -1125,33 +1128,37 @@ def _at_contact_edge(
     excess_work = 0.0
     unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
-    for start, end, node_slips in zip(states[:-1], states[1:], slip_increments, strict=True):
+    for start_state, end_state, node_slips in zip(
+        states[:-1], states[1:], slip_increments, strict=True
+    ):
         # Outermost closed node on this side, and on the opposite one.
-        closed_nodes = np.flatnonzero(start.is_closed)
+        closed_nodes = np.flatnonzero(start_state.is_closed)
         node = int(closed_nodes[-1 if side > 0 else 0])
         opposite_node = int(closed_nodes[0 if side > 0 else -1])
         next_node = node + side
         if not node_slips.any():
             continue
         # forces of a state that a long run has dropped are not known
-        if not start.is_complete or not _has_equal_elements(problem, node):
+        if not start_state.is_complete or not _has_equal_elements(problem, node):
             return None
         if not 0 <= next_node < len(node_slips):
             return None
 
         # Way of the edge during the increment, as fractions of that from node to node.
-        edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.node_states))
+        edge = Edge.of_contact(
+            problem, side, node, start_state, rates_by_load(start_state.node_states)
+        )
         if not edge.is_moved:  # no finite load takes it to the next node
             return None
         fraction_at_start = edge.fraction_passed()
-        fraction_at_end = edge.fraction_passed(end.loads[0] - start.loads[0])
+        fraction_at_end = edge.fraction_passed(end_state.loads[0] - start_state.loads[0])
         fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
         fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
 
         # Excess work: change of the pressure rates as the edge meets its node.
         nodes = (node, opposite_node) if _has_equal_elements(problem, opposite_node) else (node,)
         change_of_pressure_rates = _change_of_rates(
-            pressure_by_load, start.node_states, nodes, OPEN
+            pressure_by_load, start_state.node_states, nodes, OPEN
         )
         work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
         # the latter: load between the nodes over the dimensionless change of rates

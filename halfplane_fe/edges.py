@@ -379,12 +379,13 @@ def _stick_uncertainty(
     """How far each stick edge may be from the true one, by the mesh, (k, 2) [length]; NaN where
     nothing sticks.
 
-    The distance of the nodes around the edge, and how far it is from where it would be if creeping
-    nodes counted as sliding. Of a fitted edge a share of the former, how far the squares stand off
-    the straight line, and what other readings of the states differ by beyond what is usual. A slip
-    zone of a few nodes may be none at all: there, unless it is fitted, at least the distance to the
-    contact edge, and its uncertainty. Where all of the contact sticks, a slip zone narrower than an
-    element of two nodes may be there unseen, unless there can be none.
+    - An edge by the states of the nodes: the distance of the nodes around it, and how far it moves
+      if creeping nodes count as sliding. Where the slip zone has up to four nodes it may be none at
+      all: then at least the distance to the contact edge, plus the uncertainty of that.
+    - A fitted edge: a share of the node distance, a multiple of the misfit, and how much farther it
+      is from an edge by states than about half a node distance.
+    - Where all of the contact sticks: a slip zone narrower than an element of two nodes may be
+      there unseen, unless there can be none.
 
     Parameters
     ----------
@@ -424,26 +425,32 @@ def _stick_uncertainty(
 
     # Edges by states, where a slip zone of up to four nodes may be none at all.
     uncertainty_by_states = spacing + distance_from_states
-    of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
+    uncertainty_of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
     is_narrow = n_beyond <= _UNRESOLVED
-    of_unfitted_edge = np.where(
-        is_narrow, np.maximum(uncertainty_by_states, of_narrow_slip_zone), uncertainty_by_states
+    uncertainty_of_unfitted_edge = np.where(
+        is_narrow,
+        np.maximum(uncertainty_by_states, uncertainty_of_narrow_slip_zone),
+        uncertainty_by_states,
     )
 
     # Fitted edges; up to about half a node distance from the edge by states is usual.
     # _BY_STATES: usual distance of a fitted edge from that by states, over the spacing
-    beyond_usual = np.maximum(distance_from_states - _BY_STATES * spacing, 0.0)
-    of_fitted_edge = _FITTED_SHARE * spacing + _BY_MISFIT * fitted_edges.misfit + beyond_usual
-    uncertainty = np.where(edges == fitted_edges.by_states, of_unfitted_edge, of_fitted_edge)
+    distance_beyond_usual = np.maximum(distance_from_states - _BY_STATES * spacing, 0.0)
+    uncertainty_of_fitted_edge = (
+        _FITTED_SHARE * spacing + _BY_MISFIT * fitted_edges.misfit + distance_beyond_usual
+    )
+    uncertainty = np.where(
+        edges == fitted_edges.by_states, uncertainty_of_unfitted_edge, uncertainty_of_fitted_edge
+    )
 
     # Where all of the contact sticks.
     is_full_stick = edges == contact.places
-    of_full_stick = np.where(
+    uncertainty_in_full_stick = np.where(
         sticks_in_full[:, None],
         contact.uncertainty,
-        np.maximum(of_unfitted_edge, _UNSEEN * spacing),
+        np.maximum(uncertainty_of_unfitted_edge, _UNSEEN * spacing),
     )
-    return np.where(is_full_stick, of_full_stick, uncertainty)
+    return np.where(is_full_stick, uncertainty_in_full_stick, uncertainty)
 
 
 def held_back_by_growth(
@@ -473,8 +480,8 @@ def held_back_by_growth(
         (..., 2) distance of the nodes around each edge [length]
     """
     outwards = np.array([-1.0, 1.0])
-    by_stiffness = _LOAD_LACKED * np.sign(places) * contact.way_by_load(np.abs(places))
-    return np.asarray(growth**3 * (by_stiffness + outwards * _NODES_LACKED * spacing))
+    way_by_stiffness = _LOAD_LACKED * np.sign(places) * contact.way_by_load(np.abs(places))
+    return np.asarray(growth**3 * (way_by_stiffness + outwards * _NODES_LACKED * spacing))
 
 
 def uncertainty_by_growth(growth: float, spacing: Array) -> Array:
@@ -796,11 +803,11 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _St
         (k,) last node of the stick zone by its states, at least seven nodes before it
     """
     # distance of two nodes: an element of order 2
-    element = x_out[last_node] - x_out[last_node - 2]
+    element_size = x_out[last_node] - x_out[last_node - 2]
     # _FITTED: numbers of nodes of two fits, seven and four
     line, line_of_fewer = (
         _line_through_squares(x_out, to_limit, last_node, count) for count in _FITTED
     )
-    agrees = np.abs(line.zero - line_of_fewer.zero) <= _AGREE * element
-    is_near = np.abs(line.zero - x_out[last_node]) <= element
+    agrees = np.abs(line.zero - line_of_fewer.zero) <= _AGREE * element_size
+    is_near = np.abs(line.zero - x_out[last_node]) <= element_size
     return _StickFit(line.zero, line.misfit, agrees & is_near)
