@@ -765,7 +765,7 @@ class _ScaledRows:
         return np.linspace(0.0, 1.2 if self.middle_is_fitted else 1.0, _N_KNOTS)
 
     def basis_functions(self, s: Array, flat_half_length: float) -> Array:
-        """Basis functions B_j(s) of the profile at distances s (n,) from its middle, (n, m).
+        """The m basis functions B_j(s) of the profile at distances s (n,) from its middle, (n, m).
 
         Each has a curvature B_j'' >= 0 and B_j(0) = B_j'(0) = 0, so that sums of them with weights
         w_j >= 0 are convex. B_j'' is 1 beyond the flat, a polynomial in s^2, or for a spline a

@@ -203,9 +203,9 @@ class GridAnswer:
         )
 
     def _values(self) -> dict[str, Any]:
-        """Loads (n,), edges (n, 2), fields (n, k), friction work and the uncertainty of permanent
-        stick as the grids give them, by the names of a ContactSolution; NaN, and open, for what was
-        not asked for.
+        """Loads (n,), edges (n, 2), fields (n, k) at n instants and k points, friction work and the
+        uncertainty of permanent stick as the grids give them, by the names of a ContactSolution;
+        NaN, and open, for what was not asked for.
 
         The tangential displacement U of the grids has the datum length 1, that of the answer the
         datum length L of the profile: (A/pi) Q ln(L) is added, A = 2/E*.

@@ -715,7 +715,7 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact; the
     bulk strain that causes it, and the largest moderate one. None without bulk stress.
 
-    e = eps R/(f a) of a parabola, NaN of other profiles and without friction. eps is half the range
+    e = eps R/(f a) of a parabola of radius R, NaN of other profiles and without friction. eps is half the range
     of bulk strain in the cycle, or along a path without one. a is that of the largest P without
     tilt. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0), p0 the largest
     pressure (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk stress out of
@@ -724,8 +724,8 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     Returns
     -------
     Eccentricity | None
-        e, the amplitude eps, and the largest moderate one, (A/(pi a)) Q with half the range of Q;
-        moderate: both ends of contact slip one way, in phase and at constant P
+        e, the amplitude eps, and the largest moderate one, (A/(pi a)) Q with half the range of Q
+        and A = 2/E*; moderate: both ends of contact slip one way, in phase and at constant P
 
     # notation: p, q, eps samples (n,) of P, Q and bulk strain
 

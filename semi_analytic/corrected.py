@@ -1087,7 +1087,7 @@ class PointFields:
         return slip
 
     def _slip(self, rows: Indices) -> Array:
-        """Relative slip s of the faces at instants `rows`, at the points, (n, k) [length].
+        """Relative slip s of the faces at n instants `rows`, at the k points, (n, k) [length].
 
         It is the sum of four parts: slip by the memory curves, the curvature of the faces outside
         the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
@@ -1156,7 +1156,7 @@ class PointFields:
         return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
 
     def _shear_of_memory_curves(self, rows: Indices) -> Array:
-        """Shear traction that the memory curves carry at instants `rows`, at the points, (n, k)
+        """Shear traction that the memory curves carry at n instants `rows`, at the k points, (n, k)
         [stress].
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
@@ -1190,7 +1190,7 @@ class PointFields:
         return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
     def _slip_of_memory_curves(self, rows: Indices) -> Array:
-        """Slip by the memory curves at instants `rows`, at the points, (n, k) [length].
+        """Slip by the memory curves at n instants `rows`, at the k points, (n, k) [length].
 
         A memory curve is the locked-in tangential force F over the half-width of the flat punches.
         The slip is the integral of dF times the slip that a punch under unit force makes outside of
@@ -1243,8 +1243,8 @@ class PointFields:
         )
 
     def _pressures_of_curvature(self, half_width: Array) -> tuple[Array, Array]:
-        """Pressure at the points under indenters x^2/2 and x^4/24 with contact half-widths a (n,),
-        (n, k) each, 0 outside: [stress length] and [stress length^3].
+        """Pressure at the k points under indenters x^2/2 and x^4/24 with contact half-widths a
+        (n,), (n, k) each, 0 outside: [stress length] and [stress length^3].
 
             (E*/2) sqrt(a^2 - x^2),    (E*/24) sqrt(a^2 - x^2) (a^2 + 2 x^2)
         """
@@ -1258,8 +1258,8 @@ class PointFields:
         return parabola_pressure, fourth_pressure
 
     def _slip_integrals(self, half_width: Array) -> tuple[Array, Array]:
-        """Integrals over flat punches that give the slip of a point outside of them, for a parabola
-        and for x^4/24, (n, k) each [length^2, length^4].
+        """Integrals over flat punches that give the slip of each of k points outside of them, for a
+        parabola and for x^4/24, (n, k) each [length^2, length^4].
 
         With c the half-width of a punch and a the upper limit `half_width` (n,), over c < min(a,
         |x|):
@@ -1589,6 +1589,9 @@ def _require_one_contact(
         kn (n,) without the part by the second moment of the pressure, and a lower bound of kn
     gap_fourth_coefficient
         n4 (n,)
+
+    # notation: eta, G, G_4 normal loads of the punches up to c; kn, n4 factors of x^2/2 and x^4/24
+    #           that the bodies add to the gap at each of n instants
     """
     # s: coordinate of the punches in the table; the punches within the flat carry no load.
     first_s = 1.0 if contact.least_half_width else 0.0
@@ -2027,8 +2030,8 @@ def work_uncertainty_by_bodies(
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
     fourth order. A fraction of any change of work by the curvatures is therefore uncertain. There
     is a fraction for each of two kinds: curvatures that follow P and curvatures that follow Q. The
-    two kinds may cancel each other in W. Where they may, each kind is followed alone, and its own
-    change counts.
+    two kinds may cancel each other in the friction work. Where they may, each kind is followed
+    alone, and its own change counts.
 
     Parameters
     ----------

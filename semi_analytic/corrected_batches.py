@@ -75,7 +75,7 @@ class EllipseOfLoads:
         self, *, normal_factor: Array, tangential_factor: Array, constant: Array
     ) -> _Sinusoid:
         """Weighted sum of the loads over the cycle, `normal_factor` P + `tangential_factor` Q +
-        `constant`, as a sinusoid of the phase angle; (m, k) for factors (m, k) over m ellipses.
+        `constant`, as a sinusoid of the phase angle; (m, k) for k factors for each of m ellipses.
         """
         # Components along cos t and sin t; the constant part is the mean.
         tangential_part_amplitude = tangential_factor * self.tangential_amplitude
@@ -145,8 +145,8 @@ class CycleOfPunches(NamedTuple):
 def cycle_of_punches(
     loads: EllipseOfLoads, curvatures: CurvatureColumns, profile_load: Array, parabola_load: Array
 ) -> CycleOfPunches:
-    """Coulomb bounds of forward and of reverse slip over a steady cycle, for the flat punches (m,
-    k) that make up the contact, and the normal load that is carried outside of each.
+    """Coulomb bounds of forward and of reverse slip over a steady cycle, for flat punches (m, k) of
+    the contact, k under each of m ellipses, and the normal load that is carried outside of each.
 
         s B_s = s (Q - kt G) - f (P - eta - kn G),    s = +1 forward, -1 reverse
         kn = N P + N_Q Q,    kt = T Q + T_P P
@@ -438,8 +438,8 @@ def _roots_between(
 
 
 def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
-    """w = closed-int f L |dF| of flat punches in a steady cycle, in forward and in reverse slip,
-    (2, m, k) [force^2 per thickness^2].
+    """w = closed-int f L |dF| of flat punches in a steady cycle, k under each of m ellipses, in
+    forward and in reverse slip, (2, m, k) [force^2 per thickness^2].
 
     F is the tangential force that a punch keeps while it sticks, L the normal load that wider
     punches carry. `cycle` has s B_s for s = +1 and -1, and L, as sinusoids of the phase angle:

@@ -519,7 +519,7 @@ class PunchTable:
 
     def logarithm_integrals(self, s: ArrayLike, datum_length: float) -> PunchMoments:
         """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
-        c(s), (k,) each; times A/pi displacements of half-planes under these punches.
+        c(s), (k,) each; times A/pi, A = 2/E*, displacements of half-planes under these punches.
 
         L is the datum length, `datum_length`. eta, G and G_4 are the loads that punches up to c
         carry: of the profile, of x^2/2 and of x^4/24.
@@ -995,8 +995,8 @@ class FollowedPath:
     def _coulomb_bound(
         self, punches: _PunchArrays, row: Indices, direction: Indices, load_beyond: Array
     ) -> Array:
-        """Value of the locked-in tangential force F of flat punches while they slip, (m, k) [force
-        per thickness].
+        """Value of the locked-in tangential force F of flat punches while they slip, (m, k) for k
+        punches at each of m instants [force per thickness].
 
             Q - kt G - t4 G_4 - direction f [load beyond the punch]
 
@@ -1025,7 +1025,8 @@ class FollowedPath:
         return np.asarray(force_within_punch - direction * self.friction * load_beyond)
 
     def _locked_in_forces(self, punches: _PunchArrays, piece_number: Indices) -> Array:
-        """Tangential force F that flat punches keep while they stick, (m, k) [force per thickness].
+        """Tangential force F that flat punches keep while they stick, (m, k) for m rows of k
+        punches [force per thickness].
 
         The memory curve, F over the half-width of the punches, consists of pieces on which F is
         linear in eta, G and G_4, the loads that the punches carry of the profile, x^2/2 and x^4/24.

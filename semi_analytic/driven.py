@@ -152,8 +152,8 @@ class Compliance(NamedTuple):
 
         U is the displacement of contact and bodies, G the load of the flat punches of x^2/2 up to
         half-width c. T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s
-        the tangential spring, L the datum length. R alpha_Q^2 is `tilt_products[1]`. N_Q and T_P
-        are taken as 0.
+        the tangential spring, L the datum length, A = 2/E*. R alpha_Q^2 is `tilt_products[1]`: R is
+        the radius of a parabola, alpha_Q the tilt per Q. N_Q and T_P are taken as 0.
         """
         # unit_compliance: A/pi; curvatures.tangential: T; tangential_body_compliance: c_t;
         # tangential_spring_compliance: 1/k_s.
@@ -419,7 +419,7 @@ def _load_and_approach(
 
     eta and G are the loads of the flat punches of the profile and of x^2/2; P(c) is carried by
     those of half-width up to c, p_2 the second moment of the pressure. N P x^2/2 is what the bodies
-    add to the gap, c_n their compliance, k_n the spring.
+    add to the gap, c_n their compliance, k_n the spring, L the datum length, A = 2/E*.
 
     Parameters
     ----------
@@ -905,7 +905,7 @@ class _StepSolver:
 
         # notation: F locked-in tangential force of the punches up to half-width c, kt curvature of
         #           the faces under the loads, eta and G loads of the punches: of the profile and of
-        #           x^2/2, L datum length
+        #           x^2/2, L datum length, A = 2/E*
         """
         self._integrate_new_pieces()
         compliance = self._compliance

@@ -298,7 +298,7 @@ class ArcIntegrals:
 
     def _integrate_panels(self, panel_ends: Array) -> None:
         """Integrate the kernel times dQ over the arc, panel of time by panel, and store the
-        integrals up to the begin of each panel, (n, k), and their error.
+        integrals up to the begin of each of n panels, at k points, (n, k), and their error.
 
         P_x is the load at which the edge of contact is at the point. Far from P_x the integrand is
         a Chebyshev series on each panel; panels between `panel_ends` are halved until it is
@@ -560,6 +560,8 @@ def _punch_kernel(
         P - P_x, P_x the load at which the edge of contact is at x
     load, advance
         P; a(P) - a(0) [length], which the kernels take for a(P); of a tilted contact P itself
+
+    # notation: A = 2/E*, L datum length of displacements
     """
     if kernel == "shear":
         return contact.inverse_root(x, load_above_edge, advance)
@@ -944,7 +946,7 @@ class KernelIntegrals:
 
     def _straight_integrals(self, slope: Array, lower_load: Array, upper_load: Array) -> Array:
         """Slope times the integral of K d eta over straight parts of memory curves, between two
-        loads (n,), at each point: (n, k); 0 for parts without slope or length.
+        loads (n,), at each of k points: (n, k); 0 for parts without slope or length.
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry, K the kernel. A part takes the difference of two integrals from 0 on. The slip of a
@@ -993,7 +995,7 @@ class KernelIntegrals:
 
     def _short_slip_integrals(self, lower_load: Array, upper_load: Array) -> Array:
         """Integral of the slip kernel arccosh(|x|/a(eta)) d eta over short ranges of load (n,), at
-        each point: (n, k), as one integral of positive terms; 0 for points inside the contact.
+        each of k points: (n, k), as one integral of positive terms; 0 for points in the contact.
 
         P_x is the load at which the edge of contact is at x; the integral ends there at the latest.
         With end = min(upper load, P_x), eta = end - v^2 and v = e sinh(s), e^2 = P_x - end >= 0,
@@ -1030,7 +1032,7 @@ class KernelIntegrals:
         self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
     ) -> list[Array | float]:
         """What the curvature of pieces of memory curves adds to the integral of M' K, beyond their
-        straight parts: (n, k), or 0, for each pair of a piece and loads (n,).
+        straight parts: (n, k) at k points, or 0, for each pair of a piece and loads (n,).
 
         The memory curve M(eta) is the tangential force that the flat punches up to the load eta
         carry. The integral goes from the lower end of the piece to the load at the stick edge. A

@@ -281,7 +281,7 @@ class Grid:
         height
             initial gap h(x) between the unloaded faces [length]
         extent
-            (2,) ends of one grid, or (g, 2) those of grids of one length [length]
+            (2,) ends of one grid, or (g, 2) those of g grids of one length [length]
         cells
             number k of cells of a grid
         friction, modulus
@@ -389,8 +389,8 @@ class Grid:
         load, tilt
             P [force per thickness]; alpha
         gap_without_tilt
-            (g, k) gap between the unloaded faces without tilt, with what the shear adds
-            [length]
+            (g, k) gap between the unloaded faces without tilt, with what the shear adds, of g grids
+            of k cells [length]
 
         Raises
         ------
@@ -465,7 +465,8 @@ class Grid:
         force
             Q at the end of the increment [force per thickness]
         displacement
-            (g, k) tangential displacement of the faces that q does not cause [length]
+            (g, k) tangential displacement of the faces that q does not cause, of g grids of k cells
+            [length]
         friction_limit
             (g, k) f p at the end of the increment [stress]
         cells_before
@@ -681,7 +682,8 @@ class Grid:
         self, displacement_by_strain: Array
     ) -> tuple[NormalSolution, TangentialSolution]:
         """Normal and tangential solution of all grids while the bodies are apart: no traction, and
-        no cells in contact; U stays, and the faces move by the bulk strain alone.
+        no cells in contact; the displacement U of the upper body stays, and the faces move by the
+        bulk strain alone.
 
         `displacement_by_strain` (g, k) is that movement on g grids of k cells [length]. The normal
         approach is 0. The grids are left without cells in contact.
@@ -709,7 +711,7 @@ class Grid:
         Parameters
         ----------
         load, force, tilt
-            P and Q [force per thickness] and alpha at the end of the increment
+            P and Q [force per thickness] and the tilt alpha at the end of the increment
         displacement_by_strain
             tangential displacement of the faces by bulk strain, (g, k) for g grids of k cells
             [length]
@@ -826,7 +828,7 @@ def _sliding_cells(
     tolerance: float,
 ) -> tuple[NDArray[np.intp], Array, Array]:
     """Which cells slide in an increment, by an active set: direction of slip (0 in stick), shear,
-    and slip in the increment of all cells, (g, k) each.
+    and slip in the increment of all cells, (g, k) each for g grids of k cells.
 
     A cell slides where |q| would be above f p; it sticks where its slip would go against its
     direction. The problem is solved again until no cell changes.
@@ -954,7 +956,7 @@ def follow_instants(
     friction
         f
     normal, shear, strain, tilt
-        (n,) P, Q, eps and alpha; a single number holds at every instant
+        (n,) P, Q, bulk strain eps and tilt alpha; a single number holds at every instant
     modulus, dundurs_beta
         E* [stress]; Dundurs' second constant, by which pressure shears the faces apart
 
@@ -1210,7 +1212,7 @@ class _Answers:
             instants asked for, and `instant_numbers`, those of these instants among all that were
             asked for
         x, compliance
-            (m,) points; (g, m, k) displacements there by unit tractions on the cells
+            (m,) points; (g, m, k) displacements there by unit tractions on the k cells of each grid
         stride
             what each grid finds by itself is stored at every so many instants
         """
@@ -1268,7 +1270,7 @@ def _state_at(grid: Grid, fields: GridFields, instant: int, x: Array, compliance
     instant
         number of the increment
     compliance
-        (g, m, k) displacements at the points by unit tractions on the cells
+        (g, m, k) displacements at the points by unit tractions on the k cells of each grid
     """
     n_grids = len(grid.x)
     # Of an increment: Q and bulk strain.
@@ -1399,7 +1401,8 @@ def _permanent_edges(grid: Grid, fields: GridFields, slip_before: Array) -> Arra
     over the grids [length]; NaN if some grid has no such cell.
 
     A cell sticks if the sum of its |slip increments| over the cycle is at most 0.1 % of the largest
-    such sum. `fields` has slip and state of the cells, (n, g, k), at the n increments of the cycle.
+    such sum. `fields` has slip and state of the k cells of g grids, (n, g, k), at the n increments
+    of the cycle.
     `slip_before` (g, k) is the slip at the begin of the cycle.
     """
     slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
@@ -1935,8 +1938,8 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     """Relative errors of the shear q and the slip s at points, by name, from the change between
     coarse and fine grids.
 
-    `runs` has the answers of both. Those of each grid by itself, (g, n', k), are at every
-    `stride`-th instant. `friction_limit` (n, k) is f p at all instants [stress].
+    `runs` has the answers of both. Those of each of g grids by itself, (g, n', k), are at every
+    `stride`-th instant and at k points. `friction_limit` (n, k) is f p at all n instants [stress].
     """
     limit_at_instants = friction_limit[:: runs.stride]
     fine_answers = runs.fine_answers

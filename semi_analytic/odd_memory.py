@@ -516,6 +516,8 @@ def _stick_edge_at(
     set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
     Since then tilt and strain shift the centre of stick by v = -R (a_s - a_s,m)/mu. a_s = f alpha -
     s eps, mu = f - s M' is the steepness, s the direction of slip, R the `radius` of the parabola.
+
+    # notation: alpha tilt, eps bulk strain under the loads at that instant, f friction coefficient
     """
     # P at these times, M' at P_c, and mu.
     load = span.segment.loads(time)[0]
@@ -658,7 +660,8 @@ def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
         f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
-    outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M'.
+    outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M', s
+    the direction of slip. P_c is the load at the stick edge, which then is that of the kink.
     The spans of slip before and after it have the stick edge on these two pieces. Zero where they
     slip in different directions, where both are on one piece, and where M' does not jump. `radius`
     is R of the parabola.
@@ -907,8 +910,9 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
        the one that the loads cause, (A/pi) N' arccosh(a/c). In stick, c = a, both functions are in
        the ratio a; it is taken for slip in each direction.
 
-    N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; a and c are the half-widths of contact and
-    stick. `radius` is R of the parabola, `modulus` E*.
+    N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; alpha is the tilt, eps the bulk strain, s the
+    direction of slip, ' is d/dt. a and c are the half-widths of contact and stick. `radius` is R of
+    the parabola, `modulus` E*.
     """
     time, _ = _gauss_times(span, _GAUSS_POINTS // 2)
     # P and the rates of P and Q.

@@ -357,7 +357,7 @@ def _newton_step(
     slope_residual
         (n,) pi (mean of h' + alpha), alpha the tilt [1]
     load_residual
-        (n,) missing load A (P - P of the contact)/c [1]
+        (n,) missing load A (P - P of the contact)/c, A = 2/E* [1]
     half_width
         (n,) half-length c before the step [length]
     fallback_widening
@@ -1591,8 +1591,9 @@ class TiltedProfile:
 
         phi = `tangential_fraction`: 1, but 0 where bulk strain alone changes, with Q = 0.
 
-        # notation: A = 2/E*, L datum length of displacements, kappa tilt per load, m_q moment of
-        #           the shear about x = 0
+        # notation: A = 2/E*, L datum length of displacements, U tangential displacement, m and c
+        #           centre and half-length of the interval, kappa tilt per load, m_q moment of the
+        #           shear about x = 0
         """
         # Centre and half-length of the interval; pressure_skewness: pi kappa/A; logarithm(c): ln(2
         # L/c).
