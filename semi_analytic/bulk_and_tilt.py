@@ -715,11 +715,11 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact; the
     bulk strain that causes it, and the largest moderate one. None without bulk stress.
 
-    e = eps R/(f a) of a parabola of radius R, NaN of other profiles and without friction. eps is half the range
-    of bulk strain in the cycle, or along a path without one. a is that of the largest P without
-    tilt. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0), p0 the largest
-    pressure (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk stress out of
-    phase the ends may slip opposite ways although bulk stress is moderate.
+    e = eps R/(f a) of a parabola of radius R, NaN of other profiles and without friction. eps is
+    half the range of bulk strain in the cycle, or along a path without one. a is that of the
+    largest P without tilt. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0), p0
+    the largest pressure (Nowell and Hills 1987). It is a measure, and no bound: with P, Q or bulk
+    stress out of phase the ends may slip opposite ways although bulk stress is moderate.
 
     Returns
     -------

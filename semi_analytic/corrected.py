@@ -790,7 +790,8 @@ class PathSeries:
     @cached_property
     def _logarithm_integrals(self) -> tuple[Array, Array]:
         """int ln(2 L/c) dP and int ln(2 L/c) dM over the flat punches of half-width c, (n,) each
-        [force per thickness]; times A/pi the displacements of half-planes with datum length L.
+        [force per thickness]; times A/pi, A = 2/E*, displacements of half-planes with datum length
+        L.
 
         P(c) and M(c) are the normal and the tangential force that punches up to c carry.
 
