@@ -331,7 +331,7 @@ def _tables_of_report(path: Path) -> Iterator[_ReportTable]:
 
 def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
     """The lines of a report, numbered from 1, without blanks at their ends; then an empty one.
-    InputError for a line that is too long for a report.
+    InputError for a line that is too long for a report, of more than 100,000 characters.
     """
     with path.open(encoding="utf-8", errors="replace") as stream:
         lines = iter(lambda: stream.readline(_MOST_CHARACTERS_OF_LINE + 1), "")

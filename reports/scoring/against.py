@@ -56,7 +56,7 @@ def score(
         (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression,
         q along +x on the lower body. q None: the pressure is scored alone
     scene
-        the scene that the tractions answer, or its name or file
+        the scene whose contact problem the tractions solve, or its name or file
     time
         (n_steps,) times of the scene's load path; left out, the instants are found by `loads`, else
         by the integrals of p and q over x

@@ -282,6 +282,7 @@ def _face_by_contact(
         for quantity in _COMPONENT_BY_QUANTITY["CONTACT"]
     }
     note = f"contact values stand at the slave face, that of the {body} body"
+    # _SLIP_NOTE: that the slip holds the elastic slip of the stick stiffness
     return face_rows, factors, [note, _SLIP_NOTE, *face_notes]
 
 
@@ -353,6 +354,7 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     }
     if set(slip_at) >= set(stress_at):
         fields["slip"] = field_of([slip_at[time] for time in stress_at], 1, "slip")
+        # that the slip holds the elastic slip of the stick stiffness
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
     face_values = _FaceValues(all_points[rows, 0], depth, fields, np.array(list(stress_at)))

@@ -284,6 +284,7 @@ class _Lines(Iterator[str]):
         nodes, points = self.table_of_records(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
             raise self.error_expecting("every node once: a number comes twice", header_line + 1)
+        # 1e100: the square of a larger coordinate would be infinite
         if not (np.abs(points) <= _LARGEST_COORDINATE).all():
             raise self.error_expecting("finite coordinates", header_line + 1)
         return nodes, points
@@ -394,6 +395,7 @@ class _Lines(Iterator[str]):
         try:
             return float(text)
         except ValueError:
+            # mantissa, then an exponent with or without its letter
             match = _DECIMAL_NUMBER.fullmatch(text.strip())
         if match is None:
             raise self.error_expecting(f"{noun}, found {text[:40]!r}", line)

@@ -432,6 +432,7 @@ def _cause_by_history(
     start_sizes
         sizes from which a search for it starts; none where the file can't have it
     """
+    # channel: the traction that shows it; group: causes of which only one is named
     return Cause(
         key,
         lambda variant, _: replace(variant, history_fault=history_fault),

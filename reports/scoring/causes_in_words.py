@@ -82,7 +82,8 @@ def sentence_on_cause(discrepancy: Discrepancy, cause: Cause, size: float, fit: 
         # of the points, over a_ref
         "spacing": 1 / discrepancy.elements_per_half_width,
     }
-    # unlike materials, nodal forces, a wrong E*/R: sentences of their own
+    # unlike materials, nodal forces, a wrong E*/R (R: radius of the profile): sentences of their
+    # own
     if cause.key == COUPLING.key:
         return coupling_sentence(discrepancy)
     if cause.key == "coarse_edge":
@@ -110,8 +111,9 @@ def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> s
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     carries_load = pressure > 1e-3 * np.max(pressure)
-    # of one instant
+    # nodes that carry load at one instant
     largest_number_of_nodes = int(np.max(np.sum(carries_load, axis=1)))
+    # template of the sentence; _ENOUGH_ELEMENTS: ten over the half-width
     sentence = WORDS["others"]["coarse_mesh"].format(
         elements=discrepancy.elements_per_half_width,
         carrying=largest_number_of_nodes,
@@ -124,10 +126,10 @@ def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> s
 
 
 def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
-    """In words, the likely origin of a wrong factor of E*/R in a result: plane stress, another
-    modulus, or the like.
+    """In words, the likely origin of a wrong `factor` of E*/R in a result: plane stress, another
+    modulus, or the like. `discrepancy` holds the tractions of result and reference, and the scene.
 
-    # notation: E* composite modulus
+    # notation: E* composite modulus, R radius of the profile
     """
     material = discrepancy.comparison.scene.material
     nu = material.upper.poisson_ratio
@@ -141,9 +143,11 @@ def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
 
 
 def coupling_sentence(discrepancy: Discrepancy) -> str:
-    """The sentence on a difference that is odd in x: a fault of the result, unless its scene has
-    unlike materials and the reference does not have their coupling.
+    """The sentence on a shear difference that is odd in x, as by the coupling of unlike materials.
+    It is a fault of the result, unless the scene's materials are unlike and the reference is
+    half-plane theory, which leaves their coupling out.
     """
+    # Dundurs' constant, 0 for like materials
     beta = dundurs(discrepancy.comparison.scene.material).beta
     if abs(beta) <= NEGLIGIBLE_BETA:
         return FAULTS["coupling"]

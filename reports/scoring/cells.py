@@ -42,9 +42,9 @@ def cell_centres_and_width(reach: float, count: int) -> tuple[Array, float]:
 def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Array:
     """Influence matrix (n, n) of cells of constant traction on the surface of two half-planes:
     relative displacement at the centre of cell i by a unit traction on cell j, A_ij
-    [length/stress]. It is the integral over cell j of -2/(pi E*) ln|x_i - xi|.
+    [length/stress]. It is the integral of -2/(pi E*) ln|x_i - xi| over the places xi of cell j.
 
-    # notation: E* composite modulus
+    # notation: E* composite modulus, x_i centre of cell i
     """
     distance = cell_centres[:, None] - cell_centres[None, :]
     to_right_end = distance + cell_width / 2
@@ -230,7 +230,8 @@ def _shear_after_step(
     InputError
         Where all cells slip, or no state is found.
 
-    # notation: f coefficient of friction, p pressure
+    # notation: A influence matrix `matrix`, f coefficient of friction, p pressure, Q tangential
+    #           load
     """
     largest_limit = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)

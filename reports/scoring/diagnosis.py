@@ -77,6 +77,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     attribution = judgement.attribution()
     has_trace = bool(trace_findings)
     findings_of_fit = list(_findings_of_fit(judgement, attribution, has_trace=has_trace))
+    # SHEAR_SIGN: the cause that the shear has the wrong sign
     sign_findings = [finding for finding in findings_of_fit if finding.fault == SHEAR_SIGN.key]
     # shear of the wrong sign hides creep in stick: look again with the right one
     if sign_findings and not has_trace:
@@ -191,7 +192,7 @@ def _sentences_of_evidence(
     `judgement` holds the difference of the result from the reference, `fit` the causes fitted to
     it; `share_left_by_fit` is the share of the difference that this fit leaves.
 
-    # notation: f coefficient of friction, P normal load
+    # notation: f coefficient of friction, P normal load, p_ref scale of pressure
     """
     discrepancy = judgement.discrepancy
     # integral of the pressure over P
@@ -300,8 +301,9 @@ def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     far_differences = differences[:, is_in_contact & ~is_near_edge].ravel()
     far_square = max(float(np.mean(far_differences**2)), ROUND_OFF_SQUARE)
     ratio_of_squares = np.mean(near_differences**2) / far_square
-    # by the F test
+    # probability that chance alone gives such a ratio, by the F test
     chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
+    # at most a third is left, a ratio of nine, a probability of 1e-6
     if (
         share_left_by_mesh > LARGEST_SHARE_LEFT
         or ratio_of_squares < LARGEST_SHARE_LEFT**-2
@@ -359,7 +361,8 @@ def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
     Differences are over p_ref (pressure) and f p_ref (shear). Their squares are weighted by length
     and time.
 
-    # notation: f coefficient of friction
+    # notation: a_ref half-width of contact of the reference, f coefficient of friction, p_ref scale
+    #           of pressure
     """
     # whether a point has pressure in the result or in the reference, (k, n)
     is_in_contact = discrepancy.mask_in_contact(discrepancy.reference_tractions)
@@ -412,6 +415,7 @@ def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
         chance = probability_by_chance(fit, judgement.fit_without_causes, (cause.channel,))
         if share < 1 and chance < LARGEST_PROBABILITY_BY_CHANCE:
             least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
+    # WORDS: names of causes, by key
     keys_by_share = sorted(least_share_by_key, key=least_share_by_key.__getitem__)
     shares_in_words = ", ".join(
         f"{WORDS['names'][key]} {least_share_by_key[key]:.0%}" for key in keys_by_share

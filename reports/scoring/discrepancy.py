@@ -78,7 +78,7 @@ class Discrepancy:
 
     @property
     def scene(self) -> Scene:
-        """The scene whose tractions are `reference_tractions`."""
+        """The scene of the comparison: geometry, material, friction and loads."""
         return self.comparison.scene
 
     @property

@@ -180,9 +180,9 @@ def _parts_of_files(paths: Sequence[Path]) -> list[FieldPart]:
 
 
 def _read_in_process(paths: Sequence[Path]) -> bytes:
-    """Read VTK files in a process of its own, which may crash, need too much memory or take too
-    long without harm to this one. Returns the arrays of all files as bytes of an NPZ archive.
-    InputError, naming the file, where that fails.
+    """Read VTK files in a process of its own, which may crash, need too much memory (2 GB) or take
+    too long (five minutes) without harm to this one. Returns the arrays of all files as bytes of an
+    NPZ archive. InputError, naming the file, where that fails.
     """
     # a Python that runs `vtk_files`, with limits of memory and processor time
     command = [
@@ -213,6 +213,7 @@ def _read_in_process(paths: Sequence[Path]) -> bytes:
     if process.returncode == 0:
         return process.stdout
     path, reason = _file_and_reason(paths, process.stderr)
+    # phrases that Python, VTK and C++ print where memory ends
     if any(phrase in process.stderr.decode(errors="replace") for phrase in _OUT_OF_MEMORY):
         raise InputError(
             f"{path}: unpacked it takes more than {in_words(MOST_UNPACKED_BYTES)} of memory, which"

@@ -224,6 +224,7 @@ def _find_tractions(
             for name, values in tensor_fields.items():
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _find_named_tractions(path, names, mapping)
+    # known names of traction vectors, then of stress tensors
     for name, values in tensor_fields.items():
         if values.shape[1] >= 2 and normalised_name(name) in map(
             normalised_name, _NAMES_OF_VECTORS
@@ -288,6 +289,7 @@ def _places_of_yy_and_xy(path: Path, name: str, values: Array) -> tuple[int, int
     `values` (n, components) are those at the points. InputError where no order is known for so many
     components.
     """
+    # known orders by the number of components: 3, 4, 6 or 9
     n_components = values.shape[1]
     if n_components not in _PLACES_OF_YY_AND_XY:
         raise InputError(

@@ -199,7 +199,8 @@ class Search:
         if least_sum >= _RESIDUAL_WITHOUT_SOLUTION**2:
             return None
 
-        # least squares over the sizes, roughly from the best combinations, then finely
+        # least squares over the sizes, roughly (to 1e-2) from the best combinations, then finely
+        # (to 1e-6)
         sizes = combinations[order_of_sums[0]]
         fitted_indices = [
             index
@@ -207,7 +208,7 @@ class Search:
             if cause.has_size and index >= len(known_sizes)
         ]
         if fitted_indices:
-            # Few points know of an edge of slip only when it passes them: a search may stop early.
+            # A point shows an edge of slip only when it passes: a search may stop early.
             n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
             rough_sizes = [
                 self._least_squares(
@@ -319,8 +320,8 @@ class Search:
     def _sum_of_squares(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> float:
-        """Sum of the squared and weighted differences between the result and the tractions with
-        these faults, see `_weighted_residuals`.
+        """Sum of the squared and weighted differences between the result and the tractions that
+        theory predicts with these faults (`causes`) of these sizes, over p_ref or f p_ref.
         """
         return float(np.sum(self._weighted_residuals(causes, sizes, channels) ** 2))
 
@@ -331,9 +332,9 @@ class Search:
         (known faults) of these sizes. They are over p_ref or f p_ref, times the root of their
         weight; 1e20 where theory has no solution.
 
-        All k instants and n points of each of the `channels` (pressure, shear) in one row.
+        All k instants and n points of each of the `channels` (pressure, shear) stand in one row.
 
-        # notation: f coefficient of friction
+        # notation: f coefficient of friction, p_ref scale of pressure
         """
         discrepancy = self.discrepancy
         try:
@@ -483,6 +484,7 @@ def leaves_clearly_more(
     `is_noise` is whether the best one leaves noise alone. Then chance sets how far both may differ:
     the sums of squares by 16 variances of the noise.
     """
+    # a mean square below 1e-20 is round-off
     least_square = max(least_square, ROUND_OFF_SQUARE)
     if is_noise:
         return (square_left - least_square) / least_square * n_values > _LEAST_DIFFERENCE_APART

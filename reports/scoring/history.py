@@ -486,9 +486,11 @@ def _times_in_order(
     least_squared_distances = [
         float(squares_of_instant.min()) for squares_of_instant in squared_distances
     ]
+    # at least 1e-6 of the largest P, squared
     largest_misfit = max(least_squared_distances) + _EQUAL_DISTANCE**2
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
+    # a step back by a 3000th of a revolution costs as much as a mean step ahead
     step_back = (path.period or duration) / _DIVISOR_OF_STEP_BACK
 
     # cost of each place of an instant: of the way to it, and of its distance from the loads

@@ -679,7 +679,7 @@ class Judgement:
             > _LARGEST_SHARE_LEFT_BY_ODD_PART
         ):
             return None
-        # Dundurs' beta, 0 for like materials
+        # Dundurs' beta, 0 for like materials; the odd part must not be by chance (1e-6)
         if abs(dundurs(self.discrepancy.comparison.scene.material).beta) > NEGLIGIBLE_BETA:
             return (
                 odd_fit
@@ -707,6 +707,7 @@ class Judgement:
             # integrals of pressure and shear, and sizes that are next to none, exclude a fit
             if fit is None or not self._is_not_excluded(fit, fit_before, (SHEAR,)):
                 continue
+            # ROUND_OFF_SQUARE: 1e-20
             keeps_pressure = (
                 fit.mean_square((PRESSURE,))
                 <= 2 * fit_before.mean_square((PRESSURE,)) + ROUND_OFF_SQUARE

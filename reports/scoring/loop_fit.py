@@ -229,7 +229,7 @@ class LoopsOverFriction:
         return self.sliding_friction * self.load_scale(highest, lowest)
 
     def first_frictions(self, highest: float, lowest: float) -> Array:
-        """(k,) values of the friction coefficient f to try first, ascending. They go from 1.04 to
+        """The 24 values of the friction coefficient f to try first, ascending. They go from 1.04 to
         40 times that of gross sliding between the turning points `highest` and `lowest` of the
         file's Q.
 
@@ -358,8 +358,8 @@ class LoopsOverFriction:
     def start_of_rig(
         self, rows: LoopRows, friction: float, highest_load: float, lowest_load: float
     ) -> tuple[float, float]:
-        """C [1/stress] and U0 [length] of the rig from which a fit begins: U = r U_theory + C Q +
-        U0. r is the factor of the file's Q over the scene's.
+        """Compliance C [1/stress] and origin U0 [length] of the rig from which a fit begins: U = r
+        U_theory + C Q + U0. r is the factor of the file's Q over the scene's.
 
         Each row is compared with theory's loop at the same Q, on the same branch. Rows near the
         turning points, where the branch is not certain, are left out as long as more than eight
@@ -374,8 +374,7 @@ class LoopsOverFriction:
         highest_load, lowest_load
             Q at the upper and at the lower turning point of the rows
 
-        # notation: C compliance of the rig, f coefficient of friction, U relative tangential
-        #           displacement
+        # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
         """
         # r; self.load (m,): Q of the scene at instants of its cycle
         scale = self.load_scale(highest_load, lowest_load)
@@ -424,7 +423,7 @@ class LoopsOverFriction:
             sigma, standard deviation of the noise of U and of Q, by which both are divided
 
         # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U
-        #           relative tangential displacement
+        #           relative tangential displacement, U0 its origin
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
         # factor r of the file's Q over the scene's; self.load (m,): Q of the scene through a
@@ -621,8 +620,8 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
 
 
 def _index_of_nearest_corner(points: Array, corners: Array) -> Indices:
-    """Index (n,) of the nearest to each of n points (2, n), among k corners of its own (2, n, k) or
-    of all (2, 1, k).
+    """Index (n,) of the corner nearest to each of n points (2, n), among k corners of that point
+    alone, (2, n, k), or k corners common to all points, (2, 1, k).
     """
     distance_squared = (points[0][:, None] - corners[0]) ** 2
     distance_squared += (points[1][:, None] - corners[1]) ** 2
@@ -708,7 +707,7 @@ class _Search:
             (k,) values of f, ascending
 
         # notation: C compliance of the rig, f coefficient of friction, P normal load, Q tangential
-        #           load
+        #           load, U0 origin of the displacement
         """
         # of each trial, terms (4,) to begin with
         starts = [self.start_terms(friction) for friction in trial_frictions.tolist()]
@@ -801,9 +800,10 @@ class _Search:
         branch. A row is moved if theory's loop is less than a quarter as far from it there. A
         turning point is known to within one row only.
 
-        `terms` (4,) are highest Q, lowest Q, C and U0.
+        `terms` (4,) are highest Q, lowest Q, compliance C of the rig and origin U0 of the
+        displacement.
 
-        # notation: C compliance of the rig, Q tangential load
+        # notation: Q tangential load
         """
         branches = self.rows.branches
         # (n,) whether each row lies on the rising branch

@@ -307,7 +307,7 @@ class MasingLoop:
         share_of_branch = 2 * np.where(is_falling, share_of_cycle, share_of_cycle - 0.5)
         # of the rising branch, at places 0 to 2 along it
         displacement, load = self.points(np.clip(2 * share_of_branch, 0.0, 2.0))
-        # the falling branch is the rising one turned about the middle
+        # the falling branch is the rising one rotated about the middle
         sign_of_branch = np.where(is_falling, -1.0, 1.0)
         return sign_of_branch * displacement, sign_of_branch * load
 
@@ -318,7 +318,7 @@ class MasingLoop:
         is_falling = place_on_loop > 1
         share_of_branch = np.where(is_falling, place_on_loop - 1, place_on_loop)
         displacement, load = self.points(2 * share_of_branch)
-        # the falling branch is the rising one turned about the middle
+        # the falling branch is the rising one rotated about the middle
         sign_of_branch = np.where(is_falling, -1.0, 1.0)
         return sign_of_branch * displacement, sign_of_branch * load
 
@@ -484,8 +484,8 @@ def distances_from_loop(
     -------
     Distances
         distance (n,), positive where U of the row is the larger; its derivatives (n, 7); unit
-        normal (n, 2) of the loop; place of the nearest point, 0 to 1 on the rising and 1 to 2 on
-        the falling branch
+        normal (n, 2) of the loop; place of the nearest point on the loop, 0 to 1 on the rising and
+        1 to 2 on the falling branch
 
     # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
     """
@@ -500,7 +500,7 @@ def distances_from_loop(
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
-    # (4, n) each: distance, normal in U, normal in Q, place
+    # (4, n) each: distance, normal in U, normal in Q, place on the branch
     from_branch_of_rows = _distances_from_branch(
         loop, corners_of_branch, displacement, load, branch_sign, sigma
     )
@@ -522,9 +522,9 @@ def distances_from_loop(
     from_branch_of_rows[:, rows_of_other_branch] = from_other_branch[:, is_other_nearer]
     branch_sign[rows_of_other_branch] *= -1
 
-    # place: along the branch, 0 to 1 in partial slip and 1 to 2 on the slide
-    distance, normal_displacement, normal_load, place = from_branch_of_rows
-    displacement_derivatives, load_derivatives = loop.derivatives(place)
+    # place on the branch: 0 to 1 in partial slip and 1 to 2 on the slide
+    distance, normal_displacement, normal_load, place_on_branch = from_branch_of_rows
+    displacement_derivatives, load_derivatives = loop.derivatives(place_on_branch)
     displacement_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]
     displacement_derivatives[:, ORIGIN] = 1.0
@@ -533,7 +533,7 @@ def distances_from_loop(
     # a distance shrinks by what the point of the loop moves along the normal
     derivatives = -normal_displacement[:, None] * displacement_derivatives / sigma.displacement
     derivatives -= normal_load[:, None] * load_derivatives / sigma.load
-    share_of_branch = np.clip(place, 0.0, 2.0) / 2
+    share_of_branch = np.clip(place_on_branch, 0.0, 2.0) / 2
     return Distances(
         signed_distance=distance,
         derivatives=derivatives,
@@ -568,8 +568,8 @@ def _distances_from_branch(
     displacement, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
-        (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one turned
-        about the middle
+        (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one
+        rotated about the middle of the loop
     sigma
         standard deviation of the noise of U and of Q
 

@@ -246,7 +246,8 @@ class _Search:
         rows = self.rows
         # self.curve: memory curve of theory, from which the branches of the loop are built
         loop = MasingLoop(self.curve, parameters)
-        # the rising branch ends at place 2; the falling one is the same, turned about the middle
+        # the rising branch ends at place 2 (places are a parameter along it); the falling one is the
+        # same, rotated about the middle of the loop
         place_of_turn = np.array([2.0])
         # U and Q there, from the middle of the loop, and their derivatives (1, 7)
         displacement_at_end, load_at_end = loop.points(place_of_turn)
@@ -348,8 +349,8 @@ class _Search:
             `steps` of the free parameters, (m, free parameters). `LOG_F` and `RANGE` are the
             indices of ln f and of the range R of Q; free parameters stand at `free_indices`.
 
-            # notation: f coefficient of friction, Q tangential load, sigma standard deviation
-            #           of the noise
+            # notation: f coefficient of friction, P normal load, Q tangential load, sigma standard
+            #           deviation of the noise
             """
             steps_as_bytes = steps.tobytes()
             if steps_as_bytes not in cached_residuals:
@@ -522,7 +523,8 @@ class _Search:
         origin and drift of U, slide.
 
         Where the slide of a gross loop would be negative it is held at 0. The sum of squares of a
-        partial loop is infinite where its contact would slide as a whole.
+        partial loop is infinite where its contact would slide as a whole. `LOG_F` and `SLIDE` are
+        indices of ln f and of the slide.
 
         # notation: Q tangential load, U relative tangential displacement
         """
@@ -1101,7 +1103,8 @@ def _parameter_changes_by_residuals(search: _Search, parameters: Array, is_gross
     is_gross
         whether the contact slides as a whole at the ends of the loop
 
-    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
+    # notation: f coefficient of friction, P normal load, Q tangential load, U relative tangential
+    #           displacement
     """
     fitted_indices = _fitted_parameters(search.rows, is_gross=is_gross)
     _, derivatives = search.residuals(parameters)

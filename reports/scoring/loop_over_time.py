@@ -63,7 +63,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     """
     # period; share of the cycle that is over at each row; scale and offset of Q over the scene's
     alignment = _required_alignment(loop, scene)
-    # The file's Q is r times the scene's, at the same P: so is f.
+    # The file's Q is r times the scene's (r: `scale`), at the same P: so is f.
     scale = alignment.scale
     # sums of squared differences of U between theory and rows, for any f
     search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
@@ -91,7 +91,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         float(log_trials[index_of_best]),
         key=lambda log_trial: search.sum_of_squares(log_trial, alignment.share_of_cycle, scale),
     )
-    # rig whose C Q + U0, added to theory's U, fits the rows best
+    # rig whose C Q + U0 (compliance C, origin U0), added to theory's U, fits the rows best
     least_sum, compliance, _ = search.rig_fit(log_friction, alignment.share_of_cycle, scale)
     degrees_of_freedom = len(loop.time) - 3 - (rig_compliance is None)
     # The scatter is at least what the digits of the rows leave.

@@ -334,7 +334,8 @@ def _tested_candidate(
     rig_compliance
         C of the rig [1/stress]; None fits it
 
-    # notation: f coefficient of friction, Q tangential load, U relative tangential displacement
+    # notation: f coefficient of friction, Q tangential load, sigma standard deviation of the noise
+    #           of U, U relative tangential displacement
     """
     loop = remaining_rows.rows
     # branch of each row, and its phase: cycles that have passed
@@ -685,6 +686,7 @@ def _fit_at_constant_load(
         sentences.append(candidate.run_in_sentence)
     range_of_displacement = float(np.ptp(loop.displacement))
     drift_uncertainty = 1.96 * fit.drift_error
+    # stated from 0.1 % of the range of U on
     if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_displacement):
         drift_of_cycle = fit.drift / range_of_displacement / branches.n_cycles
         sentences.append(

@@ -216,8 +216,8 @@ def score_loop(
     scene
         its cycle of P and Q, profile and material are those of theory's loops
     rig_compliance
-        C [1/stress]: the rig adds C Q to the displacement U of the contact, which counts from the
-        datum length of the profile; fitted if None
+        compliance C of the rig [1/stress], which adds C Q to the displacement U of the contact; U
+        counts from the datum length of the profile. None fits C
     against
         "fe": loops of the finite elements too, with the scene's f and the best one; none where the
         contact slides as a whole
@@ -291,12 +291,12 @@ def score_loop(
 def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
     """The measured loop of Q over U as a row of the table of loops (area W with its uncertainty,
     slope dU/dQ; no coefficient of friction and no distance from itself), and a sentence on how W
-    was found.
+    was computed.
 
     Parameters
     ----------
     loop
-        U and Q of the n rows
+        U and Q of the n measured rows
     fit
         the loop fitted to them: `phase` (n,), cycles that have passed at each row;
         `share_of_cycle` (n,), place on the scene's cycle; noise of U and Q; `scale`, the file's Q
@@ -313,7 +313,7 @@ def _row_of_measured_loop(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow,
     else:
         area = area_about_fit(fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0]))
         method_words = "the area of the best fit, with what the rows enclose beside it,"
-    # Q of the scene through a cycle, scaled
+    # Q of the scene at shares of a cycle from 0 to 1 (SHARES_OF_CYCLE), scaled
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
     table_row = LoopRow(
         name="measured",
@@ -372,6 +372,7 @@ def _partial_loops(
     """
     loops = []
     sentences = []
+    # WITH_SCENE_FRICTION: words for the scene's f
     for name, friction in (
         ("best f", fit.friction),
         (WITH_SCENE_FRICTION, scene.friction.coefficient),
@@ -414,9 +415,9 @@ class _LoopOfScene(NamedTuple):
 def _loop_with_rig(
     loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
 ) -> _ComputedLoop:
-    """A computed loop with the rig added, U = r U_computed + C Q + U0, C and U0 such that it lies
-    nearest to the rows; with its area W, slope dU/dQ and distance from the rows. A stated
-    `rig_compliance` (C) is kept.
+    """A computed loop with the rig added, U = r U_computed + C Q + U0, with the compliance C and
+    the origin U0 such that it lies nearest to the rows; with its area W, slope dU/dQ and distance
+    from the rows. A stated `rig_compliance` (C) is kept.
 
     Parameters
     ----------

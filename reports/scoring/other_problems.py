@@ -359,7 +359,7 @@ def _fit_of_sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     each instant. None where the profile is no parabola, and where no half-widths can be fitted.
 
     # notation: a_ref half-width of contact of the reference, E* composite modulus, P normal load, p
-    #           pressure, p_ref scale of pressure
+    #           pressure, p0 its largest value, p_ref scale of pressure, R radius
     """
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
@@ -786,6 +786,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
             residual_after.n_values,
             n_parameters=problem_fit.n_sizes,
         )
+        # less than a third must be left, and not by chance (1e-6)
         if share_left >= LARGEST_SHARE_LEFT or chance >= LARGEST_PROBABILITY_BY_CHANCE:
             continue
         if fit_of_causes is not None:
@@ -805,6 +806,7 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
     if not candidates:
         return
     share_left, problem, problem_fit = min(candidates, key=lambda candidate: candidate[0])
+    # WORDS: templates of sentences
     problem_in_words = WORDS["problems"][problem.key].format(**problem_fit.sentence_values)
     sentence = f"{WORDS['other_problem']} {problem_in_words}"
     evidence = (

@@ -307,7 +307,7 @@ def _read_heading(name: str, mapping: Mapping) -> _Heading:
     """
 
     def quantity_of(base: str) -> ColumnQuantity | None:
-        """The quantity with this name, by the mapping, else by the known aliases."""
+        """The quantity with this name, by the mapping, else by known names (ALIASES)."""
         for quantity in _QUANTITIES_OF_POINTS:
             stated_column = getattr(mapping.columns, quantity)
             aliases = ALIASES[quantity] if stated_column is None else (stated_column,)

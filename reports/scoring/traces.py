@@ -191,6 +191,7 @@ def find_elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> I
     is_sticking = changes.is_sticking
     creep = changes.slip[is_sticking]
     shear_change = changes.shear[is_sticking]
+    # 20 values at least
     if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
         return
 
@@ -474,7 +475,8 @@ def tractions_of_coarse_mesh(
     None where no point, or most points in contact, lie near an edge. An elastic traction falls
     to 0 at the edge of contact as (1 - x/a)^(1/2), and q leaves the stick edge likewise.
     Interpolated on elements of length h its error is of the order of p_ref sqrt(2 h/a) over the
-    element with the edge. A larger difference is not the mesh's. `discrepancy` holds the tractions of result and reference.
+    element with the edge. A larger difference is not the mesh's. `discrepancy` holds the tractions
+    of result and reference.
 
     # notation: a half-width of contact, f coefficient of friction, p_ref scale of pressure, q shear
     """

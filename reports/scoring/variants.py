@@ -208,7 +208,8 @@ class Predictions:
         Factors, swaps and offsets of the file are applied later. InputError where the contact
         slides or separates, and where friction would have to be followed at a grid of points.
 
-        # notation: P normal load, Q tangential load
+        # notation: a_ref half-width of contact of the reference, E* composite modulus, P normal
+        #           load, Q tangential load
         """
         # scene with another modulus, friction or load; times (k,) earlier by a delay, or of the
         # first cycle
@@ -368,10 +369,10 @@ def _tractions_of_scene(
 
 
 def _fine_load_steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Loads P and Q at the ends of n fine increments along the load path, (n, 2), and for each of
-    the `times` (k,) the number of the increment that ends there. The increments go up to the end of
-    the second cycle, to which times of a cycle are moved, since it is steady; along a path that
-    does not repeat, up to the last of the times.
+    """Loads P and Q at the ends of n fine load steps along the load path, (n, 2), and for each of
+    the `times` (k,) the number of the step that ends there. The steps go up to the end of the
+    second cycle, to which times of a cycle are moved, since it is steady; along a path that does
+    not repeat, up to the last of the times.
     """
     path = scene.load.path()
     if path.period is None:
