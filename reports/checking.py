@@ -614,7 +614,7 @@ class _Contact:
 
 def _contact_of_convex_profile(scene: Scene, normal_load: float, time: float) -> _Contact | None:
     """Edges and pressure of the contact of a convex profile under one load P, with the tilt that
-    the load path has at `time`; a thousandth of the time of a solution by theory.
+    the load path has at `time`; a thousandth of the computing effort of a solution by theory.
 
     None for a profile that is not convex, under a moment, and where the profile can't carry P.
 
@@ -637,13 +637,13 @@ def _contact_of_convex_profile(scene: Scene, normal_load: float, time: float) ->
     tilt_or_moment = _tilt_or_moment_at(scene, time)
     if "moment" in tilt_or_moment:
         return None
-    # 1/(pi A) with A = 2/E*: `convex` takes A P and gives pi A p
+    # 1/(pi A) with A = 2/E*: `convex_shape` takes A P and gives pi A p
     pressure_scale = composite_modulus(scene.material) / (2 * np.pi)
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         # A convex profile gives middle and half-width of the contact under a load and a tilt.
-        convex = convex_profile(scene.profile)
-        middle_x, half_width = convex.contact_centre_and_half_width(
+        convex_shape = convex_profile(scene.profile)
+        middle_x, half_width = convex_shape.contact_centre_and_half_width(
             normal_load / (np.pi * pressure_scale), tilt
         )
     except InputError:
@@ -651,7 +651,7 @@ def _contact_of_convex_profile(scene: Scene, normal_load: float, time: float) ->
 
     def pressure(x: Array) -> Array:
         """Pressure [stress] at places x (n,); 0 out of contact."""
-        return pressure_scale * np.maximum(convex.pressure(x, middle_x, half_width), 0.0)
+        return pressure_scale * np.maximum(convex_shape.pressure(x, middle_x, half_width), 0.0)
 
     return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
 

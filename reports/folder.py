@@ -240,7 +240,7 @@ def usable_folder(out: str | Path, names: Iterable[str] = NAMES_OF_RESULTS) -> P
             _refuse_foreign_files(folder, names, out)
     except OSError as reason:
         raise _error_of_unwritable_folder(out, reason) from reason
-    output_folder.set(folder)
+    output_folder.set(folder)  # where an internal error writes its log
     return folder
 
 

@@ -216,21 +216,22 @@ def _pages() -> Environment:
     """The environment of the page templates of jinja2: where they lie, and the filters that they
     use. Texts in .html templates are escaped; a name that is missing is an error.
     """
-    pages = Environment(
+    # templates of the package, compiled once, and single macros as templates (_source_of_macro)
+    environment = Environment(
         loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_source_of_macro)]),
         autoescape=select_autoescape(("html",)),
         undefined=StrictUndefined,
         trim_blocks=_BLANKS["trim_blocks"],
         lstrip_blocks=_BLANKS["lstrip_blocks"],
     )
-    pages.filters |= {
+    environment.filters |= {
         "minus": minus,
         "number": number,
         "signed": signed,
         "marked": marked,
         "contents": _contents,
     }
-    return pages
+    return environment
 
 
 def template(name: str) -> Template:

@@ -78,13 +78,13 @@ def instants_of(
     Raises
     ------
     InputError
-        For another word, and for a time outside of the solved path. The path ends with the
-        revolution after which the solution repeats.
+        For another word, and for a time outside of the solved path. The path ends with the load
+        cycle after which the solution repeats.
     """
     label_by_time: dict[float, str] = {}
     for text in texts:
         if text == "events":
-            # instants and loads of the cycle; no event lies before the first row of a load table
+            # instants and loads of the cycle; no event lies before the first row of a load record
             cycle = last_cycle(solution)
             for event in events(
                 cycle,

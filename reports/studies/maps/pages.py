@@ -121,8 +121,9 @@ def page(tables: Tables) -> str:
     `tables` has the kind of bodies (with the words for its coordinates), the errors of theory at
     the points of the map, and the least heights.
     """
-    # the table: a row for each place (height, width, friction) that finite elements check, with the
-    # errors of those quantities that they give [%]
+    # The table on the page: a row for each place (height, width, friction) that finite elements
+    # check. It has the errors [%] of those quantities that they give, with their uncertainty
+    # (_percent), and those by kernels without it (_value).
     kind = tables.kind
     quantities_shown = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
@@ -137,7 +138,7 @@ def page(tables: Tables) -> str:
             cells.append(_value(errors_by_kernels[place][quantity]))
         table_rows.append(cells)
 
-    # the page
+    # the page; `heights_of`: table of the least heights; _CAPTION, _NO_TENSION: sentences
     lines = [
         f"# {kind.title}",
         f"<!-- written by `halfplane map {kind.name}` -->",
@@ -275,7 +276,7 @@ def _panel(
 
     `tables` has the kind of bodies, and the errors at the points of its map.
     """
-    # ends of the axis of errors [%]; _LEAST_DRAWN: 0.03, _HIGHEST_FOOT: 0.5
+    # ends of the axis of errors [%]; the lower one lies between 0.03 and 0.5
     kind = tables.kind
     errors_in_percent = [100 * abs(row.errors[quantity].value) for row in tables.rows]
     largest_error = float(np.nanmax(errors_in_percent))
@@ -299,7 +300,7 @@ def _panel(
         ticks=tuple(zip(ticks, tick_labels(ticks), strict=True)),
     )
 
-    # lines across at 1, 5 and 10 % (ERROR_LEVELS), and the lines of the map
+    # rules across the panel at 1, 5 and 10 % (ERROR_LEVELS), and the lines of the map
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in ERROR_LEVELS]
     for (width, friction), (colour_number, line_style) in line_looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]

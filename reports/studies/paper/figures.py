@@ -559,10 +559,10 @@ def _figure_4b(case: Case) -> Plate:
     """
     # FRICTIONS: 1 first, then ever smaller
     cases = [case.with_zero_mean_shear(friction) for friction in FRICTIONS]
-    case_of_largest = cases[0]
-    case_of_least = cases[-1]
-    time_of_m = case_of_largest.time_of("M")
-    filled_bands = _bands_from(time_of_m, case_of_least)
+    case_of_largest_friction = cases[0]
+    case_of_least_friction = cases[-1]
+    time_of_m = case_of_largest_friction.time_of("M")
+    filled_bands = _bands_from(time_of_m, case_of_least_friction)
 
     # From just after M: for f = 1 the instant of M itself still belongs to forward slip.
     angles = np.linspace(1e-6, 360.0, 721)
@@ -571,15 +571,19 @@ def _figure_4b(case: Case) -> Plate:
         case_of_friction.solve(time=times).stick_half_width / case_of_friction.unit_length
         for case_of_friction in cases
     ]
+    # _line(x, y, label, look); _CURVE_LOOKS: looks in the style sheet
     curves = [
         _line(angles, stick_half_width, f"c / a(P₀), f = {friction}", look)
         for friction, stick_half_width, look in zip(
             FRICTIONS, stick_half_widths, _CURVE_LOOKS, strict=True
         )
     ]
-    contact_half_width = case.scaled_half_width(case_of_largest.solve(time=times).normal_load)
+    contact_half_width = case.scaled_half_width(
+        case_of_largest_friction.solve(time=times).normal_load
+    )
     curves.append(_line(angles, contact_half_width, "contact, a / a(P₀)", "bold"))
 
+    # _DEGREES: ticks, _HALF_WIDTH: axis of half-widths
     axis_words = "angle θ of the cycle after M for f = 1  [degrees]"
     x_axis = Axis(0.0, 360.0, axis_words, ticks=_DEGREES)
     alt = "Half-widths over the angle"

@@ -188,7 +188,8 @@ def _condition_of_stick(case: Case) -> VerdictAndNumbers:
     slip_zone_width = solution.contact_half_width - solution.stick_half_width
     # AGREEMENT_TOLERANCE: 1e-9
     is_full_stick = slip_zone_width <= AGREEMENT_TOLERANCE * case.unit_length
-    rate_of_p, rate_of_q = Formulas(case).rates(middle_times)  # dP/dt, dQ/dt
+    # Formulas: the paper's equations; dP/dt and dQ/dt
+    rate_of_p, rate_of_q = Formulas(case).rates(middle_times)
     slope = rate_of_q / rate_of_p
     printed_condition = slope < case.friction
     mended_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
@@ -237,7 +238,8 @@ def _net_displacement(case: Case) -> VerdictAndNumbers:
     start_time = case.time_of("G")
     times = start_time + np.linspace(0, 2 * math.pi, 101)
     slip = case.solve(time=times, x=[0.8], fields=("slip",)).slip[:, 0]
-    # what the point gains between two times
+    # what the point gains between two times, by half-plane theory (the engine); Formulas: the
+    # paper's equations
     net_slip = abs(
         Formulas(case).engine_slip(0.8 * case.unit_length, start_time, start_time + 2 * math.pi)
     )

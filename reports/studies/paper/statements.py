@@ -125,7 +125,8 @@ def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
 
     The letters are events: slip begins at B, P is largest at C and Q at D, slip ends at E. `case`
     is the paper's ellipse of loads on one profile: `contact` is its normal contact, `unit_length`
-    the contact half-width at the mean load. Returns (verdict, largest relative errors).
+    the contact half-width at the mean load. Returns (verdict, largest relative errors), the verdict
+    being "confirmed" or "contradicted".
     """
     formulas = Formulas(case)  # the paper's equations, with their misprints mended
     # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
@@ -163,7 +164,7 @@ def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
     The letters are events: reverse slip begins at E, P is least at F, reverse slip ends at G.
     `case` is the paper's ellipse of loads on one profile: `contact` is its normal contact,
     `unit_length` the contact half-width at the mean load. Returns (verdict, largest relative
-    errors).
+    errors), the verdict being "confirmed" or "contradicted".
     """
     formulas = Formulas(case)  # the paper's equations, with their misprints mended
     # _SHEAR_POINTS: points from the centre to near the largest contact, in that unit
@@ -201,7 +202,8 @@ def _rest_at_e(case: Case) -> VerdictAndNumbers:
     E, compared with their mean speed since slip began at B.
 
     `case` is the paper's ellipse of loads on one profile; `case.solve` is its half-plane solution
-    at instants [rad] and at places x/a0. Returns (verdict, numbers).
+    at instants [rad] and at places x/a0. Returns (verdict, numbers), the verdict being "confirmed"
+    or "contradicted".
     """
     time_of_b = case.time_of("B")
     time_of_e = case.time_of("E")
@@ -244,9 +246,9 @@ def _residual_tractions(case: Case) -> VerdictAndNumbers:
     #           permanent stick zone; B begin of forward slip, G end of reverse slip, M end of the
     #           second forward slip
 
-    The verdict is "refined" if the slip is as stated, but tractions remain at the centre too.
-    `case` is the paper's ellipse of loads on one profile; half-widths and places are over a0, the
-    contact half-width at the mean load. Returns (verdict, numbers).
+    The verdict is "confirmed" if both are as stated, "refined" if the slip is, but tractions remain
+    at the centre too. `case` is the paper's ellipse of loads on one profile; half-widths and places
+    are over a0, the contact half-width at the mean load. Returns (verdict, numbers).
     """
     # Formulas(case): the paper's equations, with their misprints mended
     load_at_z = Formulas(case).intersection_with_initial_loading(case.time_of("E"))
@@ -338,7 +340,8 @@ def _residual_traction_at_g(case: Case, x: Array, load_at_t: float) -> Array:
     pressure_since_t = case.contact.pressure(places, load_at_g) - case.contact.pressure(
         places, load_at_t
     )
-    shear_of_stick = Formulas(case).shear_of_full_stick(places, load_at_t)  # q_T
+    # q_T; Formulas: the paper's equations
+    shear_of_stick = Formulas(case).shear_of_full_stick(places, load_at_t)
     residual = shear + case.friction * pressure_since_t - shear_of_stick
     return np.asarray(residual * case.unit_length / case.unit_load)
 
@@ -410,7 +413,7 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
 def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement that a cycle leaves no net slip at the four points of figure 5.
     The net slip is divided by the largest range of slip. `case` is the paper's ellipse of loads on
-    one profile. Returns (verdict, numbers).
+    one profile. Returns (verdict, numbers), the verdict being "confirmed" or "contradicted".
     """
     # One period from event G (end of reverse slip) of the first cycle on: half-plane theory
     # computes it instant by instant, and takes later cycles from it.
@@ -435,22 +438,26 @@ def _slip_zone_width(case: Case, start_time: float, end_time: float) -> Array:
 
 def _advance_of_slip(case: Case, start_time: float, end_time: float) -> VerdictAndNumbers:
     """Check the paper's statement that the stick zone shrinks all the way from the event B to E
-    (times `start_time` and `end_time`), although the contact grows from B to C.
+    (times `start_time` and `end_time`), although the contact grows from B to C. B is the begin of
+    slip, C the largest normal load, E the end of forward slip.
 
     Half-widths are over a0, the contact half-width at the mean load: c of the stick zone, a of the
-    contact. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    contact. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers), the
+    verdict being "confirmed" or "contradicted".
     """
     times = np.linspace(start_time, end_time, 201)
     stick_half_widths = case.solve(time=times).stick_half_width / case.unit_length
     least_fall = float(np.min(-np.diff(stick_half_widths)))  # between neighbouring instants
-    contact_at_b = case.half_width_at("B")
-    contact_at_c = case.half_width_at("C")
-    return verdict_of_condition(least_fall > 0 and contact_at_c > contact_at_b), {
+    contact_half_width_at_b = case.half_width_at("B")
+    contact_half_width_at_c = case.half_width_at("C")
+    return verdict_of_condition(
+        least_fall > 0 and contact_half_width_at_c > contact_half_width_at_b
+    ), {
         "least fall of c in a step": least_fall,
         "c at B": float(stick_half_widths[0]),
         "c at E": float(stick_half_widths[-1]),
-        "a at B": contact_at_b,
-        "a at C": contact_at_c,
+        "a at B": contact_half_width_at_b,
+        "a at C": contact_half_width_at_c,
     }
 
 
@@ -464,9 +471,9 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
     at M. Distances of slip are over A P0/3, with A = 2/E* and the mean load P0; the durations that
     are returned are over the period 2 pi.
 
-    `x` is over the half-width a0 at the mean load (`case.unit_length`). The verdict is "refined" if
-    the statement holds for the whole phases only. Returns (verdict, numbers). `case` is the paper's
-    ellipse of loads on one profile.
+    `x` is over the half-width a0 at the mean load (`case.unit_length`). The verdict is "confirmed"
+    if the statement holds for the point itself, "refined" if for the whole phases only. Returns
+    (verdict, numbers). `case` is the paper's ellipse of loads on one profile.
     """
     # P at which the edge of contact is at the point
     edge_load = np.asarray(case.contact.load(np.array([x * case.unit_length])))
@@ -519,8 +526,9 @@ def _point_history(case: Case, x: float) -> VerdictAndNumbers:
     """Check the sequence of stick, slip and separation that the paper states for a point of figure
     5, at `x` over the half-width a0 at the mean load. The cycle may begin anywhere in the sequence.
 
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers); of these,
-    "runs" is how many states follow each other in a cycle.
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers), the verdict
+    being "confirmed" or "contradicted"; of the numbers, "runs" is how many states follow each other
+    in a cycle.
     """
     # states of the point at 1440 instants of the steady cycle, and each once for the time it lasts
     times = case.cycle_times(1441)
@@ -603,8 +611,8 @@ def friction_delays_slip(case: Case) -> VerdictAndNumbers:
     slip begins (reverse slip at event E, forward slip at I), and the later reverse slip ends (G).
 
     The shifts are from the least to the largest coefficient of friction, in degrees of the cycle.
-    The verdict is "refined" if slip begins later but does not end later. `case` is the paper's
-    ellipse of loads on one profile. Returns (verdict, shifts).
+    The verdict is "confirmed" if all three are later, "refined" if slip begins later but does not
+    end later. `case` is the paper's ellipse of loads on one profile. Returns (verdict, shifts).
     """
     # FRICTIONS: coefficients of the paper's figure 4b; the mean shear force is set to zero
     cases = [case.with_zero_mean_shear(f) for f in sorted(FRICTIONS)]
@@ -677,7 +685,8 @@ def forgotten_loading(case: Case) -> VerdictAndNumbers:
     #           contact half-width at the mean normal load P0
 
     `case` is the paper's ellipse of loads on one profile: `unit_load` is P0/3, `unit_length` a0,
-    and its half-widths are over a0. Returns (verdict, largest changes of c, W and q).
+    and its half-widths are over a0. Returns (verdict, largest changes of c, W and q), the verdict
+    being "confirmed" or "contradicted".
     """
     # P and Q at the vertices
     vertices = tuple((p * case.unit_load, q * case.unit_load) for p, q in ((1.0, 0.5), (2.0, -0.5)))
@@ -722,7 +731,7 @@ def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndN
 
     `hertz_case` and `rounded_case` are the paper's ellipse of loads on the parabola and on the flat
     and rounded profile. All widths are over a0, the contact half-width at the mean load. Returns
-    name of a statement -> (verdict, numbers).
+    name of a statement -> (verdict "confirmed" or "contradicted", numbers).
     """
     # without load the contact is as wide as the flat
     flat_half_width = float(rounded_case.scaled_half_width(0.0))
@@ -910,7 +919,7 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
     `paper.sweeps` are those of the parabola and of the flat and rounded profile: `work` W and
     `peak`, at constant amplitude P1 and contact half-width a0 = a(P0). They have coefficients of
     friction along rows, mean loads P0/P1 along columns; the first column is nearest to sliding.
-    Returns name of a statement -> (verdict, numbers).
+    Returns name of a statement -> (verdict "confirmed" or "contradicted", numbers).
     """
     # W and the peak: the largest rise from a load to the next, negative if they always fall; and
     # by what factor they fall over all loads, at the largest coefficient of friction
@@ -1014,7 +1023,8 @@ def _dependence_of_the_peak(paper: Paper) -> VerdictAndNumbers:
 
     `paper` holds sweeps of both profiles over P0 in units of the amplitude P1, each (m, k):
     friction along rows, P0/P1 along columns. Of each, `peak` is the largest W(x) at constant P1,
-    and `peak_fraction` its place. Returns (verdict, numbers).
+    and `peak_fraction` its place. Returns (verdict, numbers), the verdict being "confirmed" or
+    "contradicted".
     """
     hertz_sweep, rounded_sweep = paper.sweeps
     # By what factor the peak falls from the least P0 to the largest, (m,).

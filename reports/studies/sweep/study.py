@@ -268,7 +268,8 @@ class Study(Frozen):
 
         Of an axis, `columns` are the names of its columns in the table, and `targets` pairs of a
         key of the scene that it sets and the column with the values. `set` has further keys with
-        values, `derived` keys or names with arithmetic.
+        values, `derived` keys or names with arithmetic. `engines` are those that run, "fe" and
+        "exact"; `uncertainty` is how uncertainties are found.
         """
         columns = [column for axis in self.axes for column in axis.columns]
         keys_set = [key for axis in self.axes for key, _ in axis.targets]

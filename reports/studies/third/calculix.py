@@ -129,7 +129,7 @@ class ThirdSolver:
                 )
             )
 
-        # times
+        # times; `work.seconds`: of each stage of a solution
         time_cells = []
         for solution in (comparison.reference, comparison.result):
             seconds = sum(solution.work.seconds.values())
@@ -143,7 +143,8 @@ class ThirdSolver:
         """Sentences beside the numbers of CalculiX: why it failed or how the run went, then known
         limits of its numbers.
 
-        `run_record` has the counts of increments and iterations, None where the run failed.
+        `code` is CalculiX with its version, `run_record` has the counts of increments and
+        iterations, None where the run failed.
         """
         # nodes are numbered from 1, and that of the rigid plane follows those of the bodies
         n_nodes = self.deck.reference_node
@@ -182,7 +183,8 @@ class ThirdSolver:
 
         `comparison` is that of our finite elements with theory (`reference`); `self.comparison` is
         that of CalculiX with theory, None where it failed. The deck is CalculiX' input; it counts
-        its nodes up to that of the rigid plane, `reference_node`.
+        its nodes up to that of the rigid plane, `reference_node`; `stiffness` is pressure per
+        penetration, `stick_slope` shear per elastic slip.
         """
         deck = self.deck
         third_comparison = self.comparison
@@ -348,7 +350,7 @@ def run_calculix(
         With the last lines of its log where it stopped early, by itself or by the limit. The
         process has ended in any case.
     """
-    start_time = time.monotonic()
+    start_of_run = time.monotonic()
     is_late = False
     log_file = folder / f"{name}.log"
     # a line for each attempt to solve an increment, which may be accepted or not
@@ -366,7 +368,7 @@ def run_calculix(
         )
         try:
             while process.poll() is None and not is_late:
-                is_late = time.monotonic() > start_time + time_limit
+                is_late = time.monotonic() > start_of_run + time_limit
                 if show_progress is not None:
                     attempts = attempts_in(status_file)
                     time_fraction = attempts[-1].time_reached / end_time if attempts else 0.0
@@ -402,7 +404,7 @@ def run_calculix(
             f" the last lines of its log: {last_lines}"
         )
     return RunRecord(
-        time.monotonic() - start_time,
+        time.monotonic() - start_of_run,
         len(accepted_attempts),
         sum(attempt.iterations for attempt in attempts),
     )

@@ -352,8 +352,9 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
     """Bulk stresses of the lower and the upper body, and tilt or moment of the upper body, at the
     instants of an input deck, (n + 1,) each, by name; only those that the load path has.
 
-    `path.companion(name)` is the path of what the loads are accompanied by: "bulk", or
-    "tilt_and_moment"; None where there is none.
+    `path.companion(name)` is the history that runs beside P and Q: "bulk", stresses of the lower
+    and the upper body, or "tilt_and_moment"; None where the path has none. Its `at` gives both
+    values at times.
     """
     histories: dict[str, Any] = {}
     if (bulk := path.companion("bulk")) is not None:
