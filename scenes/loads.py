@@ -1056,8 +1056,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
     @property
     def _stated_quantities(self) -> dict[str, float]:
         """Quantities that are stated in place of a column."""
-        stated = {"time": self.interval, "P": self.constant_normal_load}
-        return {name: value for name, value in stated.items() if value is not None}
+        stated_values = {"time": self.interval, "P": self.constant_normal_load}
+        return {name: value for name, value in stated_values.items() if value is not None}
 
     def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
         """Table of the columns of a record that are read from the file at `path`.

@@ -808,11 +808,12 @@ def _errors_of_steps(
     largest_force = float(np.max(np.abs(force)))
     if largest_force > 0:
         # At the instants that both paths have.
-        _, rows_in_fine, rows_in_coarse = np.intersect1d(
+        _, rows_in_fine_path, rows_in_coarse_path = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
         force_difference = (
-            force[rows_in_fine] - coarse_path.followed_path.tangential_load[rows_in_coarse]
+            force[rows_in_fine_path]
+            - coarse_path.followed_path.tangential_load[rows_in_coarse_path]
         )
         errors["tangential_load"] = float(np.max(np.abs(force_difference))) / largest_force
     return errors
@@ -904,18 +905,22 @@ def _note_of_next_order(rig: RiggedScene, driven_path: DrivenPath, last_cycle: s
     `driven_path` holds the loads that were found along the path of the `rig`, `last_cycle` its rows
     of the last cycle. The two changes are those at the largest P of the path, without Q.
     """
-    reason_without = _reason_without_next_order(driven_path, last_cycle)
-    place_text = f"left out: {reason_without}" if reason_without else "in the dissipation"
+    reason_without_next_order = _reason_without_next_order(driven_path, last_cycle)
+    place_text = (
+        f"left out: {reason_without_next_order}"
+        if reason_without_next_order
+        else "in the dissipation"
+    )
     # Two rows: no load, and the largest P of the path.
     normal_load = np.array([0.0, np.max(driven_path.followed_path.normal_load)])
     without_tangential_load = 0 * normal_load
     any_friction = 1.0  # without Q nothing slips
-    effects_without = without_next_order(rig.effects)
+    effects_without_next_order = without_next_order(rig.effects)
 
     # Largest pressure and half-width with the next order, then without it.
     pressures = []
     half_widths = []
-    for effects in (rig.effects, effects_without):
+    for effects in (rig.effects, effects_without_next_order):
         memory = follow(
             driven_path.followed_path.table,
             any_friction,

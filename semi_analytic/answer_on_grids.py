@@ -221,7 +221,7 @@ class GridAnswer:
         stick_edges = path_on_grids.stick_edges[rows]
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
-        stress_of_lower, stress_of_upper = self._path_loads.bulk_stresses(time)
+        stress_of_lower_body, stress_of_upper_body = self._path_loads.bulk_stresses(time)
 
         # A/pi of half-planes, and what the other datum length adds to U.
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
@@ -272,8 +272,8 @@ class GridAnswer:
             "permanent_stick_edges": permanent_stick_edges,
             "uncertainties": uncertainties,
             "steady_from": path_on_grids.steady_from,
-            "bulk_stress_lower": stress_of_lower,
-            "bulk_stress_upper": stress_of_upper,
+            "bulk_stress_lower": stress_of_lower_body,
+            "bulk_stress_upper": stress_of_upper_body,
             "tilt": tilt,
             "moment": path_on_grids.moment[rows],
             "shear_moment": path_on_grids.shear_moment[rows],

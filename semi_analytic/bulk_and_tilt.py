@@ -92,9 +92,9 @@ class OneCurve:
         contact = self.contact
         # `bulk` and `tilt_and_moment` are paths of two values over time: stresses of the lower and
         # the upper body; tilt and moment.
-        stress_of_lower, stress_of_upper = np.zeros((2, len(time)))
+        stress_of_lower_body, stress_of_upper_body = np.zeros((2, len(time)))
         if self.bulk is not None:
-            stress_of_lower, stress_of_upper = self.bulk.at(path_time)
+            stress_of_lower_body, stress_of_upper_body = self.bulk.at(path_time)
         # moment_is_given: whether the moment is prescribed, in the place of the tilt.
         tilt, moment = np.zeros((2, len(time)))
         if self.tilt_and_moment is not None:
@@ -104,8 +104,8 @@ class OneCurve:
         # Centre and half-length of the contact under P and the tilt.
         m, c = contact.centre_and_half_width_under(load, tilt)
         return {
-            "bulk_stress_lower": stress_of_lower,
-            "bulk_stress_upper": stress_of_upper,
+            "bulk_stress_lower": stress_of_lower_body,
+            "bulk_stress_upper": stress_of_upper_body,
             "tilt": tilt,
             "moment": moment if self.moment_is_given else contact.moment(m, c, load, tilt),
             "contact_edges": np.stack([m - c, m + c], axis=-1),
@@ -587,16 +587,18 @@ def steady_curve(scene: Scene) -> OneCurve | None:
 
     # bulk: stresses of the lower and the upper body as a segment over the same time; None for none.
     if first_segment.bulk is not None:
-        stress_of_lower, stress_of_upper = map(float, first_segment.bulk.loads(cycle_start))
+        stress_of_lower_body, stress_of_upper_body = map(
+            float, first_segment.bulk.loads(cycle_start)
+        )
         # While P alone grows, bulk strain has the value of Q = 0 on its line over Q in the cycle.
         # The bulk stress of the lower body is set for that; that of the upper body is constant.
         lower_stress_before = (
-            stress_of_lower
+            stress_of_lower_body
             - _least_squares_slope(tangential_loads, bulk_strains)
             * tangential_load
             / strain_per_stress[0]
         )
-        stresses_before = (lower_stress_before, stress_of_upper)
+        stresses_before = (lower_stress_before, stress_of_upper_body)
         pressing_segment = replace(
             pressing_segment,
             bulk=StraightSegment(path_start, middle_time, stresses_before, stresses_before),
@@ -604,7 +606,10 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         shearing_segment = replace(
             shearing_segment,
             bulk=StraightSegment(
-                middle_time, cycle_start, stresses_before, (stress_of_lower, stress_of_upper)
+                middle_time,
+                cycle_start,
+                stresses_before,
+                (stress_of_lower_body, stress_of_upper_body),
             ),
         )
     if first_segment.tilt_and_moment is not None:
@@ -847,10 +852,13 @@ class PathLoads:
         segment, duration_of_earlier_cycles = self._segment_at(float(np.mean(time)))
         time_in_path = time - duration_of_earlier_cycles
         p, q = segment.loads(time_in_path)
-        stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_path)
+        stress_of_lower_body, stress_of_upper_body = _companion_loads(segment.bulk, time_in_path)
         tilt, moment = _companion_loads(segment.tilt_and_moment, time_in_path)
         lower_strain_per_stress, upper_strain_per_stress = self.strain_per_stress
-        eps = lower_strain_per_stress * stress_of_lower + upper_strain_per_stress * stress_of_upper
+        eps = (
+            lower_strain_per_stress * stress_of_lower_body
+            + upper_strain_per_stress * stress_of_upper_body
+        )
         p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_is_given:  # in the place of the tilt
             tilt = self.contact.tilt_under(p, moment)
@@ -935,13 +943,16 @@ def _load_samples_of_segment(
     time = np.unique(np.append(even_times, turning_times))
     # Loads at these times; tilt and moment, one of them prescribed; bulk stresses of both bodies.
     p, q = segment.loads(time)
-    stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time)
+    stress_of_lower_body, stress_of_upper_body = _companion_loads(segment.bulk, time)
     tilt, moment = _companion_loads(segment.tilt_and_moment, time)
     if contact_under_moment is not None and np.any(moment):
         tilt_under_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
         tilt = np.where(p > 0, tilt_under_moment, np.nan)
     lower_strain_per_stress, upper_strain_per_stress = strain_per_stress
-    eps = lower_strain_per_stress * stress_of_lower + upper_strain_per_stress * stress_of_upper
+    eps = (
+        lower_strain_per_stress * stress_of_lower_body
+        + upper_strain_per_stress * stress_of_upper_body
+    )
     return np.stack([p, q, eps, tilt])
 
 

@@ -459,12 +459,12 @@ class _HalfPlanePath:
         cycle_ends = self.cycle_ends
         duration = cycle_ends[-1] - self.start
         # _SAME_INSTANT_SHARE: 1e-12.
-        times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
+        times_in_path = time[(time > self.start) & (time < cycle_ends[-1])]
         time_to_nearest_end = np.min(
-            np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
+            np.abs(times_in_path[:, None] - np.array([self.start, *cycle_ends])), axis=1
         )
-        times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
-        instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
+        times_in_path = times_in_path[time_to_nearest_end > _SAME_INSTANT_SHARE * duration]
+        instants = np.unique(np.concatenate([times_in_path, [self.start], cycle_ends]))
         instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT_SHARE * duration]
 
         # _MOST_ROWS: 200,000.
@@ -1079,9 +1079,9 @@ class PointFields:
         # Numbers of the instants of the kept slip, ascending, and that slip.
         known_rows, known_slip = self._known_slip
         if len(known_rows):
-            index_in_known = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
-            if np.array_equal(known_rows[index_in_known], rows):
-                return known_slip[index_in_known]
+            index_in_known_rows = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
+            if np.array_equal(known_rows[index_in_known_rows], rows):
+                return known_slip[index_in_known_rows]
         slip = self._slip(rows)
         if np.all(np.diff(rows) > 0):  # ascending, as a search among them needs
             self._known_slip = (rows, slip)
@@ -1651,13 +1651,13 @@ def _covered_cycles(
     if half_plane_path.period is None:
         return (0,)
     n_cycles_of_scene = question.scene.cycles
-    n_cycles_to_steady = 2 if steady_from is None else steady_from + 1
+    n_cycles_to_steady_state = 2 if steady_from is None else steady_from + 1
     # Whole cycles up to the last of the instants; 0 without instants or within the first cycle.
     _, n_whole_cycles = cycles_to_follow(
         half_plane_path.cycle_ends[0], half_plane_path.period, n_cycles_of_scene, question.time
     )
     # Without whole cycles at given instants: those of the scene, up to the first steady one.
-    n_cycles = n_whole_cycles or min(n_cycles_of_scene, n_cycles_to_steady)
+    n_cycles = n_whole_cycles or min(n_cycles_of_scene, n_cycles_to_steady_state)
     followed_cycles = tuple(min(cycle, 1) for cycle in range(n_cycles))
     if question.wants_last_cycle_alone:
         return followed_cycles[-1:]

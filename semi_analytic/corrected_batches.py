@@ -401,10 +401,10 @@ def _roots_between(
     values are 1e-13 of those at the bounds, or after 40 of them. `function` gives the values (m, 1)
     of all functions at x (m, 1).
     """
-    value_at_lower = function(lower_bound)
-    value_at_upper = function(upper_bound)
-    value_scale = np.maximum(np.abs(value_at_lower), np.abs(value_at_upper))
-    has_no_root = value_at_upper < -_ROUND_OFF_VALUE_SHARE * value_scale
+    value_at_lower_bound = function(lower_bound)
+    value_at_upper_bound = function(upper_bound)
+    value_scale = np.maximum(np.abs(value_at_lower_bound), np.abs(value_at_upper_bound))
+    has_no_root = value_at_upper_bound < -_ROUND_OFF_VALUE_SHARE * value_scale
     last_sign = np.zeros(lower_bound.shape)
     x = lower_bound
 
@@ -412,27 +412,31 @@ def _roots_between(
     for _ in range(_MOST_SECANTS):
         # Secant through both bounds, kept between them.
         value_difference = np.where(
-            value_at_upper > value_at_lower, value_at_upper - value_at_lower, 1.0
+            value_at_upper_bound > value_at_lower_bound,
+            value_at_upper_bound - value_at_lower_bound,
+            1.0,
         )
         x = np.clip(
-            lower_bound - value_at_lower * (upper_bound - lower_bound) / value_difference,
+            lower_bound - value_at_lower_bound * (upper_bound - lower_bound) / value_difference,
             lower_bound,
             upper_bound,
         )
         value_at_x = function(x)
         is_converged = np.abs(value_at_x) <= _RESIDUAL_OF_ROOT * value_scale
-        if np.all(is_converged | has_no_root | (value_at_lower >= 0)):
+        if np.all(is_converged | has_no_root | (value_at_lower_bound >= 0)):
             break
         is_positive = value_at_x > 0
         # Where the same end moves twice, half the value at the other end (Illinois).
-        value_at_lower = np.where(is_positive & (last_sign > 0), value_at_lower / 2, value_at_lower)
-        value_at_upper = np.where(
-            ~is_positive & (last_sign < 0), value_at_upper / 2, value_at_upper
+        value_at_lower_bound = np.where(
+            is_positive & (last_sign > 0), value_at_lower_bound / 2, value_at_lower_bound
+        )
+        value_at_upper_bound = np.where(
+            ~is_positive & (last_sign < 0), value_at_upper_bound / 2, value_at_upper_bound
         )
         upper_bound = np.where(is_positive, x, upper_bound)
-        value_at_upper = np.where(is_positive, value_at_x, value_at_upper)
+        value_at_upper_bound = np.where(is_positive, value_at_x, value_at_upper_bound)
         lower_bound = np.where(is_positive, lower_bound, x)
-        value_at_lower = np.where(is_positive, value_at_lower, value_at_x)
+        value_at_lower_bound = np.where(is_positive, value_at_lower_bound, value_at_x)
         last_sign = np.where(is_positive, 1.0, -1.0)
     return np.where(has_no_root, np.nan, x)
 

@@ -434,10 +434,10 @@ class Grid:
                     - pressure_by_height
                 )
             # _compliance: C (k, k) of all cells.
-            is_inside = self._contact_mask(contact)
+            is_in_contact = self._contact_mask(contact)
             loaded_gap = unloaded_gap - approach[:, None] + pressure @ self._compliance
-            is_touching = np.where(is_inside, pressure > 0, loaded_gap < 0)
-            if np.array_equal(is_touching, is_inside):
+            is_touching = np.where(is_in_contact, pressure > 0, loaded_gap < 0)
+            if np.array_equal(is_touching, is_in_contact):
                 break
             # All cells from the first to the last that touches.
             first_cell = np.argmax(is_touching, axis=1)
@@ -1723,10 +1723,10 @@ class _GridSetup:
         beyond them, two on the left and three on the right. Grid j is moved to the left by the
         fraction `shifts[j]` of a cell, between 0 and 1; (g,) for g grids.
         """
-        left, right = self.outermost_edges
-        cell_width = (right - left) / cells
+        left_edge, right_edge = self.outermost_edges
+        cell_width = (right_edge - left_edge) / cells
         extents = np.stack(
-            [left - (2 + shifts) * cell_width, right + (3 - shifts) * cell_width], axis=1
+            [left_edge - (2 + shifts) * cell_width, right_edge + (3 - shifts) * cell_width], axis=1
         )
         return Grid(self.height, extents, cells + 5, self.friction, self.modulus)
 
@@ -2096,7 +2096,7 @@ def _relative_error(fine_values: Array, coarse_values: Array, convergence_order:
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
-    change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
+    change_from_coarse_grids = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
     # Every fourth grid forms a group.
     means_of_groups = np.array(
         [
@@ -2106,6 +2106,6 @@ def _relative_error(fine_values: Array, coarse_values: Array, convergence_order:
     )
     # Squared standard error of the mean; the root of its mean over all values is taken below.
     variance = np.var(means_of_groups, axis=0) / (_COUNT_OF_GRID_GROUPS - 1)
-    error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**convergence_order - 1)
+    error_by_change = np.sqrt(np.mean(change_from_coarse_grids**2)) / (2**convergence_order - 1)
     error = 2 * np.sqrt(np.mean(variance)) + error_by_change
     return _SAFETY_OF_CHANGE * float(error) / largest_value

@@ -1164,10 +1164,10 @@ class NestedIntervals:
         # end to end on one axis, on which the series of m and c are defined; begin_loads: eta_b;
         # cuts_on_axis: their ends.
         range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
-        rise_left = load_rise
+        remaining_rise = load_rise
         upper_root = np.sqrt(load - series.begin_loads[range_number])
         while np.any(range_number >= 0):
-            rise_in_range = np.minimum(rise_left, upper_root * upper_root)
+            rise_in_range = np.minimum(remaining_rise, upper_root * upper_root)
             lower_root = np.sqrt(upper_root * upper_root - rise_in_range)
             root_step = rise_in_range / np.maximum(upper_root + lower_root, 1e-300)
             begin_on_axis = series.cuts_on_axis[range_number][:, None]
@@ -1181,8 +1181,8 @@ class NestedIntervals:
             centre_rate = series.centre.derivative(place_on_axis)
             outward_rate = half_width_rate + side[:, None] * centre_rate
             outward_movement += root_step * np.sum(gauss_weights * outward_rate, axis=1)
-            range_number = np.where(rise_left > rise_in_range, range_number - 1, -1)
-            rise_left = rise_left - rise_in_range
+            range_number = np.where(remaining_rise > rise_in_range, range_number - 1, -1)
+            remaining_rise = remaining_rise - rise_in_range
             upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
         return outward_movement
 
