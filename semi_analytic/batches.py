@@ -748,8 +748,8 @@ def dissipation(
         others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
         member, flat and rounded 1.5 us. a is the contact half-width and P_c the load at the stick
         edge. The other profiles are integrated between their corners, with one table of ln a(P) for
-        all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms and more
-        where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different
+        all loads within eight octaves: 8 to 14 us, 20 us for profiles of 31 heights, and 1 ms and
+        more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each different
         polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
@@ -959,7 +959,7 @@ def peak_dissipation(
     corners of the profile. The value is good to some 1e-10 of itself, or to
     `value_error` of the result where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for
     power laws, flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for
-    tables of 31 rows.
+    profiles of 31 heights.
 
     Parameters
     ----------

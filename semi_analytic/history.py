@@ -452,7 +452,7 @@ def _unloading_spans(
     `delay` later than the load segment itself: whole periods of the cycle. `begin_instant` and
     `end_instant` hold time, P and Q.
     """
-    # parts of the path above the curve (direction 1), below (-1) and along it (0)
+    # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
     ):
@@ -508,7 +508,7 @@ def slip_directions(
     """
     segment = begin_instant.segment
     end_time = end_instant.time
-    # fall of P in the whole part, negative
+    # fall of P from begin to end of the path, negative
     change_in_path = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
     parts_by_direction: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time

@@ -212,7 +212,7 @@ class _Search:
         """Find the instants and places between which slip, friction work and pressure of an
         `answer` are smooth; `has_cycle` is whether the answer has a whole last cycle. `contact` is
         the normal contact of the scene. Straight steps are steps between the answer's own instants,
-        in place of the scene's path.
+        instead of the scene's path.
         """
         self.scene = answer.scene
         self.contact = contact
@@ -248,7 +248,7 @@ class _Search:
         have bulk stress, tilt or unequal sides.
         """
         corners = [
-            side * corner for corner in self.contact.corner_half_widths for side in (-1.0, 1.0)
+            sign * corner for corner in self.contact.corner_half_widths for sign in (-1.0, 1.0)
         ]
         middle_of_profile = [] if self.scene.unsymmetric else [0.0]
         middle_of_contact = float(np.mean(self.widest_edges))

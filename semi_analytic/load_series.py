@@ -916,7 +916,7 @@ class LoadSeries:
         #           `first_steps` number of the first step of each part; `times` of all rows
 
         About 400 a cycle and 100 of the initial loading, evenly spread over each record, a portion
-        of a load step, with both its ends. Of a measured record of more than 1,000 rows
+        of a load step, with both its ends. Of a measured path of more than 1,000 rows
         they are all rows, or about 400 of them if `thinned`. With `last_cycle_only` only the last
         part counts.
         """
@@ -1009,11 +1009,11 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     is_long_record = False
     # _ROWS_OF_SHORT_RECORD: 1000; rows of time, P and Q
     if isinstance(scene_load, TimeSeriesLoad):
-        # A measured series: its rows are taken, since a load segment for each of a million would
+        # A measured record: its rows are taken, since a load segment for each of a million would
         # take a gigabyte.
         rows = scene_load.series()
         is_long_record = len(scene_load.kept_rows()) > _ROWS_OF_SHORT_RECORD
-        # A series that repeats is loaded from the first row to the second, where the cycle begins.
+        # A record that repeats is loaded from the first row to the second, where the cycle begins.
         loading = rows[:2] if scene_load.repeats else rows
         cycle = rows[1:] if scene_load.repeats else rows[:0]
     else:

@@ -169,8 +169,10 @@ class Stroke:
         # points at the edges of contact slip in the direction d
         least_slip_rate = load_rate * self.compliance * _ROUND_OFF_SHARE
         rates_at_edges = [
-            self.slip_rate(contact_middle + side * contact_half_width, _SAMPLED_STROKE_FRACTIONS)
-            for side in (-1, 1)
+            self.slip_rate(
+                contact_middle + sign_of_side * contact_half_width, _SAMPLED_STROKE_FRACTIONS
+            )
+            for sign_of_side in (-1, 1)
         ]
         return all(bool(np.min(slip_rates) >= least_slip_rate) for slip_rates in rates_at_edges)
 

@@ -423,6 +423,6 @@ class OppositeSlip(TiltedProfile):
         )
         # `log_datum_ratio` of the same contact for U + kappa m_q
         rate = self._conjugate_contact.log_datum_ratio
-        edge_load = load - slip_zone_load
-        eta, weights = crowded_nodes(edge_load, load)
-        return np.asarray(np.sum(weights * (rate(edge_load)[..., None] - rate(eta)), axis=-1))
+        stick_edge_load = load - slip_zone_load
+        eta, weights = crowded_nodes(stick_edge_load, load)
+        return np.asarray(np.sum(weights * (rate(stick_edge_load)[..., None] - rate(eta)), axis=-1))

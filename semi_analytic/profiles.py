@@ -1439,7 +1439,8 @@ def _abel_integral(
         angles_of_corners.append(np.arctan2(root_of_squares, b))
     # quadrature over the angle, cut at the corners into panels, (..., panels, nodes)
     nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
-    # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
+    # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2; `place` is the angle
+    # of each node
     complement_of_angle = np.where(
         nodes.place < 0.7, np.pi / 2 - nodes.place, nodes.distance_from_end
     )

@@ -910,9 +910,9 @@ class PunchSuperposition:
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
 
-        # every place once, and the number of each point in it
+        # every different x once, ascending, and for each point the number of its x
         unique_x, number_in_unique_x = np.unique(np.ravel(x), return_inverse=True)
-        # the primitive from the cache, and the number of each place in it
+        # the primitive from the cache, and the number of each x in it
         primitive, number_in_primitive = self._cached_primitive(
             kind, load_power, unique_x, float(np.max(advance))
         )
@@ -1295,7 +1295,7 @@ def primitive_of(
 
     # integrate the series over v, and add the integral over the panels before
     coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
-    # orders that are round-off are left out
+    # without the last terms, where those of all series are round-off
     coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
     integrals_of_panels = np.sum(coefficients, axis=0)
     # at x = 0 the first range is integrated as a power of the half-width

@@ -63,7 +63,7 @@ def solve(
         (n_points,) contact points, or one [length]; 200 across the largest contact and a little
         beyond if None
     time
-        (n_instants,) instants, in any order, or one; about 400 a cycle, all events among them, if
+        (n_instants,) instants, sorted or not, or one; about 400 a cycle, all events among them, if
         None
     cycles
         "all" (the initial loading and every cycle up to the first steady one) or "steady" (that
