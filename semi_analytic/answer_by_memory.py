@@ -912,6 +912,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             # force carried up to each load
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping_spans,
+            # 193 nodes of the rule for singular ends in each
             "quadrature_nodes": n_slipping_spans * GRADED_NODE_COUNT,
         },
         n_skipped_in_stick=len(integrated_spans) - n_slipping_spans,
@@ -1337,6 +1338,7 @@ def _relative_errors(
         )
         error_of_last_cycle = float(path_answer.work_errors[-1])
         loop_error = error_of_last_cycle + difference_of_routes
+        # PROMISED_ERROR: 1e-12, which closed forms promise
         errors["loop_work"] = loop_error if loop_error > PROMISED_ERROR else 0.0
         errors["dissipation"] = error_of_last_cycle + kernel_error
         errors["dissipation_density"] += errors["dissipation"]

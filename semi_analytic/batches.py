@@ -1017,10 +1017,10 @@ def peak_dissipation(
 
 
 def _maxima_of_members(members: Members) -> Array:
-    """The two largest maxima over x of the friction work per area W(x) of each member, (6, m), in
-    units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the largest,
-    their |x|, and that of the largest as a fraction of the slip zone. Groups by the shape of the
-    profile have one contact each, in units of length and load.
+    """The two largest maxima over x of the friction work per area W(x) of each member of a batch,
+    (6, m), in units of the scene: the largest W(x) pi E*/(2 f^2), the second one, the error of the
+    largest, their |x|, and that of the largest as a fraction of the slip zone. Groups by the shape
+    of the profile have one contact each, in units of length and load.
     """
     maxima = np.empty((6, len(members.is_mirrored)))
     for group in members.shape_groups():

@@ -34,7 +34,8 @@ def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
     Raises
     ------
     InputError
-        For what is no `BodyEffects` of finite numbers, or has no datum length above 0.
+        For what is no `BodyEffects` of finite numbers, up to LARGEST_NUMBER = 1e100, or has no
+        datum length above 0.
     """
     if effects is None:
         return None

@@ -226,14 +226,14 @@ def _work_over_spans(
     )
 
     # a first estimate by one rule
-    spans_by_rule_alone = np.flatnonzero(has_ranges & ~needs_halving).tolist()
-    spans_to_halve = np.flatnonzero(has_ranges & needs_halving).tolist()
+    numbers_without_halving = np.flatnonzero(has_ranges & ~needs_halving).tolist()
+    numbers_to_halve = np.flatnonzero(has_ranges & needs_halving).tolist()
     integrals = np.zeros((len(spans_with_ranges), n_integrals))
     errors = np.zeros((len(spans_with_ranges), n_integrals))
     # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
     for rule, span_numbers in (
-        (graded_nodes, spans_by_rule_alone),
-        (crowded_nodes, spans_to_halve),
+        (graded_nodes, numbers_without_halving),
+        (crowded_nodes, numbers_to_halve),
     ):
         if span_numbers:
             integrals_of_spans = integrals_along(
@@ -247,7 +247,7 @@ def _work_over_spans(
                 )
 
     # halve until the sums no longer change
-    if spans_to_halve:
+    if numbers_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
         largest_total = float(np.max(np.abs(np.sum(integrals, axis=0))))
@@ -260,9 +260,9 @@ def _work_over_spans(
             CONVERGED_CHANGE_SHARE,
         )
         allowed_error_of_span = relative_error * size_of_integrals
-        ranges_to_halve = [spans_with_ranges[number_of_span] for number_of_span in spans_to_halve]
+        ranges_to_halve = [spans_with_ranges[number_of_span] for number_of_span in numbers_to_halve]
         span_number = np.repeat(
-            spans_to_halve,
+            numbers_to_halve,
             [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
         )
         integral_number = np.concatenate(
@@ -283,7 +283,10 @@ def _work_over_spans(
                 allowed_error_of_span[span_number],
                 np.unique(
                     np.concatenate(
-                        [corner_times_of_spans[number_of_span] for number_of_span in spans_to_halve]
+                        [
+                            corner_times_of_spans[number_of_span]
+                            for number_of_span in numbers_to_halve
+                        ]
                     )
                 ),
                 first_estimate=integrals[span_number, integral_number],
@@ -1043,7 +1046,9 @@ class LoopWorkOfSeries:
 
         def displacement_rise(record_numbers: Indices, load: Array, slip_zone_load: Array) -> Array:
             """Tangential displacement U pi/A, but for a constant of each record, at P = `load` and
-            P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge.
+            P - P_c = `slip_zone_load`, (n, k) each. P_c is the load at the stick edge, A = 2/E*. A
+            record is a portion of a load step; `slope_at_stick_edge` is the slope of its memory
+            curve there.
             """
             # of ln(2 L/a) over the loads up to P, and up to P_c; L is the length of the datum
             integral_to_load = contact.approach_integral(load)

@@ -213,7 +213,8 @@ class HertzContact:
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
     def approach_integral(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta = P [ln(2 L/a(P)) + 1/2] [force per thickness].
+        """Integral of ln(2 L/a(eta)) over the loads eta from 0 to P, P [ln(2 L/a(P)) + 1/2] [force
+        per thickness].
 
         Times A/pi it is the normal approach of the half-planes, relative to a datum at the distance
         L, `datum_length`; A = 2/E* is the compliance of both, a(eta) the half-width under the load
@@ -248,10 +249,11 @@ class HertzContact:
         )
 
     def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
-        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P = `load`
-        and P - P_c = `slip_zone_load`: [P ln(P/P_c) - P + P_c]/2. It is the kernel of the friction
-        work; a(eta) is the half-width under the load eta, P_c the load at the stick edge.
-        `log_excess(r)` is -ln(1 - r) - r.
+        """Kernel Lam(P, P_c) of the friction work [force per thickness], the integral of
+        ln(a(eta)/a(P_c)) over the loads eta from P_c to P: [P ln(P/P_c) - P + P_c]/2.
+
+        P = `load`, P - P_c = `slip_zone_load`. a(eta) is the half-width under the load eta, P_c the
+        load at the stick edge. `log_excess(r)` is -ln(1 - r) - r.
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2

@@ -233,7 +233,7 @@ def _check_part(
     if not faults:
         return
     # Where P reaches 0 both limits of friction are met at the same instant: that is separation.
-    # `faults` are times and reasons, separation first.
+    # `faults` are times and reasons, separation first; _SAME_INSTANT_SHARE is 1e-14.
     latest_time_of_first = min(fault_time for fault_time, _ in faults) + _SAME_INSTANT_SHARE * (
         end - begin
     )
@@ -587,6 +587,7 @@ def _directions_on(
     samples_off_curve = np.flatnonzero(side_of_samples)
     begin_times = [begin]
     directions = [int(side_of_samples[samples_off_curve[0]])]
+    # _STICK_EDGE_ROUNDOFF_SHARE: 2e-15
     time_tolerance = _STICK_EDGE_ROUNDOFF_SHARE * (end - begin)
     for sample_number, next_sample_number in pairwise(samples_off_curve):
         if side_of_samples[sample_number] != side_of_samples[next_sample_number]:

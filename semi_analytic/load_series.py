@@ -1116,6 +1116,7 @@ def require_admissible_rows(rows: Array, friction: float) -> None:
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
+    # 1e-14 of the largest load
     load_slack = _RATE_ROUNDOFF_SHARE * float(np.max(np.abs(normal_load)))
     separates = normal_load < -load_slack
     slides = np.abs(tangential_load) > friction * (normal_load + load_slack)

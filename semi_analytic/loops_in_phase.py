@@ -155,7 +155,7 @@ class Stroke:
         if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
 
-        # it lies inside the contact
+        # it lies inside the contact, but for 1e-12 of its half-width
         round_off = _ROUND_OFF_SHARE * np.max(contact_half_width)
         is_left_end_inside = np.all(
             contact_middle - contact_half_width <= stick_middle - stick_half_width + round_off
@@ -313,6 +313,7 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
         samples - loads_at_begin[:, None] - np.outer(change_of_loads, fraction_of_force)
     )
     largest_deviations = np.max(deviations, axis=1)
+    # direction of each change, without those of round-off, 1e-12
     fraction_changes = np.diff(fraction_of_force, append=fraction_of_force[0])
     signs_of_changes = np.sign(fraction_changes[np.abs(fraction_changes) > _ROUND_OFF_SHARE])
     # not on one line
@@ -333,7 +334,7 @@ def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
     dU - m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear.
     It needs no slip: a second route to the same work. eps is the bulk strain, q the shear.
     """
-    # along a stroke
+    # 48 nodes along a stroke
     nodes, weights = _end_root_quadrature(STROKE_NODE_COUNT)
     u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
     change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle

@@ -107,7 +107,8 @@ def slip_depths_of_loads(e: Array, force: Array) -> tuple[Array, Array]:
 
 def _depths_by_newton(loads: Array) -> Array:
     """Depths (2, n) of the slip zones at the left and the right end of the contact -1 < x < 1 under
-    `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method.
+    `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method. The contact of
+    a parabola is in units of its half-width.
 
     The loads grow in steps, each starting from the solution of the step before. Where the method
     fails the result is NaN or no solution. `loads_of_slip_depths` gives the loads under which slip
@@ -335,7 +336,8 @@ class OppositeSlip(TiltedProfile):
     ) -> Array:
         """Integral over eta from `load` to the largest load P of a kernel K(x, eta): pi times the
         traction (inverse_root), or pi/A times the slip (arccosh_ratio), at x by a unit of load on
-        the stick zone I(eta). Arrays broadcast.
+        the stick zone I(eta), A = 2/E*. I(eta) is the stick zone after |Q| = f (P - eta). Arrays
+        broadcast.
 
         "inverse_root" is integrated where x is inside the zone, eta > P_x; "arccosh_ratio" where it
         is outside, eta < P_x. P_x is the load at which a stick edge is at x, where the kernel is
@@ -343,6 +345,7 @@ class OppositeSlip(TiltedProfile):
         neighbouring loads are integrated one by one and summed from P down: those close to P_x by
         `graded_nodes`, for singular ends, the others by Gauss' rule.
         """
+        # `intervals`: the contact under each load; its largest load is P
         largest_load = self.intervals.largest_load
         least_load = largest_load - self._largest_unloading
         places, loads = np.broadcast_arrays(

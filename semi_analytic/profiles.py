@@ -512,9 +512,10 @@ def abel_load_factor(exponent: float) -> float:
 
 
 def law_of_power(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
-    """Contact law of h = rise (|x|/length)^n, n = `exponent` >= 1 real: P = K (a/length)^n, K = E*
-    n rise abel_load_factor(n), E* = `modulus`. `rise` is the height at |x| = `length`, a the
-    contact half-width; `abel_load_factor(n)` is the integral of sin(theta)^n from 0 to pi/2.
+    """Contact law P(a) of the profile h = rise (|x|/length)^n, n = `exponent` >= 1 real: P = K
+    (a/length)^n, K = E* n rise abel_load_factor(n), E* = `modulus`. `rise` is the height at |x| =
+    `length`, a the contact half-width; `abel_load_factor(n)` is the integral of sin(theta)^n from 0
+    to pi/2.
 
     >>> law = law_of_power(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
     >>> round(float(law.edge_advance(np.array(25 * np.pi))), 12)
@@ -1381,8 +1382,8 @@ def _series_behind_corner(
     # the end. From the middle on each octave is compared with its own. What round-off of a height
     # function leaves uncertain is no more than noise either.
     places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
-    # relative errors of P and dP/da that are negligible; `relative_load_errors` come from the
-    # round-off of a height function
+    # relative errors of P and dP/da that are negligible, 4e-15 and 1e-12; `relative_load_errors`
+    # come from the round-off of a height function
     negligible_shares = (
         max(_NEGLIGIBLE_LOAD_SHARE, profile.relative_load_errors.load),
         max(_NEGLIGIBLE_STIFFNESS_SHARE, profile.relative_load_errors.stiffness),

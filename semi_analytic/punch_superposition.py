@@ -1213,11 +1213,10 @@ def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     Both are (n, nodes), for n spans of integration. A span begins at `begin_distance` (n, 1) beyond
     its corner and has the length `span` (n, 1).
     """
-    # on [0, 1]
+    # twelve nodes on [0, 1]
     unit_nodes, unit_weights = gauss_rule(_NODES_BETWEEN_CORNERS)
     begin_root = np.sqrt(begin_distance)
-    # length 0 of a span that round-off has closed
-    # sqrt(distance) at the end of the span minus that at its begin
+    # sqrt(distance) at the end of the span minus that at its begin; 0 for a span without length
     root_range = span / np.where(
         span > 0, begin_root + np.sqrt(begin_root * begin_root + span), 1.0
     )

@@ -750,7 +750,8 @@ def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
-    # the last value is the error; _CONVERGED_SHARE_OF_GRADED_RULE: 1e-9
+    # the last value is the error; _GRADED_RULES: the rule for singular ends alone;
+    # _CONVERGED_SHARE_OF_GRADED_RULE: 1e-9
     forward_work, reverse_work, _ = _work_over_phases(
         ellipses,
         contact,
@@ -896,7 +897,8 @@ def _dissipation_of_group(
             _PHASE_RULES,
             _CONVERGED_COEFFICIENT_SHARE,
         )
-        # Lam by series has the last digits of P - P_c times the slope of ln a, not of itself.
+        # Lam by series has the last digits of P - P_c times the slope of ln a, not of itself:
+        # _LAM_ERROR_OF_SERIES is 1e-13.
         forward_work, reverse_work, error = works_by_series
         work = np.abs(forward_work + reverse_work)
         error += _LAM_ERROR_OF_SERIES / slip_zone_share[uses_table] * work
@@ -1532,7 +1534,8 @@ def works_by_lam(
             )
     integral_of_reverse_slip, integral_of_later_slip, integral_of_early_slip = 2 * sums_by_phase
 
-    # the factors that are constant in a phase, and 2 from the nodes
+    # the factors that are constant in a phase, and 2 from the nodes; no forward slip below 1e-200
+    # of the mean load
     twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     integral_of_early_slip *= (
         (math.pi - ellipses.slip_angle)
