@@ -410,10 +410,10 @@ class LoadSegment(abc.ABC):
         self,
         combination: Combination,  # noqa: ARG002 most segments have no mirrored time
         time: ArrayLike,  # noqa: ARG002
-        near: float,  # noqa: ARG002
+        near_time: float,  # noqa: ARG002
     ) -> Array | None:
-        """The other time, next to `near`, at which a combination of the loads has the value that it
-        has at `time`, where it is one wave; else None.
+        """The other time, next to `near_time`, at which a combination of the loads has the value
+        that it has at `time`, where it is one wave; else None.
         """
         return None
 
@@ -513,13 +513,15 @@ class StraightSegment(LoadSegment):
     def _time_inside(
         self,
         combination: Combination,  # noqa: ARG002 a straight line whatever the combination is
-        change: Array,
-        total: float,
+        wanted_change: Array,
+        total_change: float,
         begin: float,
         end: float,
     ) -> Array:
-        """Times (n,) at which a load on a straight line has changed by amounts since `begin`."""
-        return begin + (end - begin) * (change / total)
+        """Times (n,) at which a combination of loads on a straight line has changed by the amounts
+        `wanted_change` since `begin`, out of its `total_change` up to `end`.
+        """
+        return begin + (end - begin) * (wanted_change / total_change)
 
     def slope_and_bend(
         self,
@@ -890,9 +892,11 @@ class HarmonicSegment(LoadSegment):
             is_off_extreme, remaining_change / np.where(is_off_extreme, rate_at_time, 1.0), 0.0
         )
 
-    def mirrored_time(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
-        """Time next to `near` at which a combination of the loads of an ellipse has the value that
-        it has at `time`; None for several harmonics.
+    def mirrored_time(
+        self, combination: Combination, time: ArrayLike, near_time: float
+    ) -> Array | None:
+        """Time next to `near_time` at which a combination of the loads of an ellipse has the value
+        that it has at `time`; None for several harmonics.
 
         The combination is amplitude cos(t + lead) plus a constant, which is symmetric about its
         extremes.
@@ -901,7 +905,7 @@ class HarmonicSegment(LoadSegment):
             return None
         _, lead = self.amplitude_and_lead(combination)
         mirrored_time = -2 * lead - np.asarray(time, dtype=float)
-        return mirrored_time + 2 * math.pi * np.round((near - mirrored_time) / (2 * math.pi))
+        return mirrored_time + 2 * math.pi * np.round((near_time - mirrored_time) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
         """The same load history, `delay` [rad] later: the phase lag of the k-th harmonic grows by k

@@ -137,16 +137,16 @@ class GridFields(NamedTuple):
         state = self.state[instant]
         return self._outer_edges(state == STICK if stick else state != OPEN)
 
-    def permanent_stick_edges(self, first: int, share: float = 1e-9) -> tuple[float, float]:
+    def permanent_stick_edges(self, first_instant: int, share: float = 1e-9) -> tuple[float, float]:
         """Left and right outer edge x of the permanent stick zone [length]: of the cells that stay
-        in contact from instant number `first` on and whose slip then varies hardly at all. NaN
-        without such cells.
+        in contact from instant number `first_instant` on and whose slip then varies hardly at all.
+        NaN without such cells.
 
         The slip of such a cell ranges over at most `share` of the largest range of slip of any
         cell, cells outside the contact included.
         """
-        slip_range = np.ptp(self.slip[first:], axis=0)
-        stays_in_contact = np.all(self.state[first:] != OPEN, axis=0)
+        slip_range = np.ptp(self.slip[first_instant:], axis=0)
+        stays_in_contact = np.all(self.state[first_instant:] != OPEN, axis=0)
         return self._outer_edges(stays_in_contact & (slip_range <= share * np.max(slip_range)))
 
     def cycle_work(self, increments: int) -> Array:
