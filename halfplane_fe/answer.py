@@ -348,10 +348,12 @@ def _arrays_of_stress_and_tilt(
     q_of_nodes = np.stack([state.shear for state in states])
     moment = problem.interface.moment(p_of_nodes, q_of_nodes)
     shear_moment = q_of_nodes @ problem.interface.x
-    stress_lower, stress_upper, tilt = np.array([state.stresses_and_tilt for state in states]).T
+    stress_of_lower_body, stress_of_upper_body, tilt = np.array(
+        [state.stresses_and_tilt for state in states]
+    ).T
     return {
-        "bulk_stress_lower": read_only_copy(stress_lower * stress_unit),
-        "bulk_stress_upper": read_only_copy(stress_upper * stress_unit),
+        "bulk_stress_lower": read_only_copy(stress_of_lower_body * stress_unit),
+        "bulk_stress_upper": read_only_copy(stress_of_upper_body * stress_unit),
         "tilt": read_only_copy(tilt * stress_unit / scales.modulus),
         "moment": read_only_copy(moment * moment_unit),
         "shear_moment": read_only_copy(shear_moment * moment_unit),
@@ -653,14 +655,14 @@ def _hold_permanent_stick(
     uncertainty = edges["stick_edge_uncertainty"]
     is_placed = np.isfinite(zone.places_by_load) & np.isfinite(permanent_edges.uncertainty)
     # left edges, of which the outermost is the smallest x, then right ones
-    for column, outermost_of in enumerate((np.fmin, np.fmax)):
+    for column, outermost_place in enumerate((np.fmin, np.fmax)):
         if is_placed[column]:
             has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
             is_turn = is_in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
             stick_edges[is_turn, column] = permanent_edges.places[column]
             uncertainty[is_turn, column] = permanent_edges.uncertainty[column]
         has_stick_zone = is_in_cycle & np.isfinite(stick_edges[:, column])
-        stick_edges[has_stick_zone, column] = outermost_of(
+        stick_edges[has_stick_zone, column] = outermost_place(
             stick_edges[has_stick_zone, column], permanent_edges.places[column]
         )
 

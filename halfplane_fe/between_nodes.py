@@ -169,8 +169,8 @@ class Edge:
         next_node = node + side
         _, pressure_rates, _, gap_rates = rates_by_load
         load_from_node = _load_to(state.pressure[node], pressure_rates[node])
-        load_to_next = _load_to(state.gap[next_node], gap_rates[next_node])
-        load_between = load_from_node + load_to_next
+        load_to_next_node = _load_to(state.gap[next_node], gap_rates[next_node])
+        load_between = load_from_node + load_to_next_node
         return cls(problem.interface, side, node, next_node, load_from_node, load_between)
 
     @classmethod
@@ -235,14 +235,14 @@ class Edge:
     @property
     def place(self) -> float:
         """x of the edge, over the half-width."""
-        place_at_node, place_at_next = self._ends
-        return place_at_node + self.fraction_passed() * (place_at_next - place_at_node)
+        place_at_node, place_at_next_node = self._ends
+        return place_at_node + self.fraction_passed() * (place_at_next_node - place_at_node)
 
     @property
     def spacing(self) -> float:
         """Distance of the edge's places when it meets the two nodes, over the half-width."""
-        place_at_node, place_at_next = self._ends
-        return abs(place_at_next - place_at_node)
+        place_at_node, place_at_next_node = self._ends
+        return abs(place_at_next_node - place_at_node)
 
     @property
     def _ends(self) -> tuple[float, float]:
@@ -267,12 +267,14 @@ class Edge:
         # _V_OF_BOTH: sum of the excess at a corner and at a mid-side node; _V: their difference
         v_of_corner = (_V_OF_BOTH - _V) / 2
         v_of_mid_side = (_V_OF_BOTH + _V) / 2
-        v_of_node, v_of_next = (
+        v_of_node, v_of_next_node = (
             (v_of_corner, v_of_mid_side) if self._is_at_corner else (v_of_mid_side, v_of_corner)
         )
         t = np.asarray(fraction)
         return np.asarray(
-            v_of_node + (v_of_next - v_of_node) * t - self._spacing_in_elements**2 * t * (1 - t) / 2
+            v_of_node
+            + (v_of_next_node - v_of_node) * t
+            - self._spacing_in_elements**2 * t * (1 - t) / 2
         )
 
     @property
@@ -327,8 +329,10 @@ def place_when_met(interface: Interface, node: int, side: int) -> float:
     """
     x = interface.x
     # in elements, whose size is the distance of the two neighbours of the node
-    before_node = _CORNER_IS_MET if _is_corner(interface, node) else _CORNER_IS_MET + _D - 0.5
-    return float(x[node] - side * before_node * abs(x[node + 1] - x[node - 1]))
+    distance_before_node = (
+        _CORNER_IS_MET if _is_corner(interface, node) else _CORNER_IS_MET + _D - 0.5
+    )
+    return float(x[node] - side * distance_before_node * abs(x[node + 1] - x[node - 1]))
 
 
 def _is_corner(interface: Interface, node: int) -> bool:
@@ -428,23 +432,23 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
             nodes_inwards = _inwards(problem, state, side)  # closed ones, the outermost first
             if len(nodes_inwards) < _CLOSED:
                 continue
-            last_closed = int(nodes_inwards[0])
-            if not _is_quadratic(problem, last_closed):
+            last_closed_node = int(nodes_inwards[0])
+            if not _is_quadratic(problem, last_closed_node):
                 continue
 
             # Place by pressure, gap and their rates; uncertainty as a share of the node distance.
             rates_by_load = nodal_values(
                 problem.rates(state.node_states, len(state.loads))[0]
             )  # cached
-            edge = Edge.of_contact(problem, side, last_closed, state, rates_by_load)
+            edge = Edge.of_contact(problem, side, last_closed_node, state, rates_by_load)
             if edge.is_moved:  # a finite load takes it to the next node
                 _, pressure_rates, _, _ = rates_by_load
-                unevenness = _unevenness(edge, last_closed, state.pressure, pressure_rates)
+                unevenness = _unevenness(edge, last_closed_node, state.pressure, pressure_rates)
                 share_at_nodes, share_by_unevenness = _shares_of_spacing(
-                    edge, last_closed, unevenness
+                    edge, last_closed_node, unevenness
                 )
                 share = share_at_nodes + share_by_unevenness
-                edges.put(row, last_closed, edge, unevenness, share)
+                edges.put(row, last_closed_node, edge, unevenness, share)
     return edges
 
 
@@ -474,19 +478,19 @@ def stick_by_load(
     ):
         for side in (-1, 1):  # left and right of x = 0
             # last node that sticks, and number of nodes that the edge has passed since slip began
-            last_stuck, n_passed = _behind_slip_zone(problem, state, travel, side)
-            if not n_passed or not _is_quadratic(problem, last_stuck + side):
+            last_stuck_node, n_nodes_passed = _behind_slip_zone(problem, state, travel, side)
+            if not n_nodes_passed or not _is_quadratic(problem, last_stuck_node + side):
                 continue
-            edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
+            edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck_node)
             # `is_moved`: a finite load takes it to the next node
             if edge.is_moved and _comes_to_limit(problem, state_before, state, edge):
                 share_at_nodes, share_by_unevenness = _shares_of_spacing(
-                    edge, last_stuck, unevenness
+                    edge, last_stuck_node, unevenness
                 )
                 share_by_late_start = _share_by_late_start(edge, unevenness)
                 share = share_at_nodes + max(share_by_unevenness, share_by_late_start)
-                share += _BY_FEW_NODES / n_passed**2
-                edges.put(row, last_stuck, edge, unevenness, share)
+                share += _BY_FEW_NODES / n_nodes_passed**2
+                edges.put(row, last_stuck_node, edge, unevenness, share)
     return edges
 
 
@@ -555,16 +559,18 @@ def _behind_slip_zone(
         return -1, 0
 
     # Positions in that order: begin of the slip zone, and of the stick zone behind it.
-    first_sliding = int(np.argmax(is_sliding))  # nodes that have just come to touch stick
-    first_stuck = first_sliding + int(np.argmin(is_sliding[first_sliding:]))
-    stick_zone = slice(first_stuck, first_stuck + _STICK_ZONE)
+    first_sliding_position = int(np.argmax(is_sliding))  # nodes that have just come to touch stick
+    first_stuck_position = first_sliding_position + int(
+        np.argmin(is_sliding[first_sliding_position:])
+    )
+    stick_zone = slice(first_stuck_position, first_stuck_position + _STICK_ZONE)
     if len(nodes_inwards[stick_zone]) < _STICK_ZONE or is_sliding[stick_zone].any():
         return -1, 0
 
-    farthest_position = first_sliding + int(
-        np.argmax(np.abs(travel[nodes_inwards[first_sliding:first_stuck]]))
+    farthest_position = first_sliding_position + int(
+        np.argmax(np.abs(travel[nodes_inwards[first_sliding_position:first_stuck_position]]))
     )
-    return int(nodes_inwards[first_stuck]), first_stuck - farthest_position
+    return int(nodes_inwards[first_stuck_position]), first_stuck_position - farthest_position
 
 
 def _placed_by_load(
@@ -918,11 +924,13 @@ def _stick_zone(
     uncertainty_by_load = np.full(2, np.nan)
     turn_times: list[tuple[float, ...]] = [(), ()]
     for column, side in enumerate((-1, 1)):
-        last_stuck = int(np.flatnonzero(is_always_stuck)[-1 if side > 0 else 0])
-        first_sliding = last_stuck + side
-        if _has_equal_elements(problem, first_sliding):
-            places_at_last_stuck[column] = place_when_met(problem.interface, last_stuck, side)
-            places_at_first_sliding[column] = place_when_met(problem.interface, first_sliding, side)
+        last_stuck_node = int(np.flatnonzero(is_always_stuck)[-1 if side > 0 else 0])
+        first_sliding_node = last_stuck_node + side
+        if _has_equal_elements(problem, first_sliding_node):
+            places_at_last_stuck[column] = place_when_met(problem.interface, last_stuck_node, side)
+            places_at_first_sliding[column] = place_when_met(
+                problem.interface, first_sliding_node, side
+            )
         if side in stick_edges:
             places_by_load[column] = stick_edges[side].place
             uncertainty_by_load[column] = stick_edges[side].uncertainty
@@ -989,18 +997,18 @@ def _at_stick_edge(
     """
     # Nodes around the edge: the last one of the stick zone, the first one that slides; and that of
     # the opposite edge.
-    leftmost, rightmost = np.flatnonzero(is_always_stuck)[[0, -1]].tolist()
-    last_stuck = rightmost if side > 0 else leftmost
-    first_stuck = leftmost if side > 0 else rightmost
-    first_sliding = last_stuck + side
-    opposite_sliding = first_stuck - side
-    if not _has_equal_elements(problem, first_sliding):
+    leftmost_stuck_node, rightmost_stuck_node = np.flatnonzero(is_always_stuck)[[0, -1]].tolist()
+    last_stuck_node = rightmost_stuck_node if side > 0 else leftmost_stuck_node
+    opposite_stuck_node = leftmost_stuck_node if side > 0 else rightmost_stuck_node
+    first_sliding_node = last_stuck_node + side
+    opposite_sliding_node = opposite_stuck_node - side
+    if not _has_equal_elements(problem, first_sliding_node):
         return None
 
     # States at the turning points of slip, by the sense of slip that ends there.
-    slip_of_node = slip[:, first_sliding]
+    slip_of_node = slip[:, first_sliding_node]
     slip_range = float(np.ptp(slip_of_node))
-    signs = slip_sign(np.array([state.node_states[first_sliding] for state in states]))
+    signs = slip_sign(np.array([state.node_states[first_sliding_node] for state in states]))
     states_at_turns: dict[int, InterfaceState] = {}
     turn_times: list[float] = []
     for sign in (1, -1):
@@ -1032,31 +1040,37 @@ def _at_stick_edge(
             is_always_stuck & (turning_state.node_states != OPEN), STICK, turning_state.node_states
         ).astype(np.int8)
         is_sliding = slip_sign(nodal_states) == sign
-        sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
+        slides_beyond_edge = (
+            is_sliding[first_sliding_node:] if side > 0 else is_sliding[: first_sliding_node + 1]
+        )
         # _ZONE: three nodes, fewest of a zone
-        if np.count_nonzero(sliding_beyond) < _ZONE - 1:
+        if np.count_nonzero(slides_beyond_edge) < _ZONE - 1:
             return None
 
         # Place of the edge, by the derivatives (4, n) of slip, p, q and gap by Q.
-        turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck]))
+        turn = TurnOfSlip(sign, slip_range, float(forces_to_limit_of_both[last_stuck_node]))
         rates_by_load = nodal_values(problem.rates(nodal_states, n_loads)[1])
-        edge = Edge.of_stick(problem, side, last_stuck, turn, rates_by_load)
+        edge = Edge.of_stick(problem, side, last_stuck_node, turn, rates_by_load)
         if not edge.is_moved:  # no finite load takes it to the next node
             return None
         _, pressure_rates, shear_rates, _ = rates_by_load
         rates_to_limit = force_to_limit(pressure_rates, shear_rates, sign, friction)
-        unevenness = _unevenness(edge, last_stuck, forces_to_limit_of_both, rates_to_limit)
-        places.append(_place_put_right(edge, last_stuck, unevenness))
+        unevenness = _unevenness(edge, last_stuck_node, forces_to_limit_of_both, rates_to_limit)
+        places.append(_place_put_right(edge, last_stuck_node, unevenness))
         # _AT_TURNS: share of the uncertainty of single edges that remains at turning points
-        share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck, unevenness))
+        share = _AT_TURNS * sum(_shares_of_spacing(edge, last_stuck_node, unevenness))
         uncertainties.append(edge.spacing * min(share, 1.0))
 
         # Excess work: change of the slip rates as the edge meets its node, and the opposite edge
         # its own, times the excess at the place of the edge.
-        opposite_slides = 0 <= opposite_sliding < len(is_sliding) and bool(
-            is_sliding[opposite_sliding]
+        opposite_slides = 0 <= opposite_sliding_node < len(is_sliding) and bool(
+            is_sliding[opposite_sliding_node]
         )
-        nodes = (first_sliding, opposite_sliding) if opposite_slides else (first_sliding,)
+        nodes = (
+            (first_sliding_node, opposite_sliding_node)
+            if opposite_slides
+            else (first_sliding_node,)
+        )
 
         def slip_by_load(states: States) -> Array:
             """(n,) derivative of the nodal slip by Q."""

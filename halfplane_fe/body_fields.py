@@ -177,15 +177,17 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
     steps = [_nearest_step("fields", solution, float(instant)) for instant in instants]
     if not steps:
         return ()
-    lower, upper = _fields_of_bodies(solution, steps)
+    fields_of_lower_body, fields_of_upper_body = _fields_of_bodies(solution, steps)
     return tuple(
         Snapshot(
             time=float(solution.time[step]),
             normal_load=float(solution.normal_load[step]),
             tangential_load=float(solution.tangential_load[step]),
-            bodies=(fields_of_lower, fields_of_upper),
+            bodies=(lower_fields, upper_fields),
         )
-        for step, fields_of_lower, fields_of_upper in zip(steps, lower, upper, strict=True)
+        for step, lower_fields, upper_fields in zip(
+            steps, fields_of_lower_body, fields_of_upper_body, strict=True
+        )
     )
 
 
@@ -1187,14 +1189,14 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     step_before = max(step - 1, 0)
     rise_of_p = float(solution.normal_load[step] - solution.normal_load[step_before])
     rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
-    stick_left, stick_right = solution.stick_edges[step].tolist()
-    contact_left, contact_right = solution.contact_edges[step].tolist()
+    left_stick_edge, right_stick_edge = solution.stick_edges[step].tolist()
+    left_contact_edge, right_contact_edge = solution.contact_edges[step].tolist()
     return NodalTractions(
         x=solution.x[is_closed],
         pressure=pressure[is_closed],
         shear=shear[is_closed],
-        stick_edges=(stick_left, stick_right),
-        contact_edges=(contact_left, contact_right),
+        stick_edges=(left_stick_edge, right_stick_edge),
+        contact_edges=(left_contact_edge, right_contact_edge),
         friction=friction,
         tangential_load=tangential_load,
         # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes

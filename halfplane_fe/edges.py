@@ -225,14 +225,14 @@ def contact_edges(x: Array, pressure: Array, gap: Array, is_closed: Mask, modulu
         last_node = _last(is_in_contact)  # (k,) outermost node that touches
         next_node = np.minimum(last_node + 1, len(x) - 1)
         distance = side.x[next_node] - side.x[last_node]
-        pressure_of_last = _pick(p, last_node)  # (k,), of each instant at its own node
-        gap_of_following = _pick(g, next_node)
+        pressure_of_last_node = _pick(p, last_node)  # (k,), of each instant at its own node
+        gap_of_next_node = _pick(g, next_node)
 
         # t, by the real root of the cubic
-        has_form = (distance > 0) & (pressure_of_last > 0) & (gap_of_following > 0)
-        ratio = gap_of_following[has_form] / (pressure_of_last * distance)[has_form]
+        has_form = (distance > 0) & (pressure_of_last_node > 0) & (gap_of_next_node > 0)
+        ratio = gap_of_next_node[has_form] / (pressure_of_last_node * distance)[has_form]
         c = (3 * modulus / 4 * ratio) ** 2
-        t = np.where(pressure_of_last > 0, 0.0, 1.0)
+        t = np.where(pressure_of_last_node > 0, 0.0, 1.0)
         t[has_form] = 2 * np.sqrt(c / 3) * np.sinh(np.arcsinh(1.5 * np.sqrt(3 / c)) / 3)
         edges[:, side.column] = side.sign * (side.x[last_node] + distance * (1 - t))
     edges[~is_closed.any(axis=1)] = np.nan
@@ -312,11 +312,11 @@ def stick_edges(
         # (k, n) closed nodes on this side of the middle of the contact, or of the sticking nodes
         nodes_of_side = _half(side, is_in_contact, is_stuck if stick_may_be_anywhere else None)
         # last node of the stick zone, and numbers of nodes of that zone and of the side, (k,)
-        last_node, n_sticking, n_of_side = _last_sticking(is_stuck, nodes_of_side)
-        a_side_has_no_stick |= (n_sticking == 0) & (n_of_side > 0)
+        last_node, n_sticking_nodes, n_nodes_of_side = _last_sticking(is_stuck, nodes_of_side)
+        a_side_has_no_stick |= (n_sticking_nodes == 0) & (n_nodes_of_side > 0)
         next_node = np.minimum(last_node + 1, len(x) - 1)
         edge_between_nodes = side.sign * (side.x[last_node] + side.x[next_node]) / 2
-        sticks_to_contact_edge = n_sticking == n_of_side
+        sticks_to_contact_edge = n_sticking_nodes == n_nodes_of_side
         edges[:, side.column] = np.where(
             sticks_to_contact_edge, contact[:, side.column], edge_between_nodes
         )
@@ -354,10 +354,10 @@ def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> 
         # Instants with a slip zone on this side, and more than seven nodes of the stick zone.
         is_stuck, is_in_contact = side.outwards(answer.is_stuck, answer.is_closed)
         is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
-        last_node, n_sticking, n_in_half = _last_sticking(is_stuck, is_in_half)
-        has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking < n_in_half)
+        last_node, n_sticking_nodes, n_nodes_in_half = _last_sticking(is_stuck, is_in_half)
+        has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking_nodes < n_nodes_in_half)
         # _FITTED: numbers of nodes of two fits, seven and four
-        rows = np.flatnonzero(has_slip_zone & (n_sticking > _FITTED[0]))
+        rows = np.flatnonzero(has_slip_zone & (n_sticking_nodes > _FITTED[0]))
         if not len(rows):
             continue
 
@@ -416,17 +416,17 @@ def _stick_uncertainty(
     spacing = _spacing(x, np.where(before_is_nearer, previous_node, next_node))
 
     # Number of touching nodes beyond the edge, on its side of the middle.
-    n_beyond = np.empty(edges.shape, dtype=np.int64)
+    n_nodes_beyond_edge = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
         is_in_contact, is_stuck = side.outwards(answer.is_closed, answer.is_stuck)
         is_in_half = _half(side, is_in_contact, is_stuck if answer.stick_may_be_anywhere else None)
-        is_beyond = side.x > side.sign * edges[:, [side.column]]
-        n_beyond[:, side.column] = np.count_nonzero(is_in_half & is_beyond, axis=1)
+        is_beyond_edge = side.x > side.sign * edges[:, [side.column]]
+        n_nodes_beyond_edge[:, side.column] = np.count_nonzero(is_in_half & is_beyond_edge, axis=1)
 
     # Edges by states, where a slip zone of up to four nodes may be none at all.
     uncertainty_by_states = spacing + distance_from_states
     uncertainty_of_narrow_slip_zone = np.abs(contact.places - edges) + contact.uncertainty
-    is_narrow = n_beyond <= _UNRESOLVED
+    is_narrow = n_nodes_beyond_edge <= _UNRESOLVED
     uncertainty_of_unfitted_edge = np.where(
         is_narrow,
         np.maximum(uncertainty_by_states, uncertainty_of_narrow_slip_zone),
@@ -588,13 +588,13 @@ def uncertainty_at_jumps(
     # A cycle is closed by one more row: its first instant again.
     if first_of_cycle is not None:
         rows = np.append(np.arange(len(step_index)), first_of_cycle)
-        with_closing_row = uncertainty_at_jumps(
+        uncertainty_with_closing_row = uncertainty_at_jumps(
             Edges(edges.places[rows], edges.uncertainty[rows]),
             contact[rows],
             np.append(step_index, step_index[-1] + 1),
             spacing,
         )
-        return with_closing_row[:-1]
+        return uncertainty_with_closing_row[:-1]
 
     uncertainty = np.zeros(edges.places.shape)
     is_next_increment = np.diff(step_index) == 1
@@ -695,11 +695,11 @@ def _half(side: _Side, is_closed: Mask, is_stuck: Mask | None = None) -> Mask:
     if is_stuck is not None:
         sticks_in_contact = is_stuck & is_closed
         rank = np.cumsum(sticks_in_contact, axis=1)  # number of sticking nodes up to each
-        n_sticking = rank[:, -1:]
+        n_sticking_nodes = rank[:, -1:]
         # Counted from the left whichever side looks, so that both have one middle.
-        middle_rank = (n_sticking + 1) // 2 if is_right else n_sticking // 2 + 1
+        middle_rank = (n_sticking_nodes + 1) // 2 if is_right else n_sticking_nodes // 2 + 1
         middle_node = np.argmax(sticks_in_contact & (rank == middle_rank), axis=1)
-        middle = np.where(n_sticking > 0, side.x[middle_node][:, None], middle)
+        middle = np.where(n_sticking_nodes > 0, side.x[middle_node][:, None], middle)
     return np.asarray(is_closed & ((side.x >= middle) if is_right else (side.x > middle)))
 
 
@@ -711,18 +711,18 @@ def _last_sticking(is_stuck: Mask, is_in_half: Mask) -> tuple[Indices, Indices, 
     tie. Where the zone has no nodes the last of them is without meaning. `is_stuck` (k, n) are the
     nodes that stick, `is_in_half` (k, n) those in contact on the side.
     """
-    n_sticking_up_to = np.cumsum(is_stuck & is_in_half, axis=1, dtype=np.int32)
-    n_nodes_up_to = np.cumsum(is_in_half, axis=1, dtype=np.int32)
+    n_sticking_up_to_node = np.cumsum(is_stuck & is_in_half, axis=1, dtype=np.int32)
+    n_nodes_up_to_node = np.cumsum(is_in_half, axis=1, dtype=np.int32)
     # Sliding nodes up to this one, and sticking ones behind it, but for a number that is the same
     # for all.
     n_misplaced = np.where(
-        is_in_half, n_nodes_up_to - 2 * n_sticking_up_to, is_in_half.shape[1] + 1
+        is_in_half, n_nodes_up_to_node - 2 * n_sticking_up_to_node, is_in_half.shape[1] + 1
     )
     last_node: Indices = is_in_half.shape[1] - 1 - np.argmin(n_misplaced[:, ::-1], axis=1)
     n_sticking_nodes: Indices = np.where(
-        _pick(n_misplaced, last_node) <= 0, _pick(n_nodes_up_to, last_node), 0
+        _pick(n_misplaced, last_node) <= 0, _pick(n_nodes_up_to_node, last_node), 0
     )
-    return last_node, n_sticking_nodes, n_nodes_up_to[:, -1].astype(np.int64)
+    return last_node, n_sticking_nodes, n_nodes_up_to_node[:, -1].astype(np.int64)
 
 
 def _spacing(x: Array, node: Indices) -> Array:

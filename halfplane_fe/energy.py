@@ -473,17 +473,17 @@ def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _Work
     )
 
     # Integral of p ds in three parts: to the first onset, between both, from the last one on.
-    share_to_first = first_onset[:, None]
-    share_from_last = 1 - last_onset[:, None]
-    p_at_first = increments.p_at_start + share_to_first * p_change_before
-    p_at_last = increments.p_at_end - share_from_last * p_change_after
-    slip_to_first = share_to_first * slip_change_before
-    slip_from_last = share_from_last * slip_change_after
-    slip_between = increments.slip - slip_to_first - slip_from_last
-    doubled_integral = (increments.p_at_start + p_at_first) * slip_to_first + (
-        p_at_first + p_at_last
-    ) * slip_between
-    doubled_integral += (p_at_last + increments.p_at_end) * slip_from_last
+    share_to_first_onset = first_onset[:, None]
+    share_from_last_onset = 1 - last_onset[:, None]
+    p_at_first_onset = increments.p_at_start + share_to_first_onset * p_change_before
+    p_at_last_onset = increments.p_at_end - share_from_last_onset * p_change_after
+    slip_to_first_onset = share_to_first_onset * slip_change_before
+    slip_from_last_onset = share_from_last_onset * slip_change_after
+    slip_between_onsets = increments.slip - slip_to_first_onset - slip_from_last_onset
+    doubled_integral = (increments.p_at_start + p_at_first_onset) * slip_to_first_onset + (
+        p_at_first_onset + p_at_last_onset
+    ) * slip_between_onsets
+    doubled_integral += (p_at_last_onset + increments.p_at_end) * slip_from_last_onset
 
     # Work by kinks: as many as neighbours start to slide.
     n_onsets = _length_of_longest_run(

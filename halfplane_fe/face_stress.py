@@ -259,18 +259,18 @@ def _power_sums(series: Array, w: Complex) -> Complex:
         terms_needed = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
 
     # Horner's rule over all points at once, in the order of these numbers.
-    longest_first = np.argsort(-terms_needed, kind="stable")
-    terms_needed = np.maximum(terms_needed[longest_first], 1)
-    w_longest_first = w[longest_first]
+    order_by_terms = np.argsort(-terms_needed, kind="stable")
+    terms_needed = np.maximum(terms_needed[order_by_terms], 1)
+    sorted_w = w[order_by_terms]
     coefficients = np.concatenate([series, exponents * series])  # (4, n_terms)
     partial_sums = np.zeros((4, len(w)), dtype=complex)
     n_points_with_term = np.searchsorted(-terms_needed, -exponents, side="right")
     for k in range(int(terms_needed.max(initial=0)), 0, -1):
         n_points = n_points_with_term[k - 1]
         partial_sums[:, :n_points] += coefficients[:, k - 1, None]
-        partial_sums[:, :n_points] *= w_longest_first[:n_points]
+        partial_sums[:, :n_points] *= sorted_w[:n_points]
     sums = np.empty_like(partial_sums)
-    sums[:, longest_first] = partial_sums
+    sums[:, order_by_terms] = partial_sums
     return sums
 
 
@@ -491,9 +491,9 @@ def edge_tension_by_nodal_shear(nodal_tractions: NodalTractions) -> float:
 
     # notation: m middle, h half-width of the contact that the solution states (`contact_edges`)
     """
-    left, right = nodal_tractions.contact_edges
-    middle = (left + right) / 2
-    half_width = (right - left) / 2
+    left_edge, right_edge = nodal_tractions.contact_edges
+    middle = (left_edge + right_edge) / 2
+    half_width = (right_edge - left_edge) / 2
     is_inside = np.abs(nodal_tractions.x - middle) < half_width
     angles = np.arccos((middle - nodal_tractions.x[is_inside]) / half_width)
     shear = nodal_tractions.shear[is_inside]
@@ -645,8 +645,8 @@ def tension_change_by_unseen_slip(
     smooth_tractions
         their sine series, of which the edges of contact are used
     """
-    left_stick, right_stick = nodal_tractions.stick_edges
-    if nodal_tractions.load_grows_in_stick or not math.isfinite(left_stick):
+    left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
+    if nodal_tractions.load_grows_in_stick or not math.isfinite(left_stick_edge):
         return np.zeros(2)
 
     # Whether such slip is possible at the left and the right edge.
@@ -655,7 +655,9 @@ def tension_change_by_unseen_slip(
     may_slip_unseen = np.array([True, True])
     if nodal_tractions.has_slip_zones(of_nodes=1):  # nodes slip on both sides of a stick zone
         shear = nodal_tractions.shear
-        shear_of_zones = np.array([shear[x < left_stick].sum(), shear[x > right_stick].sum()])
+        shear_of_zones = np.array(
+            [shear[x < left_stick_edge].sum(), shear[x > right_stick_edge].sum()]
+        )
         may_slip_unseen = shear[[0, -1]] * shear_of_zones < 0
 
     # Pressure K sqrt(w) on either side.
@@ -679,14 +681,16 @@ def _tension_change_by_moved_stick_edges(
     `nodal_tractions` are pressure and shear at the nodes, with the edges of stick and contact.
     `tension` (2,) is that with the stick edges where these have them [stress].
     """
-    left_stick, right_stick = nodal_tractions.stick_edges
+    left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
     changes = []
     for inward_distance in (distance, -distance):
-        moved_left = max(left_stick + inward_distance, nodal_tractions.contact_edges[0])
-        moved_right = min(right_stick - inward_distance, nodal_tractions.contact_edges[1])
-        if moved_left < moved_right:
-            with_moved_edges = replace(nodal_tractions, stick_edges=(moved_left, moved_right))
-            moved_tension = sampled_tractions(with_moved_edges).edge_tension()
+        moved_left_edge = max(left_stick_edge + inward_distance, nodal_tractions.contact_edges[0])
+        moved_right_edge = min(right_stick_edge - inward_distance, nodal_tractions.contact_edges[1])
+        if moved_left_edge < moved_right_edge:
+            tractions_with_moved_edges = replace(
+                nodal_tractions, stick_edges=(moved_left_edge, moved_right_edge)
+            )
+            moved_tension = sampled_tractions(tractions_with_moved_edges).edge_tension()
             changes.append(np.abs(moved_tension - tension))
     return np.asarray(np.max(changes, axis=0, initial=0.0))
 
@@ -733,9 +737,9 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
 
     Source: Muskhelishvili's integral of h' = k max(x - b, 0) over R.
     """
-    left, right = nodal_tractions.contact_edges
-    middle = (left + right) / 2
-    half_width = (right - left) / 2
+    left_edge, right_edge = nodal_tractions.contact_edges
+    middle = (left_edge + right_edge) / 2
+    half_width = (right_edge - left_edge) / 2
     curvature_jumps = nodal_tractions.curvature_jumps
     inner_curvature_jumps = curvature_jumps[np.abs(curvature_jumps[:, 0] - middle) < half_width]
     if not len(inner_curvature_jumps):
@@ -770,7 +774,7 @@ def _pressure_shape(nodal_tractions: NodalTractions) -> Callable[[Array], Array]
     # N_DISTORTED_NODES: three outermost nodes on each side, which the mesh distorts
     if len(nodal_tractions.x) > 3 * N_DISTORTED_NODES:
         inner_x = nodal_tractions.x[N_DISTORTED_NODES:-N_DISTORTED_NODES]
-        squared_root = (inner_x - left) * (right - inner_x)
+        squared_root = (inner_x - left_edge) * (right_edge - inner_x)
         root = np.sqrt(np.maximum(squared_root, (_DISTANCE_AT_EDGE * half_width) ** 2))
         smooth_part = float(
             np.mean(
@@ -939,24 +943,28 @@ def _smooth_shear(
         return np.asarray(np.clip(ratio, -friction, friction) * pressure)
 
     # Slip zones on the left and on the right: q/p by their nodes.
-    left_stick, right_stick = nodal_tractions.stick_edges
-    ratio_at_left = _ratio_in_slip_zone(places, nodal_tractions, x < left_stick, nodes_left_out)
-    ratio_at_right = _ratio_in_slip_zone(places, nodal_tractions, x > right_stick, nodes_left_out)
-    shear = np.where(places < left_stick, ratio_at_left, ratio_at_right) * pressure
+    left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
+    ratio_at_left = _ratio_in_slip_zone(
+        places, nodal_tractions, x < left_stick_edge, nodes_left_out
+    )
+    ratio_at_right = _ratio_in_slip_zone(
+        places, nodal_tractions, x > right_stick_edge, nodes_left_out
+    )
+    shear = np.where(places < left_stick_edge, ratio_at_left, ratio_at_right) * pressure
 
     # Stick zone: q interpolated over the angle, between its edges and its undistorted nodes.
-    is_in_stick = (places > left_stick) & (places < right_stick)
-    is_stick_node = (x > left_stick) & (x < right_stick)
+    is_in_stick = (places > left_stick_edge) & (places < right_stick_edge)
+    is_stick_node = (x > left_stick_edge) & (x < right_stick_edge)
     is_stick_node[:nodes_left_out] = False
     is_stick_node[len(x) - nodes_left_out :] = False
 
     def angle(x: Array) -> Array:
         """Angle across the stick zone at places x: 0 at its left edge, pi at its right one."""
-        cosine = (left_stick + right_stick - 2 * x) / (right_stick - left_stick)
+        cosine = (left_stick_edge + right_stick_edge - 2 * x) / (right_stick_edge - left_stick_edge)
         return np.arccos(np.clip(cosine, -1, 1))
 
-    shear_at_left = np.interp(left_stick, places, ratio_at_left * pressure)
-    shear_at_right = np.interp(right_stick, places, ratio_at_right * pressure)
+    shear_at_left = np.interp(left_stick_edge, places, ratio_at_left * pressure)
+    shear_at_right = np.interp(right_stick_edge, places, ratio_at_right * pressure)
     shear[is_in_stick] = np.interp(
         angle(places[is_in_stick]),
         np.concatenate([[0.0], angle(x[is_stick_node]), [math.pi]]),
@@ -1022,12 +1030,12 @@ def _unit_missing_shear(
     """
     # A stick zone lies between two slip zones of one node at least.
     if nodal_tractions.has_slip_zones(of_nodes=1):
-        left_stick, right_stick = nodal_tractions.stick_edges
+        left_stick_edge, right_stick_edge = nodal_tractions.stick_edges
         hump_width = 3 * float(np.median(np.diff(nodal_tractions.x)))
-        distance = np.minimum(np.abs(places - left_stick), np.abs(right_stick - places))
+        distance = np.minimum(np.abs(places - left_stick_edge), np.abs(right_stick_edge - places))
         relative_distance = np.clip(distance / hump_width, 0.0, 1.0)
         hump = np.sin(math.pi * relative_distance) ** 2 * (
-            (places > left_stick) & (places < right_stick)
+            (places > left_stick_edge) & (places < right_stick_edge)
         )
         if hump.any():
             return np.asarray(hump / (lengths @ hump))

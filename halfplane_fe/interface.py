@@ -162,7 +162,7 @@ class Interface:
         return np.asarray(-work_per_unit_of_tilt)
 
 
-def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
+def couple(lower_body: CondensedBody, upper_body: CondensedBody) -> Interface:
     """Contact compliance of two bodies, gap and slip by nodal contact forces, from the condensed
     compliance of each.
 
@@ -171,29 +171,29 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
     into weighted means. The upper body is condensed in its own frame, as if it were a lower one;
     here it is reflected in y = 0.
     """
-    if _have_opposite_nodes(lower, upper):
-        return _compliance_node_by_node(lower, upper)
-    return _compliance_by_mortar(lower, upper)
+    if _have_opposite_nodes(lower_body, upper_body):
+        return _compliance_node_by_node(lower_body, upper_body)
+    return _compliance_by_mortar(lower_body, upper_body)
 
 
-def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
+def _compliance_node_by_node(lower_body: CondensedBody, upper_body: CondensedBody) -> Interface:
     """Contact compliance of two bodies whose flat faces have nodes opposite each other: normal and
     tangential compliances add, since equal and opposite forces act on both.
 
     The coupling K, slip by pressure, is that of the lower body minus that of the upper one, each
     in its own frame: zero for like bodies (`coupling` of the returned interface is then None).
 
-    `lower` and `upper` are the condensed bodies: x and face lengths of their n contact nodes, and
-    their compliance (2, n, 2, n).
+    `lower_body` and `upper_body` are the condensed bodies: x and face lengths of their n contact
+    nodes, and their compliance (2, n, 2, n).
     """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
-    lower_compliance = lower.compliance
-    upper_compliance = upper.compliance
+    lower_compliance = lower_body.compliance
+    upper_compliance = upper_body.compliance
 
     # Displacements along x and y by a unit of each body's bulk stress, and by a unit of tilt.
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
-        lower, upper
+        lower_body, upper_body
     )
     # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
     slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)
@@ -201,10 +201,12 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
 
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
-        x=read_only_copy(lower.x),
-        face_lengths=read_only_copy(lower.face_lengths),
-        face_normals=read_only_copy(np.stack([np.zeros_like(lower.x), np.ones_like(lower.x)])),
-        gap=read_only_copy(np.zeros_like(lower.x)),
+        x=read_only_copy(lower_body.x),
+        face_lengths=read_only_copy(lower_body.face_lengths),
+        face_normals=read_only_copy(
+            np.stack([np.zeros_like(lower_body.x), np.ones_like(lower_body.x)])
+        ),
+        gap=read_only_copy(np.zeros_like(lower_body.x)),
         normal_compliance=read_only_copy(
             lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]
         ),
@@ -216,7 +218,7 @@ def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Inte
     )
 
 
-def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
+def _compliance_by_mortar(lower_body: CondensedBody, upper_body: CondensedBody) -> Interface:
     """Contact compliance, at the nodes of the lower face, of two bodies with curved faces or with
     nodes that are not opposite each other.
 
@@ -224,27 +226,27 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
     B C B^T over both bodies. B turns nodal displacements into weighted means along the normal and
     the tangent. The blocks of the sum are gap by p (N), minus slip by q (T), and slip by p (K).
 
-    `lower` and `upper` are the condensed bodies, with n and m contact nodes, each in its own frame
-    (y out of the body).
+    `lower_body` and `upper_body` are the condensed bodies, with n and m contact nodes, each in its
+    own frame (y out of the body).
 
     # notation: in subscripts of einsum d normal and tangent, n node of the lower face, i direction
     # along x and y, m node of the body
     """
     # Operators (2, n, 2, m) of both bodies, with gap, normals and face lengths on the middle line.
-    mortar_sides = _mortar_operators(lower, upper)
+    mortar_sides = _mortar_operators(lower_body, upper_body)
     # Sparse: these operators hold little but zeros.
     operator_of_lower = csr_array(_flattened(mortar_sides.lower))
     operator_of_upper = csr_array(_flattened(mortar_sides.upper))
     compliance_of_both = (
-        operator_of_lower @ _square_matrix(lower.compliance) @ operator_of_lower.T
+        operator_of_lower @ _square_matrix(lower_body.compliance) @ operator_of_lower.T
         + operator_of_upper
-        @ _square_matrix(_in_common_frame(upper.compliance))
+        @ _square_matrix(_in_common_frame(upper_body.compliance))
         @ operator_of_upper.T
     )
 
     # Gap and slip by a unit of each body's bulk stress, and by a unit of tilt of the upper one.
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _displacements_by_stress_and_tilt(
-        lower, upper
+        lower_body, upper_body
     )
     gap_and_slip_by_load = [
         np.einsum("dnim,im->dn", operator, displacement)
@@ -254,10 +256,10 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
             (mortar_sides.upper, tilt_of_upper),
         )
     ]
-    n_nodes = len(lower.x)
+    n_nodes = len(lower_body.x)
     coupling = compliance_of_both[n_nodes:, :n_nodes]
     return Interface(
-        x=read_only_copy(lower.x),
+        x=read_only_copy(lower_body.x),
         face_lengths=read_only_copy(mortar_sides.face_lengths),
         face_normals=read_only_copy(mortar_sides.face_normals),
         gap=read_only_copy(mortar_sides.gap),
@@ -270,18 +272,19 @@ def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interfa
 
 
 def _displacements_by_stress_and_tilt(
-    lower: CondensedBody, upper: CondensedBody
+    lower_body: CondensedBody, upper_body: CondensedBody
 ) -> tuple[Array, Array, Array]:
     """Displacements along x and y of the contact nodes in the common frame: (2, n) of the lower and
     (2, m) of the upper body by a unit of its bulk stress [length/stress], and (2, m) of the upper
     one by a unit of tilt [length].
     """
-    stretch_of_lower = np.broadcast_to(lower.displacement_by_stress, (2, len(lower.x)))
+    stretch_of_lower = np.broadcast_to(lower_body.displacement_by_stress, (2, len(lower_body.x)))
     # _REFLECTION: signs of x and y, 1 and -1
     stretch_of_upper = (
-        np.broadcast_to(upper.displacement_by_stress, (2, len(upper.x))) * _REFLECTION[:, None]
+        np.broadcast_to(upper_body.displacement_by_stress, (2, len(upper_body.x)))
+        * _REFLECTION[:, None]
     )
-    tilt_of_upper = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
+    tilt_of_upper = np.stack([upper_body.y, upper_body.x])  # (-y, x) of the common frame
     return stretch_of_lower, stretch_of_upper, tilt_of_upper
 
 
@@ -358,10 +361,10 @@ def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
     spacing = np.diff(interface.x)
     # _ELEMENTS_TO_MEAN_END: 10.5 elements
     n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
-    room_beside = least_face_half_width(scene) - float(np.abs(interface.x).max())
+    room_beside_contact = least_face_half_width(scene) - float(np.abs(interface.x).max())
     return (
         len(interface.x) >= _FEWEST_NODES
-        and room_beside >= n_nodes_needed * max(spacing[0], spacing[-1])
+        and room_beside_contact >= n_nodes_needed * max(spacing[0], spacing[-1])
         and least_depth(scene) >= 2 * n_nodes_needed * float(spacing.max())
     )
 
@@ -500,14 +503,14 @@ def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Arra
 
 
 def body_forces(
-    lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
+    lower_body: CondensedBody, upper_body: CondensedBody, pressure: Array, shear: Array
 ) -> dict[str, Array]:
     """Forces on the contact nodes of each body by the nodal contact forces p and q. They are along
     x and y of the body's own frame, whose y points out of its face.
 
     Parameters
     ----------
-    lower, upper
+    lower_body, upper_body
         the condensed bodies
     pressure, shear
         (n,) or (n, k) for k load cases, p pressing and q along x on the lower body [force per
@@ -518,10 +521,10 @@ def body_forces(
     dict
         "lower" and "upper" -> (2, n) or (2, n, k) forces along x and outward.
     """
-    if _have_opposite_nodes(lower, upper):
+    if _have_opposite_nodes(lower_body, upper_body):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
     # Transposed, the mortar operators take forces along the normal and the tangent to nodal forces.
-    operators = _mortar_operators(lower, upper)
+    operators = _mortar_operators(lower_body, upper_body)
     contact_forces = np.concatenate([-pressure, shear])
     case_shape = pressure.shape[1:]
     force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(2, -1, *case_shape)
@@ -530,23 +533,26 @@ def body_forces(
     return {"lower": force_on_lower, "upper": np.stack([-force_x, force_y])}
 
 
-def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
+def _have_opposite_nodes(lower_body: CondensedBody, upper_body: CondensedBody) -> bool:
     """Whether both faces are flat and have nodes opposite each other, to 1e-9 of the width."""
-    are_flat = not (lower.y.any() or upper.y.any())
+    are_flat = not (lower_body.y.any() or upper_body.y.any())
     return (
         are_flat
-        and lower.x.shape == upper.x.shape
-        and bool(np.allclose(lower.x, upper.x, rtol=0, atol=1e-9 * np.ptp(lower.x)))
+        and lower_body.x.shape == upper_body.x.shape
+        and bool(np.allclose(lower_body.x, upper_body.x, rtol=0, atol=1e-9 * np.ptp(lower_body.x)))
     )
 
 
-def _mortar_operators(lower: CondensedBody, upper: CondensedBody) -> Mortar:
+def _mortar_operators(lower_body: CondensedBody, upper_body: CondensedBody) -> Mortar:
     """Mortar operators of the two faces in the common frame: they turn nodal displacements into
     weighted means along the normal and the tangent of the middle line.
     """
     from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
 
-    return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
+    return mortar(
+        Side(lower_body.x, lower_body.y, lower_body.order),
+        Side(upper_body.x, -upper_body.y, upper_body.order),
+    )
 
 
 def _flattened(operator: Array) -> Array:
@@ -598,7 +604,7 @@ def meshed_pair(
 
     Returns
     -------
-    lower, upper
+    lower_mesh, upper_mesh
         Each in its own frame (y out of the body), with its supports by boundary.
 
     Raises
@@ -607,12 +613,12 @@ def meshed_pair(
         For a mesh too large for memory, or a face shorter than the contact.
     """
     shapes = scene.bodies
-    lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
-    lower = _with_pulled_ends(lower, shapes.lower, scene)
+    lower_mesh = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
+    lower_mesh = _with_pulled_ends(lower_mesh, shapes.lower, scene)
     if shapes.lower == shapes.upper and mesh.upper_ratio == 1:
-        return lower, lower
-    upper = build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
-    return lower, _with_pulled_ends(upper, shapes.upper, scene)
+        return lower_mesh, lower_mesh
+    upper_mesh = build("upper", shapes.upper, scene.profile, grading(mesh.upper_ratio), mesh)
+    return lower_mesh, _with_pulled_ends(upper_mesh, shapes.upper, scene)
 
 
 def _with_pulled_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
@@ -643,10 +649,12 @@ def condensed_pair(
         counts of condensations and factorisations, added to here
     """
     # BODY_CACHE: cache of condensed bodies in this process
-    lower = BODY_CACHE.condensed_body(bodies[0], scene.material.lower, datum_length, work_counts)
+    lower_body = BODY_CACHE.condensed_body(
+        bodies[0], scene.material.lower, datum_length, work_counts
+    )
     if scene.material.alike and bodies[1] is bodies[0]:
-        return lower, lower
-    return lower, BODY_CACHE.condensed_body(
+        return lower_body, lower_body
+    return lower_body, BODY_CACHE.condensed_body(
         bodies[1], scene.material.upper, datum_length, work_counts
     )
 

@@ -419,14 +419,18 @@ class KernelPair:
         `coupling` (slip by pressure) is None where it is zero.
         """
         # (n, n) each, by the kernels of the fine mesh
-        added_normal, added_tangential, coupling = self.added_compliances(half_planes.x, "fine")
+        added_normal_compliance, added_tangential_compliance, coupling = self.added_compliances(
+            half_planes.x, "fine"
+        )
         if half_planes.coupling is not None:
             coupling = coupling + half_planes.coupling
         interface_along_axes = replace(
             half_planes,
-            normal_compliance=read_only_copy(half_planes.normal_compliance + added_normal),
+            normal_compliance=read_only_copy(
+                half_planes.normal_compliance + added_normal_compliance
+            ),
             tangential_compliance=read_only_copy(
-                half_planes.tangential_compliance + added_tangential
+                half_planes.tangential_compliance + added_tangential_compliance
             ),
             coupling=read_only_copy(coupling) if coupling.any() else None,
         )
@@ -487,7 +491,9 @@ def _slope_of(face: Face, x: Array) -> Array:
     return slope_of_arc(x, radius, flat_half_length)
 
 
-def _on_middle_line(interface_along_axes: Interface, lower: Face, upper: Face) -> Interface:
+def _on_middle_line(
+    interface_along_axes: Interface, lower_face: Face, upper_face: Face
+) -> Interface:
     """Contact compliance of two curved faces along the normal and tangent of the line midway
     between them, from that along the axes x and y. The gap is the distance along that normal.
 
@@ -505,15 +511,15 @@ def _on_middle_line(interface_along_axes: Interface, lower: Face, upper: Face) -
     interface_along_axes
         compliance of both bodies along x and y, with nodes on flat faces: places `x` of the nodes,
         length of face of each, N, T and K (n, n), K None where it is zero
-    lower, upper
+    lower_face, upper_face
         shapes of the two faces: `depth` of each below its middle, at places x
     """
     # Normal of the line midway between the faces.
     x = interface_along_axes.x
-    depth_of_lower = lower.depth(x)
-    depth_of_upper = upper.depth(x)
+    depth_of_lower = lower_face.depth(x)
+    depth_of_upper = upper_face.depth(x)
     # The lower face lies at y = -depth, the upper one at y = +depth.
-    slope = (_slope_of(upper, x) - _slope_of(lower, x)) / 2
+    slope = (_slope_of(upper_face, x) - _slope_of(lower_face, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
     n_x = -slope * n_y
 

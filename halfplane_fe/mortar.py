@@ -77,7 +77,7 @@ class Mortar:
     upper: Array
 
 
-def mortar(lower: Side, upper: Side) -> Mortar:
+def mortar(lower_face: Side, upper_face: Side) -> Mortar:
     """Dual mortar coupling of two contact faces: operators that give gap and slip at the n nodes of
     the lower face as weighted means of the displacements of both faces.
 
@@ -93,7 +93,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
 
     Parameters
     ----------
-    lower, upper
+    lower_face, upper_face
         nodes of the two faces in the common frame: x (n,) ascending, y, and the order 1 or 2 of
         their elements
 
@@ -116,12 +116,15 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
     [0.0, 0.5, 1.0]
     """
-    side_length = lower.x[-1] - lower.x[0]
-    if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * side_length:
+    side_length = lower_face.x[-1] - lower_face.x[0]
+    if (
+        max(abs(lower_face.x[0] - upper_face.x[0]), abs(lower_face.x[-1] - upper_face.x[-1]))
+        > 1e-9 * side_length
+    ):
         raise ValueError("the two contact sides do not begin and end together")
 
     # Common refinement: segments between the ends of the elements of both faces, with Gauss points.
-    segment_ends = np.union1d(lower.x[:: lower.order], upper.x[:: upper.order])
+    segment_ends = np.union1d(lower_face.x[:: lower_face.order], upper_face.x[:: upper_face.order])
     segment_ends = segment_ends[
         np.concatenate([[True], np.diff(segment_ends) > 1e-12 * side_length])
     ]
@@ -131,8 +134,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     x = middle + half_length * _POINTS
 
     # Line half-way between the faces at these points, (s, m): its slope, normal and tangent.
-    lower_at_points = _side_at_points(lower, x)
-    upper_at_points = _side_at_points(upper, x)
+    lower_at_points = _side_at_points(lower_face, x)
+    upper_at_points = _side_at_points(upper_face, x)
     slope = (lower_at_points.slope + upper_at_points.slope) / 2  # of the line half-way between
     length_factor = np.sqrt(1 + slope**2)
     lengths = half_length * _WEIGHTS * length_factor  # Gauss weights, along that line
@@ -141,8 +144,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     distance_along_normal = (upper_at_points.y - lower_at_points.y) * unit_normal[1]
 
     # Integrals of functions at the points times the dual functions.
-    n_duals = len(lower.x)
-    weighted_duals = _weighted_dual_functions(lower, lower_at_points, lengths)
+    n_duals = len(lower_face.x)
+    weighted_duals = _weighted_dual_functions(lower_face, lower_at_points, lengths)
 
     def integrals_with_duals(values: Array) -> Array:
         """Integrals (n,) of dual functions psi_j times a function given at the points (s, m)."""
@@ -177,8 +180,8 @@ def mortar(lower: Side, upper: Side) -> Mortar:
         / dual_integrals,
         gap=integrals_with_duals(distance_along_normal) / dual_integrals,
         nearest_x_and_gap=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
-        lower=mean_displacement(lower, lower_at_points),
-        upper=mean_displacement(upper, upper_at_points),
+        lower=mean_displacement(lower_face, lower_at_points),
+        upper=mean_displacement(upper_face, upper_at_points),
     )
 
 

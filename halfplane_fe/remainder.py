@@ -667,9 +667,9 @@ def body_effects(scene: Scene | str | Path) -> BodyEffects:
     (2, 0.0)
     """
     scene = scene_of(scene)
-    lower = _body_numbers_in(scene, "lower")
-    upper = lower if bodies_are_alike(scene) else _body_numbers_in(scene, "upper")
-    return effects_of_both_bodies(lower, upper, scene)
+    lower_numbers = _body_numbers_in(scene, "lower")
+    upper_numbers = lower_numbers if bodies_are_alike(scene) else _body_numbers_in(scene, "upper")
+    return effects_of_both_bodies(lower_numbers, upper_numbers, scene)
 
 
 def _body_numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
@@ -722,7 +722,9 @@ def require_known_effects(name: str, shape: Shape, scene: Scene) -> None:
         )
 
 
-def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
+def effects_of_both_bodies(
+    lower_numbers: BodyNumbers, upper_numbers: BodyNumbers, scene: Scene
+) -> BodyEffects:
     """Effect of the finite size of both bodies on their contact, from the added compliances,
     curvatures, strains and slopes of each: sums of compliances and curvatures, differences of
     strains and slopes.
@@ -737,7 +739,7 @@ def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene)
 
     Parameters
     ----------
-    lower, upper
+    lower_numbers, upper_numbers
         numbers of each body in its own frame, each with an uncertainty; of fourth order those by
         x^4 + s^4 and, mixed, by x^2 s^2. Where they are one object, both differences are 0
     scene
@@ -746,35 +748,45 @@ def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene)
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,
-        normal_compliance=_sum_of_estimates(lower.normal_compliance, upper.normal_compliance),
+        normal_compliance=_sum_of_estimates(
+            lower_numbers.normal_compliance, upper_numbers.normal_compliance
+        ),
         tangential_compliance=_sum_of_estimates(
-            lower.tangential_compliance, upper.tangential_compliance
+            lower_numbers.tangential_compliance, upper_numbers.tangential_compliance
         ),
-        normal_curvature=_sum_of_estimates(lower.normal_curvature, upper.normal_curvature),
+        normal_curvature=_sum_of_estimates(
+            lower_numbers.normal_curvature, upper_numbers.normal_curvature
+        ),
         tangential_curvature=_sum_of_estimates(
-            lower.tangential_curvature, upper.tangential_curvature
+            lower_numbers.tangential_curvature, upper_numbers.tangential_curvature
         ),
-        tilt_under_shear=_difference_of_estimates(upper.slope_under_shear, lower.slope_under_shear),
+        tilt_under_shear=_difference_of_estimates(
+            upper_numbers.slope_under_shear, lower_numbers.slope_under_shear
+        ),
         strain_under_pressure=_difference_of_estimates(
-            lower.strain_under_pressure, upper.strain_under_pressure
+            lower_numbers.strain_under_pressure, upper_numbers.strain_under_pressure
         ),
-        normal_fourth=_sum_of_estimates(lower.normal_fourth, upper.normal_fourth),
-        tangential_fourth=_sum_of_estimates(lower.tangential_fourth, upper.tangential_fourth),
-        normal_mixed=_sum_of_estimates(lower.normal_mixed, upper.normal_mixed),
-        tangential_mixed=_sum_of_estimates(lower.tangential_mixed, upper.tangential_mixed),
+        normal_fourth=_sum_of_estimates(lower_numbers.normal_fourth, upper_numbers.normal_fourth),
+        tangential_fourth=_sum_of_estimates(
+            lower_numbers.tangential_fourth, upper_numbers.tangential_fourth
+        ),
+        normal_mixed=_sum_of_estimates(lower_numbers.normal_mixed, upper_numbers.normal_mixed),
+        tangential_mixed=_sum_of_estimates(
+            lower_numbers.tangential_mixed, upper_numbers.tangential_mixed
+        ),
         dundurs_beta=dundurs(scene.material).beta,
-        unknowns=lower.unknowns + upper.unknowns,
-        factorisations=lower.factorisations + upper.factorisations,
+        unknowns=lower_numbers.unknowns + upper_numbers.unknowns,
+        factorisations=lower_numbers.factorisations + upper_numbers.factorisations,
     )
-    if upper is not lower:
+    if upper_numbers is not lower_numbers:
         return effects
     # One body stands for both: its errors cancel from the differences, and it was solved once.
     return replace(
         effects,
         tilt_under_shear=_ZERO_ESTIMATE,
         strain_under_pressure=_ZERO_ESTIMATE,
-        unknowns=lower.unknowns,
-        factorisations=lower.factorisations,
+        unknowns=lower_numbers.unknowns,
+        factorisations=lower_numbers.factorisations,
     )
 
 

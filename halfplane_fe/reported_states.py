@@ -280,11 +280,11 @@ def shear_grows_within_cone(
     sticks_in_full = np.zeros(len(states), dtype=bool)
     for instant, (state_before, state_after) in enumerate(itertools.pairwise(states), start=1):
         closed_nodes = np.flatnonzero(state_before.is_closed & state_after.is_closed)
-        n_closed = len(closed_nodes)
+        n_closed_nodes = len(closed_nodes)
         if is_half:
-            n_closed = 2 * n_closed - int(0 in closed_nodes)  # node 0 has no image
+            n_closed_nodes = 2 * n_closed_nodes - int(0 in closed_nodes)  # node 0 has no image
         # _NODES_AT_EDGE: positions 2 to 5 from the edge inwards
-        if n_closed < 2 * _NODES_AT_EDGE.stop:
+        if n_closed_nodes < 2 * _NODES_AT_EDGE.stop:
             continue
         nodes_at_edges = closed_nodes[::-1][_NODES_AT_EDGE]
         if not is_half:
@@ -297,7 +297,7 @@ def shear_grows_within_cone(
 
 
 def _gap_and_slip_from_middle(
-    stress_and_tilt_changes: Array, displacement_per_unit: Array, is_stick: Mask
+    stress_and_tilt_changes: Array, displacement_per_unit: Array, is_stuck: Mask
 ) -> tuple[Array, Array]:
     """Changes of gap and of slip of n nodes by bulk stress and tilt in k increments, (k, n) each,
     minus their values at the middle of the stick zone; 0 where nothing sticks.
@@ -308,20 +308,21 @@ def _gap_and_slip_from_middle(
         (k, 3) changes of the bulk stresses of lower and upper body and of the tilt
     displacement_per_unit
         (2, n, 3) gap and slip of the nodes by a unit of each
-    is_stick
+    is_stuck
         (k, n) whether a node sticks after an increment
     """
     # First and last node of the stick zone; its middle has the mean value of both.
-    first_stick_node = np.argmax(is_stick, axis=1)
-    last_stick_node = is_stick.shape[1] - 1 - np.argmax(is_stick[:, ::-1], axis=1)
+    first_stick_node = np.argmax(is_stuck, axis=1)
+    last_stick_node = is_stuck.shape[1] - 1 - np.argmax(is_stuck[:, ::-1], axis=1)
     end_nodes = np.stack([first_stick_node, last_stick_node], axis=1)
-    has_stick_zone = is_stick.any(axis=1, keepdims=True)
+    has_stick_zone = is_stuck.any(axis=1, keepdims=True)
 
-    def change_from_middle(per_unit: Array) -> Array:
+    def change_from_middle(value_per_unit: Array) -> Array:
         """Change of gap or slip of n nodes in k increments, (k, n), minus its value at the middle
-        of the stick zone; `per_unit` (n, 3) is that by a unit of both bulk stresses and of tilt.
+        of the stick zone; `value_per_unit` (n, 3) is gap or slip by a unit of both bulk stresses
+        and of tilt.
         """
-        change = stress_and_tilt_changes @ per_unit.T
+        change = stress_and_tilt_changes @ value_per_unit.T
         middle_value = np.take_along_axis(change, end_nodes, axis=1).mean(axis=1, keepdims=True)
         return np.asarray((change - middle_value) * has_stick_zone)
 

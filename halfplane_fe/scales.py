@@ -133,14 +133,17 @@ class Scales:
         return numbers
 
 
-def contact_modulus(lower: Elastic, upper: Elastic) -> float:
+def contact_modulus(lower_material: Elastic, upper_material: Elastic) -> float:
     """E* of two bodies in plane strain: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
     >>> steel = Elastic(young_modulus=210e3, poisson_ratio=0.3)
     >>> round(contact_modulus(steel, steel), 3)
     115384.615
     """
-    return 1 / sum((1 - body.poisson_ratio**2) / body.young_modulus for body in (lower, upper))
+    return 1 / sum(
+        (1 - material.poisson_ratio**2) / material.young_modulus
+        for material in (lower_material, upper_material)
+    )
 
 
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:

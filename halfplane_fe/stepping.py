@@ -806,8 +806,8 @@ def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> t
     shares = values_before[falling_nodes] / (
         values_before[falling_nodes] - values_after[falling_nodes]
     )
-    number_of_first = int(shares.argmin())
-    return float(shares[number_of_first]), int(falling_nodes[number_of_first])
+    index_of_first_crossing = int(shares.argmin())
+    return float(shares[index_of_first_crossing]), int(falling_nodes[index_of_first_crossing])
 
 
 def states_up_to_event(start_state: InterfaceState, solved_state: InterfaceState) -> States:

@@ -74,10 +74,10 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
     middle = ends_by_states.mean()
     for column, side in enumerate((-1, 1)):  # left and right end
         # Nodes beyond the end, outwards from the first one that slides.
-        next_right = int(np.searchsorted(x, ends_by_states[column]))
-        first_sliding = next_right if side > 0 else next_right - 1
+        next_node_on_right = int(np.searchsorted(x, ends_by_states[column]))
+        first_sliding_node = next_node_on_right if side > 0 else next_node_on_right - 1
         # _FIRST_NODES: positions 1, 2 and 3 at which the lines begin; _ON_LINE: three nodes of each
-        nodes_beyond = first_sliding + side * np.arange(_FIRST_NODES[-1] + _ON_LINE)
+        nodes_beyond = first_sliding_node + side * np.arange(_FIRST_NODES[-1] + _ON_LINE)
         if nodes_beyond.min() < 1 or nodes_beyond.max() > len(x) - 2:
             continue
 
@@ -92,7 +92,7 @@ def ends_by_slip(x: Array, slip_range: Array, ends_by_states: Array) -> Edges:
         ]
         end_by_first_line, end_by_second_line, end_by_last_line = ends_by_lines
         place = middle + side * end_by_second_line
-        spacing = abs(x[first_sliding] - x[first_sliding - side])
+        spacing = abs(x[first_sliding_node] - x[first_sliding_node - side])
 
         # It is accepted within two nodes of the end by states. False of NaN too
         if abs(place - ends_by_states[column]) <= _SAME_END * spacing:
@@ -133,6 +133,6 @@ def _zero(x: Array, values: Array) -> float:
     """Place at which the straight line of least squares through values at places x is zero; NaN of
     a level line.
     """
-    from_mean = x - x.mean()
-    slope = float(from_mean @ values / (from_mean @ from_mean))
+    distance_from_mean = x - x.mean()
+    slope = float(distance_from_mean @ values / (distance_from_mean @ distance_from_mean))
     return float(x.mean() - values.mean() / slope) if slope else float("nan")

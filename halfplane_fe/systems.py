@@ -251,8 +251,8 @@ def _sliding_where_open(states: States) -> States:
     if not len(sliding_nodes):
         return np.where(states == OPEN, SLIP_FORWARD, states)
     distances = np.abs(np.subtract.outer(np.arange(len(states)), sliding_nodes))
-    nearest_sliding = states[sliding_nodes[distances.argmin(axis=1)]]
-    return np.where(states == OPEN, nearest_sliding, states)
+    state_of_nearest_sliding_node = states[sliding_nodes[distances.argmin(axis=1)]]
+    return np.where(states == OPEN, state_of_nearest_sliding_node, states)
 
 
 class _NestedCompliance:
@@ -581,11 +581,13 @@ class Systems:
         """
         if not self._nested_compliances:
             return False
-        n_touching = int(np.count_nonzero(states))
-        n_sticking = int(np.count_nonzero(states == STICK))
-        touching_states = states[:n_touching]
+        n_touching_nodes = int(np.count_nonzero(states))
+        n_sticking_nodes = int(np.count_nonzero(states == STICK))
+        touching_states = states[:n_touching_nodes]
         return bool(
-            n_sticking and touching_states.all() and (touching_states[:n_sticking] == STICK).all()
+            n_sticking_nodes
+            and touching_states.all()
+            and (touching_states[:n_sticking_nodes] == STICK).all()
         )
 
     def _values_of_nested(
@@ -609,8 +611,8 @@ class Systems:
             by how much: one more row of what is returned; None for none
         """
         n = len(states)
-        n_touching = int(np.count_nonzero(states))
-        n_sticking = int(np.count_nonzero(states == STICK))
+        n_touching_nodes = int(np.count_nonzero(states))
+        n_sticking_nodes = int(np.count_nonzero(states == STICK))
         n_cases = n_loads + (rows is not None)
 
         # Right sides of the equations, normal and tangential: 0 but for the changes.
@@ -628,8 +630,8 @@ class Systems:
         # Normal problem: pressure, approach and gap.
         normal_compliance = self._nested_compliances[0]
         pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
-            n_touching,
-            n_touching,
+            n_touching_nodes,
+            n_touching_nodes,
             normal_right_sides,
             normal_load,
             self.actuators.normal_compliance,
@@ -640,12 +642,12 @@ class Systems:
             tangential_compliance = self._nested_compliances[1]
             # Shear displaces the faces against the slip: with the tangential compliance T the slip
             # is U - T q, the opposite of the displacement that is solved for.
-            tangential_right_sides[:n_sticking] *= -1
+            tangential_right_sides[:n_sticking_nodes] *= -1
             signed_friction = slip_sign(states) * self.friction  # q/p; 0 unless sliding
             tangential_right_sides += signed_friction[:, None] * pressure
             shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
-                n_sticking,
-                n_touching,
+                n_sticking_nodes,
+                n_touching_nodes,
                 tangential_right_sides,
                 tangential_load,
                 self.actuators.tangential_compliance,

@@ -110,8 +110,8 @@ def pressure_at_known_shear(
         # Violations of the laws.
         gap = initial_gap - n_y * approach + systems.normal_compliance @ pressure
         violation = np.where(is_closed, -pressure, -gap)
-        next_closed = np.where(violation > round_off, ~is_closed, is_closed)
-        return _NormalForces(pressure, float(approach)), violation, next_closed
+        is_closed_next = np.where(violation > round_off, ~is_closed, is_closed)
+        return _NormalForces(pressure, float(approach)), violation, is_closed_next
 
     forces, is_closed = _forces_by_active_set(normal_step, is_closed)
     return forces.pressure, forces.approach, is_closed

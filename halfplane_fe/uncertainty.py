@@ -510,8 +510,8 @@ def slip_uncertainty(
     if values.largest_slip == 0 or scaled_work < _LEAST_WORK_OF_SLIP:
         return math.nan
     # the way to the edge, in distances of nodes, with fitted shares
-    nodes_missing = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
-    slip_by_nodes = nodes_missing * values.slip_to_next_nodes
+    node_distances_to_edge = _SLIP_TO_EDGE * nodes_to_edge + _SLIP_AT_NODE
+    slip_by_nodes = node_distances_to_edge * values.slip_to_next_nodes
     # _SLIP_BETWEEN_INSTANTS: fitted share
     slip_by_increments = _SLIP_BETWEEN_INSTANTS * values.slip_between_instants
     # _ROUND_OFF: relative round-off
@@ -527,10 +527,10 @@ def _with_neighbours(is_closed: Mask) -> Mask:
     """Nodes that touch at an instant, or at the one before or after it, a mask (k, n), from the
     nodes that touch at each of k instants, a mask `is_closed` (k, n).
     """
-    with_neighbours = is_closed.copy()
-    with_neighbours[1:] |= is_closed[:-1]
-    with_neighbours[:-1] |= is_closed[1:]
-    return with_neighbours
+    is_closed_nearby = is_closed.copy()
+    is_closed_nearby[1:] |= is_closed[:-1]
+    is_closed_nearby[:-1] |= is_closed[1:]
+    return is_closed_nearby
 
 
 def _common_instants(instants: Array, other_instants: Array) -> tuple[Indices, Indices]:
@@ -769,8 +769,8 @@ def scatter_of_nodes(pressure: Array, node: int) -> float:
     1.0
     """
     # _BESIDE_LARGEST_PRESSURE: nodes on either side
-    n_beside = _BESIDE_LARGEST_PRESSURE + 2
-    pressure_around = pressure[max(node - n_beside, 0) : node + n_beside + 1]
+    n_nodes_beside = _BESIDE_LARGEST_PRESSURE + 2
+    pressure_around = pressure[max(node - n_nodes_beside, 0) : node + n_nodes_beside + 1]
     fourth_differences = np.diff(pressure_around, n=4)
     return float(np.max(np.abs(fourth_differences), initial=0.0)) / _OF_ONE_NODE
 

@@ -283,11 +283,14 @@ class _Outline:
         self._has_sharp_base_corner = supports["base"] == "fixed" and "sides" not in supports
         self._step_corners: list[tuple[float, float]] = []  # from the face downwards
         if isinstance(shape, TShape | ShoulderedPad):
-            step_depth, half_width_below = lengths_to_twelve_digits(
+            step_depth, half_width_below_step = lengths_to_twelve_digits(
                 np.array(shape.step) / length_unit
             ).tolist()
-            self._step_corners = [(self._half_width, -step_depth), (half_width_below, -step_depth)]
-            self._side_end = (half_width_below, -self._height)
+            self._step_corners = [
+                (self._half_width, -step_depth),
+                (half_width_below_step, -step_depth),
+            ]
+            self._side_end = (half_width_below_step, -self._height)
 
     @property
     def sharp_corners(self) -> list[tuple[float, float]]:
