@@ -364,9 +364,12 @@ def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
 
 
 def face_of(shape: Shape, profile: Profile) -> Face:
-    """The face of a body: flat, an arc, a flat with arcs, or the profile itself."""
+    """The face of a body of this `shape`, as a function x -> depth below the point of first
+    contact: flat, an arc, a flat with arcs, or the gap `profile` itself.
+    """
     if not isinstance(shape, Cylinder | Pad | ShoulderedPad):
         return Face(np.zeros_like, is_flat=True)
+    # half the length of the flat, and radius of the arcs; None where the face is no arc
     arc = (0.0, shape.radius) if isinstance(shape, Cylinder) else profile.arc
     return (
         Face(profile.height) if arc is None else Face(lambda x: arc_depth(x, arc[1], arc[0]), arc)

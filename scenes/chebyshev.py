@@ -58,8 +58,8 @@ _MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_PIECE) + 1) / _PARTS_OF_PIECE - 1
 
 @cache
 def _series_to_parts() -> Array:
-    """(_PARTS_OF_PIECE, _N_TERMS, _N_TERMS) from the coefficients of a series on [-1, 1] to those
-    of the series on each part of it.
+    """Matrices that take the Chebyshev coefficients of a function on [-1, 1] to those of the same
+    function on each of eight equal parts: (8 parts, 25 terms on the part, 25 terms).
     """
     places_of_nodes = _MIDDLES_OF_PARTS[:, None] + CHEBYSHEV_NODES / _PARTS_OF_PIECE
     return np.asarray(
@@ -69,8 +69,8 @@ def _series_to_parts() -> Array:
 
 @cache
 def _terms_to_powers() -> Array:
-    """(_N_TERMS, _N_TERMS) from the coefficients of a series on a part to those of powers of s on
-    [-1/2, 1/2].
+    """Matrix (25 powers, 25 terms) that takes the Chebyshev coefficients of a function on an
+    interval of length 1, s from -1/2 to 1/2, to the coefficients of the powers of s.
     """
     powers_of_polynomials = [
         np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, CHEBYSHEV_DEGREE - k))
@@ -212,7 +212,8 @@ def clenshaw_values(coefficients: Array, number: NDArray[np.intp], t: Array) -> 
         series_number = series_of_places[block]
         place = places[block]
         double_place = 2 * place
-        # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence
+        # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence, c_k the coefficient of
+        # T_k; b, b_1, b_2 are b_k, b_(k+1), b_(k+2)
         b, b_1, b_2, product = np.zeros((4, len(place)))
         for coefficients_of_term in coefficients[:0:-1]:
             coefficients_of_term.take(series_number, out=b, mode="clip")
@@ -386,32 +387,32 @@ def piecewise_series_by_halving(
             1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
         )
         can_be_halved = ends - begins > least_length[first_interval]
-        to_be_halved = (truncation_error(coefficients) > error_limits) & can_be_halved
+        is_to_be_halved = (truncation_error(coefficients) > error_limits) & can_be_halved
         # _MOST_PIECES: 400 series for the parts of one first interval
         unresolved_intervals = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1)
-            | (to_be_halved & (n_series[first_interval] > _MOST_PIECES))
+            | (is_to_be_halved & (n_series[first_interval] > _MOST_PIECES))
         )
         if len(unresolved_intervals):
             first_unresolved = unresolved_intervals[0]
             raise UnresolvedError(float(begins[first_unresolved]), float(ends[first_unresolved]))
-        accurate_begins.append(begins[~to_be_halved])
-        accurate_series.append(coefficients[~to_be_halved])
+        accurate_begins.append(begins[~is_to_be_halved])
+        accurate_series.append(coefficients[~is_to_be_halved])
 
         # All left halves, then all right halves.
-        begins = begins[to_be_halved]
-        ends = ends[to_be_halved]
+        begins = begins[is_to_be_halved]
+        ends = ends[is_to_be_halved]
         middles = (begins + ends) / 2
         begins = np.append(begins, middles)
         ends = np.append(middles, ends)
-        first_interval = np.tile(first_interval[to_be_halved], 2)
+        first_interval = np.tile(first_interval[is_to_be_halved], 2)
         if len(begins):
             values = values_on(begins, ends)
 
-    ascending = np.argsort(np.concatenate(accurate_begins))
+    ascending_order = np.argsort(np.concatenate(accurate_begins))
     return PiecewiseSeries(
-        np.append(np.concatenate(accurate_begins)[ascending], edges[-1]),
-        np.concatenate(accurate_series)[ascending].T.copy(),
+        np.append(np.concatenate(accurate_begins)[ascending_order], edges[-1]),
+        np.concatenate(accurate_series)[ascending_order].T.copy(),
     )
 
 

@@ -61,36 +61,38 @@ class ClockColumn:
         match = _INSTANT.match(text)
         if match is None:
             return None
-        minutes = 60 * int(match["hours"] or 0) + int(match["minutes"])
+        minutes_since_midnight = 60 * int(match["hours"] or 0) + int(match["minutes"])
         # some loggers write hh:mm:ss:fff
         seconds_of_minute = float(match["seconds"].replace(",", ".").replace(":", "."))
-        since_midnight = 60.0 * minutes + seconds_of_minute
+        seconds_since_midnight = 60.0 * minutes_since_midnight + seconds_of_minute
         am_or_pm = match["half"]
         if am_or_pm:
             # _SECONDS_OF_DAY: 86,400
             half_day = _SECONDS_OF_DAY / 2
-            since_midnight = since_midnight % half_day + (am_or_pm[0] in "Pp") * half_day
-        since_midnight -= _zone_offset(match["zone"])
+            is_pm = am_or_pm[0] in "Pp"
+            seconds_since_midnight = seconds_since_midnight % half_day + is_pm * half_day
+        seconds_since_midnight -= _zone_offset(match["zone"])
 
         # The first row is where time is counted from: its text, date, and seconds since midnight.
         date_text = match["date"] or ""
         if not self.first_text:
             self.first_text = text
             self._first_date = date_text
-            self._first_seconds = since_midnight
-            self._last_seconds = since_midnight
+            self._first_seconds = seconds_since_midnight
+            self._last_seconds = seconds_since_midnight
         # Days since the first row, by dates or by midnights that have passed.
-        days_since_first = 0
+        days_since_first_row = 0
         if date_text and date_text != self._first_date:
-            days_since_first = _day_number(date_text) - _day_number(self._first_date)
+            days_since_first_row = _day_number(date_text) - _day_number(self._first_date)
         elif not date_text:
-            if since_midnight < self._last_seconds - _SECONDS_OF_DAY / 2:
+            if seconds_since_midnight < self._last_seconds - _SECONDS_OF_DAY / 2:
                 self._midnights += 1
-            self._last_seconds = since_midnight
-            days_since_first = self._midnights
+            self._last_seconds = seconds_since_midnight
+            days_since_first_row = self._midnights
         # To the tenth of a nanosecond: beyond is round-off of the subtraction.
         return round(
-            days_since_first * _SECONDS_OF_DAY + (since_midnight - self._first_seconds), 10
+            days_since_first_row * _SECONDS_OF_DAY + (seconds_since_midnight - self._first_seconds),
+            10,
         )
 
 

@@ -151,15 +151,15 @@ def parsed_toml(text: str) -> dict[str, Any]:
     """
     n_open_brackets = 0
     n_keys = 0
-    symbol_before = ""
+    previous_symbol = ""
     # Tokens: comments, strings, keys and numbers, brackets. "deep" is a key of too many parts,
     # "long" a word with too many characters.
     for token in _TOML_TOKENS.finditer(text):
         symbol = token["sign"] or ""  # a bracket, or the equals sign between key and value
-        is_table_heading = symbol == "[" and n_open_brackets == 0 and symbol_before != "="
+        is_table_heading = symbol == "[" and n_open_brackets == 0 and previous_symbol != "="
         n_keys += symbol == "=" or is_table_heading
         n_open_brackets += (symbol in "[{") - (symbol in "]}") if symbol else 0
-        symbol_before = symbol
+        previous_symbol = symbol
         # _LARGEST_NESTING_DEPTH: 8 tables within each other
         is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_NESTING_DEPTH
         if is_too_deep or token["long"] or n_keys > _MOST_KEYS:
@@ -376,7 +376,7 @@ def _toml_lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
     """Lines of a TOML file for a table of keys: first the keys with plain values, then the tables
     in it, each under a heading [name] or, for a list of tables, [[name]].
 
-    `heading_begin` is the full name of this table with a point behind it, as in "load.", and ""
+    `heading_begin` is the full name of this table with a dot behind it, as in "load.", and ""
     at the top.
     """
     inner_tables = {
@@ -412,7 +412,7 @@ def source_digest(*names: str) -> str:
     """SHA-256 hash of the source code of modules, or of packages with all files in them, by which a
     cached result is tied to the code that made it.
 
-    It is computed once in each process. `names` are module names with points.
+    It is computed once in each process. `names` are dotted module names, such as "scenes.files".
 
     Raises
     ------

@@ -368,7 +368,7 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
         """
         # pydantic's `model_fields_set`: keys that were given; `model_fields`: all keys of a table.
         given_keys = self.model_fields_set - {*self.keys_of_program}
-        kept_keys = {key: value for key, value in self if key == "kind" or key in given_keys}
+        merged_values = {key: value for key, value in self if key == "kind" or key in given_keys}
         for key, changed_value in changes.items():
             is_known = key in type(self).model_fields
             present_value = getattr(self, key) if is_known else None
@@ -378,10 +378,10 @@ class Frozen(BaseModel, metaclass=_RefusalsInOneSentence):
                 and isinstance(changed_value, Mapping)
                 and changed_value.get("kind", present_kind) == present_kind
             ):
-                kept_keys[key] = present_value.merged(changed_value)
+                merged_values[key] = present_value.merged(changed_value)
             else:
-                kept_keys[key] = changed_value
-        return kept_keys
+                merged_values[key] = changed_value
+        return merged_values
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""

@@ -368,8 +368,8 @@ class FromFile(Frozen):
             self.table: Table.of_rows(values[:, :n_table_columns]),
             "read_as": tuple(descriptions),
         }
-        for number, name in enumerate(optional_names):
-            values_of_keys[name] = tuple(values[:, n_table_columns + number].tolist())
+        for index, name in enumerate(optional_names):
+            values_of_keys[name] = tuple(values[:, n_table_columns + index].tolist())
         # The model is frozen, and is still being validated here.
         for key, key_value in values_of_keys.items():
             object.__setattr__(self, key, key_value)
@@ -688,10 +688,10 @@ def reduced_record(
         kept_values = values
     elif reduction == "turning_points":
         rows_of_ends = [0, len(values) - 1]
-        rows_of_turns_in_p = rows_of_turning_points(values[:, 1], normal_threshold)
-        rows_of_turns_in_q = rows_of_turning_points(values[:, 2], tangential_threshold)
+        turning_rows_of_p = rows_of_turning_points(values[:, 1], normal_threshold)
+        turning_rows_of_q = rows_of_turning_points(values[:, 2], tangential_threshold)
         kept_values = values[
-            np.unique(np.concatenate([rows_of_ends, rows_of_turns_in_p, rows_of_turns_in_q]))
+            np.unique(np.concatenate([rows_of_ends, turning_rows_of_p, turning_rows_of_q]))
         ]
     else:
         thresholds = np.array([normal_threshold, tangential_threshold])
@@ -713,7 +713,7 @@ def means_of_neighbours(values: Array, count: int) -> Array:
 def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     """Row numbers (m,) of the turning points of a measured series `values` (n,), small swings left
     out: an extreme counts once the series has left it by more than the `threshold`. The first
-    value may be one, the last is none.
+    value may be a turning point, the last is not.
 
     >>> rows_of_turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
     [0, 3, 4]
@@ -725,26 +725,26 @@ def rows_of_turning_points(values: Array, threshold: float) -> Rows:
     extreme_rows = moving_rows[:-1][changes[moving_rows[:-1]] * changes[moving_rows[1:]] < 0] + 1
 
     # An extreme counts once the series has moved away from it by more than the threshold.
-    rows_of_turns: list[int] = []
+    turning_rows: list[int] = []
     swing_direction = 0  # of the swing that is followed: 1 up, -1 down, 0 unknown
-    row_of_least = 0  # of the least and the largest value in that swing so far
-    row_of_largest = 0
+    row_of_least_value = 0  # of the least and the largest value in that swing so far
+    row_of_largest_value = 0
     for row, value in zip(
         (*extreme_rows.tolist(), len(values) - 1),
         (*values[extreme_rows].tolist(), float(values[-1])),
         strict=True,
     ):
-        row_of_largest = row if value > values[row_of_largest] else row_of_largest
-        row_of_least = row if value < values[row_of_least] else row_of_least
-        if swing_direction >= 0 and values[row_of_largest] - value > threshold:
-            rows_of_turns.append(row_of_largest)
+        row_of_largest_value = row if value > values[row_of_largest_value] else row_of_largest_value
+        row_of_least_value = row if value < values[row_of_least_value] else row_of_least_value
+        if swing_direction >= 0 and values[row_of_largest_value] - value > threshold:
+            turning_rows.append(row_of_largest_value)
             swing_direction = -1
-            row_of_least = row
-        elif swing_direction <= 0 and value - values[row_of_least] > threshold:
-            rows_of_turns.append(row_of_least)
+            row_of_least_value = row
+        elif swing_direction <= 0 and value - values[row_of_least_value] > threshold:
+            turning_rows.append(row_of_least_value)
             swing_direction = 1
-            row_of_largest = row
-    return np.array(rows_of_turns, dtype=np.int64)
+            row_of_largest_value = row
+    return np.array(turning_rows, dtype=np.int64)
 
 
 def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
@@ -774,22 +774,28 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
         """
         # Change of P and Q along the line, and the loads of rows between, from its begin.
         change = loads[last_row] - loads[first_row]
-        loads_from_first = loads[first_row + 1 : last_row] - loads[first_row]
+        loads_from_first_row = loads[first_row + 1 : last_row] - loads[first_row]
         with np.errstate(divide="ignore", invalid="ignore"):
             # Positions on the line at which a load is just within the tolerance of a row.
-            position_at_lower = (loads_from_first - tolerance_and_roundoff) / change
-            position_at_upper = (loads_from_first + tolerance_and_roundoff) / change
+            position_at_lower_bound = (loads_from_first_row - tolerance_and_roundoff) / change
+            position_at_upper_bound = (loads_from_first_row + tolerance_and_roundoff) / change
         # A load that does not change along the line allows all positions or none.
         is_constant = change == 0
-        if np.any(np.abs(loads_from_first[:, is_constant]) > tolerance_and_roundoff[is_constant]):
+        if np.any(
+            np.abs(loads_from_first_row[:, is_constant]) > tolerance_and_roundoff[is_constant]
+        ):
             return False
         least_position = np.max(
-            np.where(is_constant, 0.0, np.minimum(position_at_lower, position_at_upper)),
+            np.where(
+                is_constant, 0.0, np.minimum(position_at_lower_bound, position_at_upper_bound)
+            ),
             axis=1,
             initial=0.0,
         )
         largest_position = np.min(
-            np.where(is_constant, 1.0, np.maximum(position_at_lower, position_at_upper)),
+            np.where(
+                is_constant, 1.0, np.maximum(position_at_lower_bound, position_at_upper_bound)
+            ),
             axis=1,
             initial=1.0,
         )
@@ -800,18 +806,18 @@ def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
     last_row = len(loads) - 1
     while kept_rows[-1] < last_row:
         first_row = kept_rows[-1]
-        rows_that_fit = 1
-        while first_row + 2 * rows_that_fit <= last_row and line_fits(
-            first_row, first_row + 2 * rows_that_fit
+        n_rows_that_fit = 1
+        while first_row + 2 * n_rows_that_fit <= last_row and line_fits(
+            first_row, first_row + 2 * n_rows_that_fit
         ):
-            rows_that_fit *= 2
+            n_rows_that_fit *= 2
         # A line over so many rows does not fit, or was not tried: halve the range between.
-        rows_too_many = min(2 * rows_that_fit, last_row - first_row + 1)
-        while rows_too_many - rows_that_fit > 1:
-            rows_tried = (rows_that_fit + rows_too_many) // 2
-            if line_fits(first_row, first_row + rows_tried):
-                rows_that_fit = rows_tried
+        n_rows_too_many = min(2 * n_rows_that_fit, last_row - first_row + 1)
+        while n_rows_too_many - n_rows_that_fit > 1:
+            n_rows_tried = (n_rows_that_fit + n_rows_too_many) // 2
+            if line_fits(first_row, first_row + n_rows_tried):
+                n_rows_that_fit = n_rows_tried
             else:
-                rows_too_many = rows_tried
-        kept_rows.append(first_row + rows_that_fit)
+                n_rows_too_many = n_rows_tried
+        kept_rows.append(first_row + n_rows_that_fit)
     return np.array(kept_rows, dtype=np.int64)

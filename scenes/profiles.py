@@ -522,8 +522,9 @@ def _require_rising(slope: PiecewiseSeries) -> None:
 
 
 def _integral_of_slope(slope: PiecewiseSeries) -> PiecewiseSeries:
-    """Integral of a function given by Chebyshev series on intervals, from the first edge on, as
-    series of the same degree: the term of the next degree is round-off.
+    """Rise of a profile from the first edge on: the integral of its slope, which is given by
+    Chebyshev series on intervals, as series of the same degree. The term of the next degree is
+    round-off.
     """
     coefficients = chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.edges) / 2
     rises = chebyshev.chebval(1.0, coefficients)  # over each interval
@@ -656,7 +657,9 @@ class CallableProfile(Gap):
         return tuple(self._slope.edges[1:-1].tolist())
 
     def slope(self, x: ArrayLike) -> Array:
-        """h'(x) for x >= 0, any shape."""
+        """Slope h'(x) for x >= 0, in the shape of x: of its series up to the extent, constant
+        beyond, and a power of x below the first edge of the series.
+        """
         distance = np.asarray(x, dtype=float)
         first_edge = float(self._slope.edges[0])
         return (
@@ -665,14 +668,18 @@ class CallableProfile(Gap):
         )
 
     def curvature_times_x(self, x: ArrayLike) -> Array:
-        """x h''(x) for x >= 0, any shape; 0 beyond the extent."""
+        """x times the curvature h''(x) for x >= 0, in the shape of x; 0 beyond the extent. Below
+        the first edge of the slope's series the slope is a power of x.
+        """
         distance = np.asarray(x, dtype=float)
         first_edge = float(self._slope.edges[0])
-        bend_inside = self._slope.derivative(np.clip(distance, first_edge, self.extent)) * distance
+        value_on_series = (
+            self._slope.derivative(np.clip(distance, first_edge, self.extent)) * distance
+        )
         return np.where(
             distance < first_edge,
             self.exponent * self.slope(distance),
-            np.where(distance > self.extent, 0.0, bend_inside),
+            np.where(distance > self.extent, 0.0, value_on_series),
         )
 
     @property
@@ -686,9 +693,15 @@ class CallableProfile(Gap):
     def exponent(self) -> float:
         """Power of x that the slope follows below the least x that is resolved."""
         first_edge = self._slope.edges[0]
-        second_edge = self._slope.edges[0] * 2
-        slope_at_first, slope_at_second = self._slope(np.array([first_edge, second_edge]))
-        return float(np.log2(slope_at_second / slope_at_first)) if slope_at_first > 0 else 1.0
+        doubled_edge = self._slope.edges[0] * 2
+        slope_at_first_edge, slope_at_doubled_edge = self._slope(
+            np.array([first_edge, doubled_edge])
+        )
+        return (
+            float(np.log2(slope_at_doubled_edge / slope_at_first_edge))
+            if slope_at_first_edge > 0
+            else 1.0
+        )
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) [length] of the untouched faces, in the shape of x: the integral of the slope
@@ -699,7 +712,7 @@ class CallableProfile(Gap):
         """
         distance = np.abs(np.asarray(x, dtype=float))
         inner_distance = np.minimum(distance, self.extent)
-        height_beyond = (distance - inner_distance) * float(self.slope(self.extent))
+        rise_beyond_extent = (distance - inner_distance) * float(self.slope(self.extent))
 
         # Below the first edge h' goes as x to the power `exponent`; `_height` is the integral
         # beyond.
@@ -708,7 +721,7 @@ class CallableProfile(Gap):
         return (
             tip_height
             + np.where(inner_distance > tip_distance, self._height(inner_distance), 0.0)
-            + height_beyond
+            + rise_beyond_extent
         )
 
 
@@ -796,13 +809,15 @@ class Tabulated(FromFile):
         if self.symmetric:
             return (one_side_of_profile(rows, self.asymmetry),)
         # Rows (x, h) from x = 0 to the left; a table of another width is refused below.
-        rows_of_left = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
+        rows_of_left_side = (
+            rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
+        )
         try:
-            left_side = one_side_of_profile(rows_of_left, self.asymmetry)
+            left_side = one_side_of_profile(rows_of_left_side, self.asymmetry)
         except RowError as fault:
             # `fault.row` counts from the middle to the left.
             raise RowError(
-                max(len(rows_of_left) - 1 - fault.row, 0),
+                max(len(rows_of_left_side) - 1 - fault.row, 0),
                 f"left side, x counted to the left: {fault.rule}",
             ) from fault
         try:
@@ -896,13 +911,14 @@ class Tabulated(FromFile):
             The spline holds distance, height and slope at its knots, and the curvature between
             them.
             """
-            last_knot_before = np.clip(
+            # of the last knot at or before each |x|
+            knot_index = np.clip(
                 np.searchsorted(spline.x, np.abs(x_array), side="right") - 1, 0, len(spline.x) - 1
             )
-            distance = np.abs(x_array) - spline.x[last_knot_before]
-            curvature = np.append(spline.curvature, 0.0)[last_knot_before]
-            slope = spline.slope[last_knot_before]
-            height = spline.height[last_knot_before]
+            distance = np.abs(x_array) - spline.x[knot_index]
+            curvature = np.append(spline.curvature, 0.0)[knot_index]
+            slope = spline.slope[knot_index]
+            height = spline.height[knot_index]
             return np.asarray(height + distance * (slope + curvature * distance / 2))
 
         # Splines of the left and of the right side, the same one where both are averaged.
@@ -929,7 +945,8 @@ def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
     """
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
-    # `RowError.refuse` raises for the first row at which a condition holds.
+    # `RowError.refuse` raises for the first row at which a condition holds. Its last argument is
+    # the number, in the whole table, of the row that the first condition is about.
     x, h = points.T
     RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     # _CLOSEST_DISTANCE: 1e-9 of x

@@ -306,7 +306,8 @@ class Scene(Frozen):
         datum_length = self.profile.datum_length
         # Relative radius of the cylinders; None where no body is one.
         cylinder_radius = self.bodies.relative_radius()
-        arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
+        # Half the length of the flat, and the radius of the arcs beside it; None for other shapes.
+        arc = self.profile.arc
         # LARGEST_NUMBER: 1e100, whose square is still a number
         if not 1 / LARGEST_NUMBER <= datum_length <= LARGEST_NUMBER:
             raise ValueError(
@@ -317,7 +318,7 @@ class Scene(Frozen):
             )
 
         if cylinder_radius is not None and not (
-            self.profile.kind == "hertz" and arcs and abs(arcs[1] / cylinder_radius - 1) <= 1e-9
+            self.profile.kind == "hertz" and arc and abs(arc[1] / cylinder_radius - 1) <= 1e-9
         ):
             raise ValueError(
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
@@ -325,10 +326,10 @@ class Scene(Frozen):
             )
 
         for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
-            if isinstance(body, Pad | ShoulderedPad) and arcs and body.width / 2 >= sum(arcs):
+            if isinstance(body, Pad | ShoulderedPad) and arc and body.width / 2 >= sum(arc):
                 raise ValueError(
                     f"bodies.{body_name}.width = {body.width:g} goes past the end of the pad's"
-                    f" arcs, at {2 * sum(arcs):g}: make it less"
+                    f" arcs, at {2 * sum(arc):g}: make it less"
                 )
 
     def _check_rig(self) -> None:
@@ -498,10 +499,10 @@ class Scene(Frozen):
         tangential_loads: list[float] = []
         for segment in (*path.initial_loading, *path.cycle):
             # NORMAL_LOAD, TANGENTIAL_LOAD: P and Q, as combinations of the two
-            normal_turns = segment.turning_points(NORMAL_LOAD)
-            tangential_turns = segment.turning_points(TANGENTIAL_LOAD)
+            turning_times_of_p = segment.turning_points(NORMAL_LOAD)
+            turning_times_of_q = segment.turning_points(TANGENTIAL_LOAD)
             # Ends of the segment, and times at which P or Q turns.
-            times = np.array([segment.start, segment.end, *normal_turns, *tangential_turns])
+            times = np.array([segment.start, segment.end, *turning_times_of_p, *turning_times_of_q])
             normal_load, tangential_load = segment.loads(times)
             normal_loads += normal_load.tolist()
             tangential_loads += tangential_load.tolist()

@@ -368,14 +368,14 @@ class ContactSolution:
         and how long it took. `steady_from`, the index of the first steady cycle, is -1 where none
         is.
         """
-        record = {
+        record_entries = {
             "converged": self.record.converged,
             "termination": self.record.termination,
             "message": self.record.message,
             "notes": self.record.notes,
             "errors": dict(self.record.errors),
         }
-        work = {
+        work_entries = {
             "counts": dict(self.work.counts),
             "skipped": dict(self.work.skipped),
             "seconds": dict(self.work.seconds),
@@ -387,8 +387,8 @@ class ContactSolution:
             "format": FILE_FORMAT,
             "steady_from": -1 if self.steady_from is None else self.steady_from,
             "scene": self.scene.model_dump_json(),
-            "record": json.dumps(record),
-            "work": json.dumps(work),
+            "record": json.dumps(record_entries),
+            "work": json.dumps(work_entries),
             "settings": json.dumps(dict(self.settings)),
             "uncertainties": json.dumps(
                 {
@@ -564,10 +564,10 @@ class ContactSolution:
 
     @property
     def last_cycle(self) -> NDArray[np.intp]:
-        """(k,) indices of the steps of the last whole cycle, both its ends included.
+        """(k,) indices of the instants of the last whole cycle, both its ends included.
 
-        All steps for a path that is not periodic, and for a foreign result that states in
-        `work.skipped` that it holds no "whole_cycle". See `last_whole_cycle`.
+        All instants for a path that is not periodic, and for an external result that states in
+        `work.skipped` that it holds no "whole_cycle".
         """
         path = self.scene.load.path()
         if path.period is None or "whole_cycle" in self.work.skipped:
@@ -620,8 +620,8 @@ def last_whole_cycle(
         if begin_index is not None and end_index is not None and begin_index < end_index:
             # Instants within round-off of an end belong to the cycle too.
             first_index = np.searchsorted(time, time[begin_index] - round_off, side="left")
-            index_beyond = np.searchsorted(time, time[end_index] + round_off, side="right")
-            return np.arange(first_index, index_beyond), True
+            index_beyond_end = np.searchsorted(time, time[end_index] + round_off, side="right")
+            return np.arange(first_index, index_beyond_end), True
 
     # No whole cycle.
     is_after_begin = time >= end_of_last_cycle - period - round_off

@@ -42,19 +42,19 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     [12]
     """
     # Rows that are no spikes so far, and those that are.
-    rows_left = np.arange(len(x))
+    remaining_rows = np.arange(len(x))
     spikes: list[int] = []
     most_spikes = LARGEST_FRACTION_OF_SPIKES * len(x)
-    while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
+    while len(remaining_rows) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
         # Difference of each row from its cubic, over the standard deviation of that by noise.
-        residuals = _standardised_residuals(x[rows_left], h[rows_left]) / sigma
-        index_of_largest = int(np.argmax(residuals))
-        if residuals[index_of_largest] <= LEAST_RESIDUAL_OF_SPIKE:
+        residuals = _standardised_residuals(x[remaining_rows], h[remaining_rows]) / sigma
+        index_of_largest_residual = int(np.argmax(residuals))
+        if residuals[index_of_largest_residual] <= LEAST_RESIDUAL_OF_SPIKE:
             return np.array(sorted(spikes), dtype=np.int64)
         # The row, or near an end the three rows that share one cubic.
-        indices_of_spike = _rows_with_same_window(index_of_largest, len(rows_left))
-        spikes += rows_left[indices_of_spike].tolist()
-        rows_left = np.delete(rows_left, indices_of_spike)
+        indices_of_spike = _rows_with_same_window(index_of_largest_residual, len(remaining_rows))
+        spikes += remaining_rows[indices_of_spike].tolist()
+        remaining_rows = np.delete(remaining_rows, indices_of_spike)
     return np.array([], dtype=np.int64)
 
 
@@ -69,11 +69,11 @@ def _rows_with_same_window(row: int, n_rows: int) -> list[int]:
     ([0, 1, 2], [5])
     """
     # _N_NEIGHBOURS: 4 rows nearest to a row
-    n_before = _N_NEIGHBOURS // 2
-    if row <= n_before:
-        return list(range(n_before + 1))
-    if row >= n_rows - 1 - n_before:
-        return list(range(n_rows - 1 - n_before, n_rows))
+    n_rows_before = _N_NEIGHBOURS // 2
+    if row <= n_rows_before:
+        return list(range(n_rows_before + 1))
+    if row >= n_rows - 1 - n_rows_before:
+        return list(range(n_rows - 1 - n_rows_before, n_rows))
     return [row]
 
 
@@ -87,9 +87,9 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     """
     n_rows = len(x)
     # _N_NEIGHBOURS: 4 rows nearest to a row
-    n_before = _N_NEIGHBOURS // 2
+    n_rows_before = _N_NEIGHBOURS // 2
     # Rows of each window of five: the row itself, and its four neighbours.
-    first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _N_NEIGHBOURS - 1)
+    first_row = np.clip(np.arange(n_rows) - n_rows_before, 0, n_rows - _N_NEIGHBOURS - 1)
     window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
     is_row_itself = window_rows == np.arange(n_rows)[:, None]
     neighbours = window_rows[~is_row_itself].reshape(n_rows, _N_NEIGHBOURS)
@@ -104,8 +104,10 @@ def _standardised_residuals(x: Array, heights: Array) -> Array:
     for i in range(_N_NEIGHBOURS):
         for j in range(_N_NEIGHBOURS):
             if j != i:
-                distance_between = np.where(is_distinct, distances[:, j] - distances[:, i], 1.0)
-                lagrange_weights[:, i] *= distances[:, j] / distance_between
+                distance_of_neighbours = np.where(
+                    is_distinct, distances[:, j] - distances[:, i], 1.0
+                )
+                lagrange_weights[:, i] *= distances[:, j] / distance_of_neighbours
 
     residuals = heights - np.sum(lagrange_weights * heights[neighbours], axis=1)
     standardised_residuals = np.abs(residuals) / np.sqrt(1 + np.sum(lagrange_weights**2, axis=1))

@@ -287,7 +287,7 @@ class Uncertainty(Frozen):
         all inputs must have no negative eigenvalue.
         """
         uncertain_keys = [key for key, _ in self.stated()]
-        pairs_so_far = set()
+        earlier_pairs = set()
         for first_key, second_key, _ in self.correlations:
             for key in (first_key, second_key):
                 if key not in uncertain_keys:
@@ -301,11 +301,11 @@ class Uncertainty(Frozen):
                     f"correlations: {first_key} stands there twice in one entry: name two inputs"
                 )
             pair = frozenset((first_key, second_key))
-            if pair in pairs_so_far:
+            if pair in earlier_pairs:
                 raise ValueError(
                     f"correlations: {first_key} and {second_key} have two entries: leave one out"
                 )
-            pairs_so_far.add(pair)
+            earlier_pairs.add(pair)
         # _ROUND_OFF_OF_CORRELATION: 1e-9, by which round-off makes an eigenvalue negative
         if (
             uncertain_keys
@@ -318,7 +318,7 @@ class Uncertainty(Frozen):
         return self
 
     def stated(self) -> Iterator[tuple[str, str | float]]:
-        """Inputs for which a standard uncertainty is stated: the key of each, with points between
+        """Inputs for which a standard uncertainty is stated: the key of each, with dots between
         nested tables, and the uncertainty as text or in degrees.
 
         >>> table = Uncertainty(friction="5 %", profile=OfShape(radius="1 %"))
@@ -345,7 +345,7 @@ class Uncertainty(Frozen):
 
 
 def _stated_entries(table: Frozen, prefix: str) -> Iterator[tuple[str, str | float]]:
-    """Keys of a table and of those in it, with points between, and their stated uncertainties."""
+    """Keys of a table and of those in it, with dots between, and their stated uncertainties."""
     for name, value in table:
         if isinstance(value, Frozen):
             yield from _stated_entries(value, f"{prefix}{name}.")

@@ -213,8 +213,8 @@ def name_without_unit(heading: str) -> str:
     ('Time', 'P', 'friction force')
     """
     name, unit = unit_in(heading)
-    text_before, word = _last_word(name)
-    return text_before if not unit and word in _SHORT_UNITS else name
+    text_before_word, word = _last_word(name)
+    return text_before_word if not unit and word in _SHORT_UNITS else name
 
 
 def is_unit(word: str) -> bool:
@@ -239,8 +239,7 @@ def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
     numerator = _unit_symbol(numerator)
     denominator = _unit_symbol(denominator)
     per_length = bool(slash)
-    # SI sizes of the units that files may have, by their symbols.
-    # _UNITS_OF_FILES: for each kind, the sizes of its units by their symbols
+    # _UNITS_OF_FILES: for each kind, the SI sizes of its units by their symbols
     sizes = _UNITS_OF_FILES[kind]
     lengths = _UNITS_OF_FILES["length"]
     if numerator not in sizes or (per_length and denominator not in lengths):
@@ -306,8 +305,8 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     if kind in ("time", "angle"):
         return si_size, False
 
-    # Sizes of the scene's units of force, length and stress.
-    # Three words at least, empty ones for what the scene does not state; 0 for an unknown word.
+    # Sizes of the scene's units of force, length and stress, from three words at least: empty ones
+    # for what the scene does not state. The size is 0 for an unknown word.
     words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]
     force_size = UNITS["force"].get(words_of_scene[0], 0.0)
     length_size = UNITS["length"].get(words_of_scene[1], 0.0)

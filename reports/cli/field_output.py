@@ -81,10 +81,10 @@ def fields(job: Job) -> Answer:
     # which instants are written and drawn
     request = _request(job, solution, criteria)
     # content of fields.json; instants to draw, with displacement and stress of both bodies
-    content, snapshots_drawn = _write_files(job, solution, request)
+    content, drawn_snapshots = _write_files(job, solution, request)
     # What was solved is saved before anything is drawn.
-    if options.pictures and snapshots_drawn:
-        content = _with_pictures(job, solution, content, snapshots_drawn)
+    if options.pictures and drawn_snapshots:
+        content = _with_pictures(job, solution, content, drawn_snapshots)
     names_of_files = ["fields/fields.json", *content["files"], *content["pictures"]]
     collection = str(job.folder / "fields" / "fields.pvd")
     measures = content.get("fatigue", ())
@@ -132,7 +132,7 @@ def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | Non
     from reports.field_output import files
 
     options = job.options
-    instants_of_at = files.instants_of(options.at, solution, "--at")
+    instants_of_at_option = files.instants_of(options.at, solution, "--at")
     instants_of_series: Sequence[Instant] = ()
     notes: list[str] = []
     if _has_series(options):
@@ -140,9 +140,9 @@ def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | Non
         instants_of_series, notes = files.series_of(solution, options.every, options.frames)
     # an instant that is in both has the label that --at gives it
     instant_at_time = {instant.time: instant for instant in instants_of_series}
-    instant_at_time |= {instant.time: instant for instant in instants_of_at}
+    instant_at_time |= {instant.time: instant for instant in instants_of_at_option}
     instants = [instant_at_time[time] for time in sorted(instant_at_time)]
-    times_drawn = frozenset(instant.time for instant in instants_of_at)
+    times_drawn = frozenset(instant.time for instant in instants_of_at_option)
     return _Request(instants, times_drawn, notes, criteria)
 
 
@@ -170,7 +170,7 @@ def _write_files(
 
     stages = job.stages
     values_of_instants: list[dict[str, Any]] = []
-    snapshots_drawn: list[tuple[Instant, Snapshot]] = []
+    drawn_snapshots: list[tuple[Instant, Snapshot]] = []
 
     def noted_snapshots() -> Generator[Snapshot, None, None]:
         """The snapshots, one by one, as they are written: few fit into memory at once. The values
@@ -180,7 +180,7 @@ def _write_files(
         for instant, snapshot in zip(request.instants, snapshots, strict=True):
             values_of_instants.append(files.stated(instant, snapshot))
             if instant.time in request.times_drawn:
-                snapshots_drawn.append((instant, snapshot))
+                drawn_snapshots.append((instant, snapshot))
             yield snapshot
 
     # a temporary folder, whose files move to the job's folder at the end; earlier files of these
@@ -211,7 +211,7 @@ def _write_files(
             **fatigue_content,
         )
         (folder / "fields.json").write_text(_json_text(content), encoding="utf-8")
-    return content, snapshots_drawn
+    return content, drawn_snapshots
 
 
 def _with_pictures(
@@ -346,9 +346,9 @@ def _largest_measures(
     return rows
 
 
-def _place(value_at: dict[str, Any]) -> str:
+def _place(value_with_place: dict[str, Any]) -> str:
     """The place x, y of a value, in words."""
-    return f"({_rounded(value_at['x'])}, {_rounded(value_at['y'])})"
+    return f"({_rounded(value_with_place['x'])}, {_rounded(value_with_place['y'])})"
 
 
 def _largest_stress(instant: dict[str, Any]) -> float:

@@ -1199,16 +1199,18 @@ def _extrapolation_by_least_squares(refinement: Refinement, kind: _Kind) -> Extr
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
     mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes
-    residual_of_finest = abs(finest_value - fit.finest_value)
-    error_of_finest = abs(fit.limit - fit.finest_value)
+    residual_of_finest_value = abs(finest_value - fit.finest_value)
+    error_of_finest_value = abs(fit.limit - fit.finest_value)
     safety_factor = _SAFETY_FACTOR if refinement.is_plausible(order) else _LARGE_SAFETY_FACTOR
-    uncertainty = safety_factor * error_of_finest + fit.deviation + residual_of_finest
+    uncertainty = safety_factor * error_of_finest_value + fit.deviation + residual_of_finest_value
     if fit.deviation >= mean_change:  # the solutions scatter more than they change
         scatter_factor = _LARGE_SAFETY_FACTOR * fit.deviation / mean_change
-        uncertainty = scatter_factor * (error_of_finest + fit.deviation + residual_of_finest)
+        uncertainty = scatter_factor * (
+            error_of_finest_value + fit.deviation + residual_of_finest_value
+        )
     if kind == "monotone":
-        spread_of_finest = max(refinement.values[:3]) - min(refinement.values[:3])
-        uncertainty = max(uncertainty, spread_of_finest)
+        spread_of_finest_three = max(refinement.values[:3]) - min(refinement.values[:3])
+        uncertainty = max(uncertainty, spread_of_finest_three)
         rule = f"least squares, {order_in_words}"
         return Extrapolation(order, kind, fit.limit, uncertainty, rule)
     uncertainty = max(uncertainty, refinement.spread)

@@ -274,10 +274,12 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
     """
     pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
     least_pressure = _LEAST_PRESSURE_SHARE * np.max(cycle.pressure)
-    is_loaded_left, is_loaded_right = pressure_at_ends > least_pressure
-    has_points_left = x[0] < cycle.x[0]
-    has_points_right = x[-1] > cycle.x[-1]
-    if (is_loaded_left and has_points_left) or (is_loaded_right and has_points_right):
+    is_loaded_at_left_end, is_loaded_at_right_end = pressure_at_ends > least_pressure
+    has_points_beyond_left_end = x[0] < cycle.x[0]
+    has_points_beyond_right_end = x[-1] > cycle.x[-1]
+    if (is_loaded_at_left_end and has_points_beyond_left_end) or (
+        is_loaded_at_right_end and has_points_beyond_right_end
+    ):
         raise InputError(
             f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it"
             " still carries pressure, short of the points that it is compared at; give it"
@@ -367,18 +369,20 @@ def _interpolate_linearly(places: Array, samples: Array, values: Array) -> Array
         (k, ...) values at the places. NaN where a neighbouring sample has NaN, except at a place
         that coincides with the other sample
     """
-    index_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
-    index_below = index_above - 1
-    spacing = samples[index_above] - samples[index_below]
+    index_of_upper_sample = np.clip(
+        np.searchsorted(samples, places, side="right"), 1, len(samples) - 1
+    )
+    index_of_lower_sample = index_of_upper_sample - 1
+    spacing = samples[index_of_upper_sample] - samples[index_of_lower_sample]
     # of the sample above, with as many axes as the values
-    weight = np.clip((places - samples[index_below]) / spacing, 0.0, 1.0)
+    weight = np.clip((places - samples[index_of_lower_sample]) / spacing, 0.0, 1.0)
     weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
-    value_below = values[index_below]
-    value_above = values[index_above]
-    interpolated_values = (1 - weight) * value_below + weight * value_above
+    lower_value = values[index_of_lower_sample]
+    upper_value = values[index_of_upper_sample]
+    interpolated_values = (1 - weight) * lower_value + weight * upper_value
     # A weight of exactly 0 or 1 must not let a NaN of the other sample in.
-    interpolated_values = np.where(weight == 1, value_above, interpolated_values)
-    return np.where(weight == 0, value_below, interpolated_values)
+    interpolated_values = np.where(weight == 1, upper_value, interpolated_values)
+    return np.where(weight == 0, lower_value, interpolated_values)
 
 
 def _interpolation_error(samples: Array, values: Array) -> float:
@@ -470,24 +474,24 @@ def _labels_of_extremes(cycle: Cycle, friction: float, first_index: int) -> dict
     tangential_load = cycle.tangential_load[first_index:]
     # With bulk stress or tilt slip ends at other instants, another one for each contact edge.
     slip_ends_there = cycle.tilt is None and cycle.shear_moment is None
-    label_of_largest = "forward slip ends" if slip_ends_there else "Q − f P largest"
-    label_of_least = "reverse slip ends" if slip_ends_there else "Q + f P least"
+    label_of_end_of_forward_slip = "forward slip ends" if slip_ends_there else "Q − f P largest"
+    label_of_end_of_reverse_slip = "reverse slip ends" if slip_ends_there else "Q + f P least"
     # label -> a load that is largest at the instant to be labelled
     quantities = {
         "P largest": normal_load,
         "P least": -normal_load,
         "Q largest": tangential_load,
         "Q least": -tangential_load,
-        label_of_largest: tangential_load - friction * normal_load,
-        label_of_least: -tangential_load - friction * normal_load,
+        label_of_end_of_forward_slip: tangential_load - friction * normal_load,
+        label_of_end_of_reverse_slip: -tangential_load - friction * normal_load,
     }
     largest_load = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}
     for label, quantity in quantities.items():
         if np.ptp(quantity) > 1e-9 * largest_load:
             # The first instant, to rounding: the end of a cycle repeats its start.
-            is_largest = quantity >= np.max(quantity) - 1e-12 * largest_load
-            labels.setdefault(first_index + int(np.flatnonzero(is_largest)[0]), label)
+            is_largest_value = quantity >= np.max(quantity) - 1e-12 * largest_load
+            labels.setdefault(first_index + int(np.flatnonzero(is_largest_value)[0]), label)
     return labels
 
 

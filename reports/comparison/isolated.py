@@ -53,11 +53,13 @@ def _is_far_larger(values: Array, factor: float) -> Mask:
     """
     sizes = np.abs(np.nan_to_num(values))
     padded_sizes = np.pad(sizes, 1)
-    value_left = padded_sizes[1:-1, :-2]
-    value_right = padded_sizes[1:-1, 2:]
-    value_before = padded_sizes[:-2, 1:-1]
-    value_after = padded_sizes[2:, 1:-1]
-    largest_neighbour = np.maximum.reduce([value_left, value_right, value_before, value_after])
+    value_at_left_point = padded_sizes[1:-1, :-2]
+    value_at_right_point = padded_sizes[1:-1, 2:]
+    value_at_instant_before = padded_sizes[:-2, 1:-1]
+    value_at_instant_after = padded_sizes[2:, 1:-1]
+    largest_neighbour = np.maximum.reduce(
+        [value_at_left_point, value_at_right_point, value_at_instant_before, value_at_instant_after]
+    )
     is_local_peak = (sizes > 0) & (sizes > _FACTOR_OVER_NEIGHBOURS * largest_neighbour)
     largest_other_size = float(np.max(sizes, where=~is_local_peak, initial=0.0))
     return np.asarray(is_local_peak & (sizes > factor * largest_other_size))
@@ -127,12 +129,12 @@ def _is_near_edge(edges: Sequence[Array], cycle: Cycle) -> Mask:
     an edge that is NaN.
     """
     spacings = np.diff(cycle.x)
-    spacing_after = np.append(spacings, spacings[-1])
-    spacing_before = np.insert(spacings, 0, spacings[0])
-    spacing = np.maximum(spacing_after, spacing_before)
-    is_near = np.zeros(cycle.pressure.shape, dtype=bool)
+    spacing_after_point = np.append(spacings, spacings[-1])
+    spacing_before_point = np.insert(spacings, 0, spacings[0])
+    spacing = np.maximum(spacing_after_point, spacing_before_point)
+    is_near_edge = np.zeros(cycle.pressure.shape, dtype=bool)
     with np.errstate(invalid="ignore"):
         for edge_pair in edges:
             for edge in edge_pair.T:
-                is_near |= np.abs(cycle.x - edge[:, None]) <= _SPACINGS_NEAR_EDGE * spacing
-    return is_near
+                is_near_edge |= np.abs(cycle.x - edge[:, None]) <= _SPACINGS_NEAR_EDGE * spacing
+    return is_near_edge

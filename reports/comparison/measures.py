@@ -172,9 +172,9 @@ def trapezoidal_weights(positions: Array) -> Array:
     if positions[-1] == positions[0]:
         return np.ones(len(positions))
     spacings = np.diff(positions)
-    spacing_after = np.concatenate([spacings, [0.0]])
-    spacing_before = np.concatenate([[0.0], spacings])
-    return np.asarray(spacing_before + spacing_after) / 2
+    spacing_after_position = np.concatenate([spacings, [0.0]])
+    spacing_before_position = np.concatenate([[0.0], spacings])
+    return np.asarray(spacing_before_position + spacing_after_position) / 2
 
 
 def _first_index_of_largest(size: Array) -> int:
@@ -308,12 +308,12 @@ def _difference_of_extremes(
     # part of the extremum that lies between the points and instants of the result
     share_missed = abs(value_on_points - extremum) / denominator
     if share_missed > _LARGEST_SHARE_MISSED:
-        reason_for_none = (
+        reason_for_no_value = (
             "the result's points and instants are too few: on them the reference has"
             f" {value_on_points:.4g}"
             f" in place of {extremum:.4g}"
         )
-        return MetricValue(value=None, note=reason_for_none, amounts=amounts)
+        return MetricValue(value=None, note=reason_for_no_value, amounts=amounts)
     if share_missed > _LEAST_VISIBLE_SHARE:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
@@ -908,8 +908,8 @@ def stick_edge(pair: Pair) -> MetricValue:
             " slip or full slip"
         )
     if metric_value.value is None and n_differing:
-        reason_for_none = f"no instant has a stick edge in both: {note}"
-        return replace(metric_value, value=math.nan, note=reason_for_none)
+        reason_for_no_value = f"no instant has a stick edge in both: {note}"
+        return replace(metric_value, value=math.nan, note=reason_for_no_value)
     # with the shift in element sizes too
     return replace(metric_value, note=note, elements=_shift_in_elements(pair, metric_value.value))
 
@@ -986,9 +986,9 @@ def _has_comparable_stick_edges(
 
 def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np.int8]) -> Mask:
     """(k,) whether `status` equals `other_status` one instant earlier or later."""
-    is_that_before = status == np.roll(other_status, 1)
-    is_that_after = status == np.roll(other_status, -1)
-    return np.asarray(is_that_before | is_that_after)
+    equals_earlier_status = status == np.roll(other_status, 1)
+    equals_later_status = status == np.roll(other_status, -1)
+    return np.asarray(equals_earlier_status | equals_later_status)
 
 
 def state(pair: Pair) -> MetricValue:
@@ -1116,7 +1116,7 @@ def approach_amplitude(pair: Pair) -> MetricValue:
     return _difference_of_amplitudes(pair, "normal_approach", "the approach does not vary")
 
 
-def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> MetricValue:
+def _difference_of_amplitudes(pair: Pair, name: str, reason_for_no_value: str) -> MetricValue:
     """Amplitude of a displacement, half of its range in the cycle: (result − reference)/reference.
 
     The metric has no value where a solution does not state the displacement, nor where that of the
@@ -1129,7 +1129,7 @@ def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Me
         the two solutions, with their last cycles on common instants
     name
         "tangential_displacement" or "normal_approach", (k,) in a cycle [length]
-    reason_for_none
+    reason_for_no_value
         note of the metric where the displacement of the reference does not vary
     """
     reference_amplitude = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
@@ -1138,7 +1138,7 @@ def _difference_of_amplitudes(pair: Pair, name: str, reason_for_none: str) -> Me
         return _metric_without_value("a solution states none")
     typical_displacement = pair.scales.displacement
     if reference_amplitude <= _NEGLIGIBLE_SHARE * typical_displacement:
-        return _metric_without_value(reason_for_none)
+        return _metric_without_value(reason_for_no_value)
     return _difference_of_amounts(
         reference_amplitude, result_amplitude, typical_displacement, note=_NOTE_ON_COMPLIANCES
     )

@@ -309,11 +309,11 @@ def _frame_of_sketch(outlines: dict[str, Array]) -> Frame:
     pixel = max(pixel_by_width, pixel_by_height)  # length that a pixel stands for
     height = float((largest_y - least_y) / pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
     middle_x = (left_x + right_x) / 2
-    half_width_shown = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
+    half_width_of_drawing = (_SKETCH_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
     # a scale: first and last value [length], and where they lie [pixels, y downwards]
     x_scale = Scale(
-        float(middle_x - half_width_shown),
-        float(middle_x + half_width_shown),
+        float(middle_x - half_width_of_drawing),
+        float(middle_x + half_width_of_drawing),
         _ROOM_AT_SIDES,
         _SKETCH_WIDTH - _ROOM_AT_SIDES,
     )
@@ -350,11 +350,11 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
     right_side = [(face_half_width, height)]
     if isinstance(shape, TShape | ShoulderedPad):
         # at the depth of the step the width changes: below a flange, or at a shoulder
-        half_width_below = shape.step.half_width
+        half_width_below_step = shape.step.half_width
         right_side = [
             (face_half_width, shape.step.depth),
-            (half_width_below, shape.step.depth),
-            (half_width_below, height),
+            (half_width_below_step, shape.step.depth),
+            (half_width_below_step, height),
         ]
     left_side = [(-corner_x, depth) for corner_x, depth in reversed(right_side)]
     return np.vstack([face, np.array(right_side + left_side) * [1.0, -outward_sign]])

@@ -469,11 +469,13 @@ def _figure_of_convergence(
                 marks.append(Dot(size, distance, f"{css} knot", 3.2))
         keys.append(Key(css, label))
 
-    words_across, words_up = words_of_axes
-    x_axis = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
+    words_of_horizontal_axis, words_of_vertical_axis = words_of_axes
+    x_axis = Axis(
+        0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_of_horizontal_axis, log=True
+    )
     # Below a millionth of the largest distance a curve is round-off.
     least_distance = max(min(positive_distances), 1e-6 * largest_distance)
-    y_axis = Axis(least_distance / 3, 3 * largest_distance, words_up, log=True)
+    y_axis = Axis(least_distance / 3, 3 * largest_distance, words_of_vertical_axis, log=True)
     alt = "Convergence with the mesh, both axes logarithmic"
     panel = broad_panel(name, x_axis, y_axis, marks, alt, 360.0)
     table: dict[str, Any] = {

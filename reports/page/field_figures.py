@@ -455,9 +455,9 @@ def dissipation_density(view: CycleView) -> Plate | None:
 
 def _ends_in_words(ends: Array) -> str:
     """Both ends of the permanent stick zone over a_ref; nothing where there is none."""
-    left, right = ends
+    left_end, right_end = ends
     if not np.isfinite(ends).all():
         return ""
-    if left == -right:
-        return f"±{right:.4g}"
-    return minus(f"{left:.4g} and {right:.4g}")
+    if left_end == -right_end:
+        return f"±{right_end:.4g}"
+    return minus(f"{left_end:.4g} and {right_end:.4g}")

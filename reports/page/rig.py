@@ -196,8 +196,12 @@ class RigMotion:
         changes = np.flatnonzero(np.diff(motions)) + 1
         first_indices = [0, *changes.tolist()]
         last_indices = [*changes.tolist(), len(motions)]
-        for first, last in zip(first_indices, last_indices, strict=True):
-            yield Motion(int(motions[first])), float(self.time[first]), float(self.time[last])
+        for first_index, last_index in zip(first_indices, last_indices, strict=True):
+            yield (
+                Motion(int(motions[first_index])),
+                float(self.time[first_index]),
+                float(self.time[last_index]),
+            )
 
 
 # ------------------------------------------------------------------------------------------ figures
@@ -359,13 +363,13 @@ def _over_time(rig_motion: RigMotion) -> Plate:
     keys += [
         Key(*_CSS_AND_WORDS[motion], is_patch=True) for motion in Motion if motion in drawn_motions
     ]
-    motion_before = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
+    words_of_motions = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
     table: Table = {
         "time": rig_motion.time,
         f"Q [{unit_of_load}]": rig_motion.tangential_load,
         f"f P [{unit_of_load}]": friction_limit,
         f"way that the bodies slide [{unit_of_length}]": rig_motion.slip_of_middle,
-        "motion in the step before": motion_before,
+        "motion in the step before": words_of_motions,
     }
     return figure_with_texts(
         "rig_over_time", panels, table, keys, columns=1, noun=rig_motion.part_of_path
