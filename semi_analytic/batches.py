@@ -481,8 +481,9 @@ def _narrowed_brackets(
     bracket_works: Array,
     rise_tolerance: float,
 ) -> tuple[Array, Array]:
-    """Brackets of three places about each of n maxima of W(x), narrowed until W may rise by the
-    fraction `rise_tolerance` of itself at most: the places and W there, (3, n) each.
+    """Brackets of three places about each of n maxima of the friction work per area W(x), narrowed
+    until W may rise by the fraction `rise_tolerance` of itself at most: the places and W there, (3,
+    n) each.
 
     In each of at most 40 rounds three new places are tried, about the vertex of the parabola
     through the bracket. Where the last round did not halve the bracket they divide it evenly, at
@@ -499,38 +500,40 @@ def _narrowed_brackets(
     """
     bracket_places = bracket_places.copy()
     bracket_works = bracket_works.copy()
-    wide_brackets = np.arange(len(ellipse_of_maximum))
+    wide_bracket_numbers = np.arange(len(ellipse_of_maximum))
     narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
     for _ in range(_MOST_ROUNDS):
         # of the parabola, with a bound of the rise of W above the middle point
         vertex = _vertex_of_parabola(
-            bracket_places[:, wide_brackets], bracket_works[:, wide_brackets]
+            bracket_places[:, wide_bracket_numbers], bracket_works[:, wide_bracket_numbers]
         )
         is_wide_bracket = vertex.possible_rise > rise_tolerance * np.abs(
-            bracket_works[1, wide_brackets]
+            bracket_works[1, wide_bracket_numbers]
         )
-        wide_brackets = wide_brackets[is_wide_bracket]
-        if not len(wide_brackets):
+        wide_bracket_numbers = wide_bracket_numbers[is_wide_bracket]
+        if not len(wide_bracket_numbers):
             break
-        places_before = bracket_places[:, wide_brackets]
+        places_before = bracket_places[:, wide_bracket_numbers]
         width_before = places_before[2] - places_before[0]
         # (3, n): at the vertex and on each side of it
         places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide_bracket])
         even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
-        new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
-        new_works = [density(ellipse_of_maximum[wide_brackets], places) for places in new_places]
+        new_places = np.where(narrows_slowly[wide_bracket_numbers], even_places, places_by_parabola)
+        new_works = [
+            density(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
+        ]
         # Of the six places that of the highest W and its neighbours are the new bracket.
         six_places = np.concatenate([places_before, new_places])
-        six_works = np.concatenate([bracket_works[:, wide_brackets], new_works])
+        six_works = np.concatenate([bracket_works[:, wide_bracket_numbers], new_works])
         order_by_place = np.argsort(six_places, axis=0, kind="stable")
         six_places = np.take_along_axis(six_places, order_by_place, 0)
         six_works = np.take_along_axis(six_works, order_by_place, 0)
         row_of_highest_work = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
         rows_of_bracket = row_of_highest_work + _NEIGHBOUR_OFFSETS
-        bracket_places[:, wide_brackets] = np.take_along_axis(six_places, rows_of_bracket, 0)
-        bracket_works[:, wide_brackets] = np.take_along_axis(six_works, rows_of_bracket, 0)
-        width = bracket_places[2, wide_brackets] - bracket_places[0, wide_brackets]
-        narrows_slowly[wide_brackets] = width > width_before / 2
+        bracket_places[:, wide_bracket_numbers] = np.take_along_axis(six_places, rows_of_bracket, 0)
+        bracket_works[:, wide_bracket_numbers] = np.take_along_axis(six_works, rows_of_bracket, 0)
+        width = bracket_places[2, wide_bracket_numbers] - bracket_places[0, wide_bracket_numbers]
+        narrows_slowly[wide_bracket_numbers] = width > width_before / 2
     return bracket_places, bracket_works
 
 
@@ -1366,8 +1369,9 @@ def _values_of_block(
 
 
 def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
-    """Whether a member has loads or an f that are NaN or too large to be squared, negative where
-    they must not be, or a P0 that is too small to be squared: (m,). LARGEST_NUMBER is 1e100.
+    """Whether a member of a batch has loads or an f that are NaN or too large to be squared,
+    negative where they must not be, or a P0 that is too small to be squared: (m,). LARGEST_NUMBER
+    is 1e100.
     """
     is_in_range = np.logical_and.reduce([np.abs(values) <= LARGEST_NUMBER for values in loads])
     is_negative = (
@@ -1379,9 +1383,9 @@ def _has_invalid_loads(loads: LoadArrays) -> NDArray[np.bool_]:
 def _is_beyond_units(
     kind: str, parameters: list[Array], modulus: float, mean_normal_load: Array
 ) -> NDArray[np.bool_]:
-    """Whether P0 (`mean_normal_load`) of a member, over E* = `modulus` and the profile's own unit
-    of height, is too small or too large to be squared, or NaN: (m,). LARGEST_NUMBER is 1e100;
-    `_UNITS_AND_RATIOS` gives the units of length and height of the profile first.
+    """Whether P0 (`mean_normal_load`) of a member of a batch, over E* = `modulus` and the profile's
+    own unit of height, is too small or too large to be squared, or NaN: (m,). LARGEST_NUMBER is
+    1e100; `_UNITS_AND_RATIOS` gives the units of length and height of the profile first.
     """
     with np.errstate(all="ignore"):
         _, height_unit, *_ = _UNITS_AND_RATIOS[kind](*parameters)

@@ -448,9 +448,9 @@ def _unloading_spans(
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
     is that at the begin. The contact slips forward where the path runs above M(P) in the P-Q plane,
     in reverse below it, and not along it. Each later point of the path lies inside the Coulomb
-    limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step. The spans are
-    `delay` later than the load segment itself: whole periods of the cycle. `begin_instant` and
-    `end_instant` hold time, P and Q.
+    limits |dQ| <= f |dP| of the earlier ones, so that a cut of the path does not change the state.
+    The spans are `delay` later than the load segment itself: whole periods of the cycle.
+    `begin_instant` and `end_instant` hold time, P and Q.
     """
     # begin, end and direction of slip: 1 above the curve, -1 below, 0 along it
     for begin_time, end_time, direction in slip_directions(

@@ -223,10 +223,10 @@ def inner_slip(
     shear to keep the Coulomb limit |q| <= f p everywhere. The memory curve is the tangential force
     carried up to each load.
 
-    Where a stroke of slip ends while the curvature of the faces still changes, points at the edge
-    of contact stick first; points further in slip on. The slip is a superposition of flat punches,
-    of about 100 half-widths at first. The half-widths are refined around the ends of the slip zone
-    four times, or until the search for the zone fails.
+    Where slip in one direction ends while the curvature of the faces still changes, points at the
+    edge of contact stick first; points further in slip on. The slip is a superposition of flat
+    punches, of about 100 half-widths at first. The half-widths are refined around the ends of the
+    slip zone four times, or until the search for the zone fails.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ def _refined_half_widths(half_widths: Array, slips: NDArray[np.bool_], slip_ends
 
 def _force_of_punches(half_widths: Array) -> Array:
     """Tangential force int r dx of each hat function of mu, which is 1 at one half-width c and 0 at
-    the others, over pi E*/2: int mu c dc, (m,).
+    the others, over pi E*/2: int mu c dc, (m,). mu is the density of flat punches, r their shear.
     """
     lower_width = half_widths[:-1]
     interval_length = np.diff(half_widths)

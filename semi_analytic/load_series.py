@@ -549,7 +549,7 @@ def _curve_after_unloading(
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The step
     slips forward where the path runs above the memory curve M(P) in the P-Q plane, and in reverse
     below it. Where the path crosses the curve the step is cut. Each later point lies inside the
-    Coulomb limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step.
+    Coulomb limits |dQ| <= f |dP| of the earlier ones, so that a cut does not change the state.
 
     Each part of the step on one side of the curve holds its direction of slip and how far P has
     fallen at its end. Stations are P, Q and the share of the step that is over; f is `friction`;

@@ -563,8 +563,8 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     added as samples.
 
     Between two samples an extremum may hide two roots. `work` gives W by coefficients and the
-    indices of members. `curve` holds ln f and W, (samples, m) each, and whether W of a member is
-    known at all its samples.
+    indices of members of the batch. `curve` holds ln f and W, (samples, m) each, and whether W of a
+    member is known at all its samples.
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415

@@ -167,11 +167,11 @@ class Piece(NamedTuple):
         return self.slope - 2 * self.bend * self.anchor.normal_load if self.arc is None else 0.0
 
     def slope_at(self, eta: Array) -> Array:
-        """dM/d eta at loads eta (n,): (n,), M(eta) the tangential force of the flat punches up to
-        the load eta. On an arc it is dQ/dP of the load path, taken as 0 where both loads turn at
-        once. `anchor` is the instant (P as `normal_load`) from which the piece is measured; `slope`
-        is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but for an arc.
-        `time_of_load_on_arc` gives the time of the load path at which P was eta.
+        """dM/d eta of the memory curve's piece at loads eta (n,): (n,), M(eta) the tangential force
+        of the flat punches up to the load eta. On an arc it is dQ/dP of the load path, taken as 0
+        where both loads turn at once. `anchor` is the instant (P as `normal_load`) from which the
+        piece is measured; `slope` is dM/d eta there, `bend` half of d2M/d eta2. `arc` is None but
+        for an arc. `time_of_load_on_arc` gives the time of the load path at which P was eta.
         """
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal_load)
@@ -308,8 +308,8 @@ def slip_to(
     M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
     change. f is `friction`, `direction` +1 or -1; `end` holds P and Q as `normal_load` and
     `tangential_load`. `slip_zone_load` is P - P_c [force per thickness]; where it is 0 no line is
-    added. Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half of that in
-    first loading.
+    added. Masing rule: after a reversal of Q at constant P, P - P_c = dQ/(2 f), half as much as in
+    first loading by the same dQ.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -388,7 +388,7 @@ def load_of_slip_zone(
     `combination_change` gives the change of a weighted sum of P and Q since an instant,
     `slip_combination` that of s Q - f P. With the changes dP, dQ since the piece's anchor, P - P_c
     is computed without subtracting P_c from P. The anchor is the instant at which the piece was
-    made; slope is dM/d eta there, bend half of d2M/d eta2:
+    made; slope is dM/d eta there, bend half of d2M/d eta2, y the load from P_c to the anchor's P:
 
         line      P - P_c = s (dQ - slope dP)/(f - s slope)
         parabola  P - P_c = dP + y,    (f - s slope) y + s bend y^2 = s dQ - f dP
@@ -528,7 +528,7 @@ class Snapshot:
         indices of these instants, ascending.
 
         M(eta) is the tangential force of the flat punches up to the load eta. Instants at which the
-        whole contact slips are in no group. `piece_number` (n,) is the index of each instant's
+        whole contact slips are left out. `piece_number` (n,) is the index of each instant's
         piece in `sticking_pieces`, which has None for slip of the whole contact.
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")

@@ -261,8 +261,8 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
     coefficients_of_powers[2::2] = coefficients_of_squares
     # h as a polynomial of x, which is scaled to [-1, 1]; `deriv` gives its derivatives
     height_polynomial = Polynomial(coefficients_of_powers, domain=[-length, length])
-    # The rule averages over theta, x = m + c cos(theta). Its n equal steps, each with the weight
-    # 1/n, are exact for polynomials of degree below 2 n.
+    # The rule averages over theta, x = middle + half-width cos(theta) of the contact. Its n equal
+    # steps, each with the weight 1/n, are exact for polynomials of degree below 2 n.
     n_nodes = len(coefficients_of_squares) + 2
     nodes = (np.arange(n_nodes) + 0.5) / n_nodes
     quadrature_rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
@@ -472,8 +472,8 @@ def _log_table(
         loads = load(d)
         # rows whose load neither vanishes nor overflows, each load once
         usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
-        log_loads, number_of_first = np.unique(np.log(loads[usable_numbers]), return_index=True)
-        d = d[usable_numbers[number_of_first]]
+        log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
+        d = d[usable_numbers[first_numbers]]
         # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
         first_rising_row = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
         d = d[first_rising_row:]

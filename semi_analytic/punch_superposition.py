@@ -1326,7 +1326,7 @@ def _sums_of_panels_before(
     point_number: Indices, values: Array, value_before_first: Array
 ) -> Array:
     """For each panel, the sum of the values of the panels before it at its point, (n,), panels in
-    order of their points.
+    order of their points. A panel is a range of the integration variable v.
 
     One sum through all points would leave the round-off of the largest in the smallest.
 
@@ -1370,7 +1370,8 @@ def _resolved_series(
         last_coefficients = truncation_error(coefficients)
         size_of_integral = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
-            # By parts W stands there too: where that is larger, its last digit counts.
+            # Integrated by parts the integral has a second term, with W at its end: where that is
+            # larger, its last digit counts.
             end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
             # W: P, or P^2/2 with `load_power` 1
             term_at_end = _integral_of_load_power(load_power, law.load(end_advance))
@@ -1429,6 +1430,7 @@ def _with_empty_panels(series_of_panels: _PanelSeries, x: Array) -> _PanelSeries
     if not len(points_without_panel):
         return series_of_panels
     zeros = np.zeros(len(points_without_panel))
+    # v from 0 to 1 with the factor 1
     empty_panels = Panels(
         point_number=points_without_panel,
         x=x[points_without_panel],

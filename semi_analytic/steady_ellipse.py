@@ -996,8 +996,8 @@ def _work_over_loads(
     Integrated by parts, W is a sum of integrals of `log_half_width` = ln a over P and over P_c, the
     load at the stick edge; a is the contact half-width as a function of the load. P0 and P1 are
     `mean_load` and `load_amplitude`. A course is one of these loads through one phase of slip: E-G
-    (reverse), I-J or J-M (forward). Courses are cut at the `corner_loads` (n,), between which ln a
-    is smooth.
+    (reverse), I-J or J-M (forward). Courses are cut at the `corner_loads` (n,) of the profile,
+    between which ln a is smooth.
 
     Angles are t along P = P0 + P1 cos t; along P_c in phase I-J 2 t_I - t, where P_c is P at that
     time and t_I is the begin of forward slip. In E-G and J-M the angle along P_c counts back from
@@ -1049,7 +1049,7 @@ def _work_over_loads(
 
 def _pieces_of_courses(ellipses: Ellipses, corner_loads: Array) -> AnglePieces:
     """Intervals of angle [rad] for the integrals over P and over P_c, the load at the stick edge,
-    cut where the load is one of the `corner_loads` (n,).
+    cut where the load is one of the `corner_loads` (n,), those of the profile's corners.
 
     # notation: t time in P = P0 + P1 cos t; start the time t_E at which E-G begins; D
     #           (`slip_angle`) length of E-G and of J-M [rad]; P0, P1 `mean_load`, `load_amplitude`;
@@ -1413,10 +1413,10 @@ class LogHalfWidth:
         from P = `load` and P - P_c = `slip_zone_load`; arrays of one shape. a is the contact
         half-width, P_c the load at the stick edge.
 
-        To 1e-16 of P - P_c. L is a polynomial in v = sqrt(P - P_b) above each corner load P_b. The
-        integral goes from polynomial to polynomial by Gauss' rule in v; the ends of the polynomials
-        are `series_ends` as loads, `_first_v` and `_last_v` in v; `_corner_load` is the P_b of
-        each.
+        To 1e-16 of P - P_c. L is a polynomial in v = sqrt(P - P_b) above the load P_b of each
+        corner of the profile. The integral goes from polynomial to polynomial by Gauss' rule in v;
+        the ends of the polynomials are `series_ends` as loads, `_first_v` and `_last_v` in v;
+        `_corner_load` is the P_b of each.
         """
         stick_edge_load = load - slip_zone_load
         # of Gauss' rule with four nodes on [0, 1]

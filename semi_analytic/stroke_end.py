@@ -56,7 +56,8 @@ class LoadsLeft(NamedTuple):
 @lru_cache(maxsize=256)
 def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
     """Tangential load T that the smooth end of a slip stroke leaves on flat punches, over their
-    half-widths c' from the edge of stick to that of contact.
+    half-widths c' from the edge of stick to that of contact. A stroke is half a cycle, with slip in
+    one direction.
 
     Where tilt or bulk strain still changes, one side of the slip zone comes to rest before the
     other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r
@@ -92,10 +93,11 @@ def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
 
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), over
-    (pi/A)^2 a a_s'^2/N''. a is the contact half-width, A = 2/E*, s the direction of slip. N'' is
-    the second derivative of f P - s Q at the end of the stroke. a_s' is the rate of f alpha - s
-    eps, alpha the tilt, eps the bulk strain. The panels are in the order in which they stop.
+    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, a range of
+    x, (n,), over (pi/A)^2 a a_s'^2/N''. A stroke is half a cycle, with slip in one direction. a is
+    the contact half-width, A = 2/E*, s the direction of slip. N'' is the second derivative of f P -
+    s Q at the end of the stroke. a_s' is the rate of f alpha - s eps, alpha the tilt, eps the bulk
+    strain. The panels are in the order in which they stop.
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
