@@ -288,10 +288,10 @@ def _reference_solution(solution: ContactSolution, against: Against) -> ContactS
 
         reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
     # name of what is missing -> (number of instants, reason)
-    skipped = dict(reference.work.skipped)
+    missing_fields = dict(reference.work.skipped)
     if WHOLE_CYCLE in solution.work.skipped:
-        skipped[WHOLE_CYCLE] = solution.work.skipped[WHOLE_CYCLE]
-    return replace(reference, work=replace(reference.work, skipped=skipped))
+        missing_fields[WHOLE_CYCLE] = solution.work.skipped[WHOLE_CYCLE]
+    return replace(reference, work=replace(reference.work, skipped=missing_fields))
 
 
 def _states_increments_of_solver(solution: ContactSolution) -> bool:

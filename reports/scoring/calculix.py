@@ -176,10 +176,10 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     mesh = CalculixMesh(file)
     block_name = file.blocks[0].name
-    component_of = _COMPONENT_BY_QUANTITY[block_name]  # quantity -> name of its component
+    component_by_quantity = _COMPONENT_BY_QUANTITY[block_name]  # quantity -> name of its component
     noun = "stress" if block_name == "STRESS" else "contact values"
     # the last block of each time, with notes on times without one
-    blocks, notes = _one_block_a_time(file, list(component_of.values()), noun)
+    blocks, notes = _one_block_a_time(file, list(component_by_quantity.values()), noun)
     # rows of the face's nodes in the mesh; by quantity, factor to the scene's unit and sign
     if block_name == "STRESS":
         face_rows, factors, face_notes = _face_by_stress(mesh, mapping)
@@ -203,7 +203,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     # along z
     rows, depth, plane_notes = one_plane(mesh.points, face_rows)
     fields: dict[str, Array] = {}
-    for quantity, component in component_of.items():
+    for quantity, component in component_by_quantity.items():
         values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
         fields[quantity] = factors[quantity] * values
 
@@ -299,15 +299,15 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     printed_file = read_dat(path)
     # tables by time; ids: (n_rows, 1) numbers of nodes, or (n_rows, 2) of elements and their faces
-    stress_at = {
+    stress_table_by_time = {
         table.time: table for table in printed_file.tables if table.quantity == "contact stress"
     }
-    slip_at = {
+    slip_table_by_time = {
         table.time: table
         for table in printed_file.tables
         if table.quantity == "relative contact displacement"
     }
-    filled_tables = [table for table in stress_at.values() if len(table.ids)]
+    filled_tables = [table for table in stress_table_by_time.values() if len(table.ids)]
     if not filled_tables:
         raise InputError(
             f"{path}: no contact stress is printed in it (*CONTACT PRINT with CSTR in the deck)"
@@ -347,17 +347,21 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         means = [_means_at_points(table, column, ids_of_points) for table in tables]
         return _factor_with_sign(mapping, quantity, body) * np.array(means)
 
-    stress_tables = list(stress_at.values())
+    stress_tables = list(stress_table_by_time.values())
     fields = {
         "pressure": field_of(stress_tables, 0, "pressure"),
         "shear": field_of(stress_tables, 1, "shear"),
     }
-    if set(slip_at) >= set(stress_at):
-        fields["slip"] = field_of([slip_at[time] for time in stress_at], 1, "slip")
+    if set(slip_table_by_time) >= set(stress_table_by_time):
+        fields["slip"] = field_of(
+            [slip_table_by_time[time] for time in stress_table_by_time], 1, "slip"
+        )
         # that the slip holds the elastic slip of the stick stiffness
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
-    face_values = _FaceValues(all_points[rows, 0], depth, fields, np.array(list(stress_at)))
+    face_values = _FaceValues(
+        all_points[rows, 0], depth, fields, np.array(list(stress_table_by_time))
+    )
     return _result_of_face(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
@@ -434,21 +438,21 @@ def _one_block_a_time(
                 f"{file.path}: line {block.line}: block {block.name} has no {missing_names[0]}; it"
                 f" needs {', '.join(components)}"
             )
-    last_block_at = {block.time: block for block in file.blocks}
+    last_block_by_time = {block.time: block for block in file.blocks}
     notes = []
-    empty_times = [time for time in file.times if time not in last_block_at]
+    empty_times = [time for time in file.times if time not in last_block_by_time]
     if empty_times:
         notes.append(
             f"left out: {len(empty_times)} frames without {noun} (first at time"
             f" {empty_times[0]:.6g}); CalculiX writes such a frame of an increment that did not"
             " converge"
         )
-    n_replaced = len(file.blocks) - len(last_block_at)
+    n_replaced = len(file.blocks) - len(last_block_by_time)
     if n_replaced:
         notes.append(
             f"{n_replaced} blocks of {noun} share a time with a later one, which was taken"
         )
-    return list(last_block_at.values()), notes
+    return list(last_block_by_time.values()), notes
 
 
 def _body_of_face(path: Path, material_heights: Array) -> str:

@@ -151,6 +151,6 @@ def coupling_sentence(discrepancy: Discrepancy) -> str:
     beta = dundurs(discrepancy.comparison.scene.material).beta
     if abs(beta) <= NEGLIGIBLE_BETA:
         return FAULTS["coupling"]
-    in_reference = discrepancy.comparison.reference.engine == "halfplane_fe"
-    key = "coupling_of_reference" if in_reference else "own_coupling"
+    reference_has_coupling = discrepancy.comparison.reference.engine == "halfplane_fe"
+    key = "coupling_of_reference" if reference_has_coupling else "own_coupling"
     return str(WORDS["others"][key].format(own=beta))

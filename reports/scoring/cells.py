@@ -46,12 +46,14 @@ def influence_matrix(scene: Scene, cell_centres: Array, cell_width: float) -> Ar
 
     # notation: E* composite modulus, x_i centre of cell i
     """
+    # x_i minus the centre, the left end and the right end of cell j
     distance = cell_centres[:, None] - cell_centres[None, :]
-    to_right_end = distance + cell_width / 2
-    to_left_end = distance - cell_width / 2
-    integral_at_right = to_right_end * (np.log(np.abs(to_right_end)) - 1)
-    integral_at_left = to_left_end * (np.log(np.abs(to_left_end)) - 1)
-    integral_of_log = integral_at_right - integral_at_left
+    distance_from_left_end = distance + cell_width / 2
+    distance_from_right_end = distance - cell_width / 2
+    # d (ln|d| - 1) is the antiderivative of ln|d|
+    integral_to_left_end = distance_from_left_end * (np.log(np.abs(distance_from_left_end)) - 1)
+    integral_to_right_end = distance_from_right_end * (np.log(np.abs(distance_from_right_end)) - 1)
+    integral_of_log = integral_to_left_end - integral_to_right_end
     # composite modulus: E*
     return np.asarray(-2 / (np.pi * composite_modulus(scene.material)) * integral_of_log)
 

@@ -333,11 +333,11 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
 
-def factors_of_tractions(of_pressure: float, of_shear: float) -> Array:
+def factors_of_tractions(pressure_factor: float, shear_factor: float) -> Array:
     """(2, 1, 1): one number for the pressure and one for the shear, to multiply tractions (2, k, n)
     by.
     """
-    return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
+    return np.array([pressure_factor, shear_factor], dtype=float)[:, None, None]
 
 
 def discrepancy_of(comparison: Comparison) -> Discrepancy | None:

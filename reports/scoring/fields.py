@@ -272,7 +272,7 @@ def _find_named_tractions(
     field_names: _FieldNames = {}
     for quantity in quantities:
         is_needed = quantity == "pressure"
-        name = name_of_column(mapping, quantity, names, str(path), needed=is_needed)
+        name = name_of_column(mapping, quantity, names, str(path), is_needed=is_needed)
         if name is not None:
             field_names[quantity] = name
     source_in_words = f"tractions are the fields {field_names['pressure']}"

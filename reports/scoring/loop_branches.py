@@ -59,7 +59,7 @@ class Branches:
         grows with the rows but for noise
     is_rising
         (n,) whether Q grows along the row's branch
-    highest, lowest
+    highest_turn, lowest_turn
         turning points of Q
     load_noise
         sigma of Q, as far as neighbouring rows show it
@@ -67,8 +67,8 @@ class Branches:
 
     phase: Array
     is_rising: NDArray[np.bool_]
-    highest: TurningPoint
-    lowest: TurningPoint
+    highest_turn: TurningPoint
+    lowest_turn: TurningPoint
     load_noise: float
 
     @property
@@ -157,8 +157,8 @@ def find_branches(
     return Branches(
         phase=branches_since_lowest / 2,
         is_rising=~begins_at_highest,
-        highest=highest_turn,
-        lowest=lowest_turn,
+        highest_turn=highest_turn,
+        lowest_turn=lowest_turn,
         load_noise=noise,
     )
 
@@ -453,7 +453,7 @@ def _loads_at_turns(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp
     ends_of_pieces = [0, *((begins + ends) // 2 + 1).tolist(), len(load)]
     middle = float(load.max() + load.min()) / 2
     pieces_between_crossings = [
-        load[first:last] for first, last in pairwise(ends_of_pieces) if last > first
+        load[begin:end] for begin, end in pairwise(ends_of_pieces) if end > begin
     ]
     extremes = [
         float(loads_between[np.argmax(np.abs(loads_between - middle))])

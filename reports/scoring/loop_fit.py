@@ -220,18 +220,18 @@ class LoopsOverFriction:
         """Range of the scene's Q, largest minus least [force / thickness]."""
         return float(np.ptp(self.load))
 
-    def load_scale(self, highest: float, lowest: float) -> float:
+    def load_scale(self, highest_load: float, lowest_load: float) -> float:
         """Factor r of the file's Q over the scene's, from the turning points of the file's Q."""
-        return (highest - lowest) / self.range_of_load
+        return (highest_load - lowest_load) / self.range_of_load
 
-    def friction_at_gross_sliding(self, highest: float, lowest: float) -> float:
+    def friction_at_gross_sliding(self, highest_load: float, lowest_load: float) -> float:
         """f of gross sliding between these turning points of the file's Q."""
-        return self.sliding_friction * self.load_scale(highest, lowest)
+        return self.sliding_friction * self.load_scale(highest_load, lowest_load)
 
-    def first_frictions(self, highest: float, lowest: float) -> Array:
+    def first_frictions(self, highest_load: float, lowest_load: float) -> Array:
         """The 24 values of the friction coefficient f to try first, ascending. They go from 1.04 to
-        40 times that of gross sliding between the turning points `highest` and `lowest` of the
-        file's Q.
+        40 times that of gross sliding between the turning points of the file's Q, `highest_load`
+        and `lowest_load`.
 
         Their roots sqrt(ln(f/f of sliding)) are multiples of 0.02 (`_ROOT_STEP`), at which loops of
         theory are cached: one solution of theory is enough for each.
@@ -244,7 +244,7 @@ class LoopsOverFriction:
             _N_TRIAL_FRICTIONS,
         )
         roots_of_log = _ROOT_STEP * np.round(roots_of_log / _ROOT_STEP)
-        return self.friction_at_gross_sliding(highest, lowest) * np.exp(roots_of_log**2)
+        return self.friction_at_gross_sliding(highest_load, lowest_load) * np.exp(roots_of_log**2)
 
     def _displacement_at_step(self, step: int) -> Array:
         """U (m,) of the scene with f = sliding exp(root^2), the root being `step` times
@@ -294,10 +294,10 @@ class LoopsOverFriction:
             [self._displacement_at_step(step + neighbour) for neighbour in (-1, 0, 1, 2)]
         )
 
-    def ends_of_branch(self, *, rising: bool) -> tuple[int, int]:
+    def ends_of_branch(self, *, is_rising: bool) -> tuple[int, int]:
         """Numbers of the first and the last instant of a branch of the scene's cycle. Q rises on it
-        from its lowest to its highest value, or falls (`rising` False). Beyond the end of the cycle
-        the numbers count on.
+        from its lowest to its highest value, or falls (`is_rising` False). Beyond the end of the
+        cycle the numbers count on.
 
         # notation: Q tangential load
         """
@@ -306,8 +306,8 @@ class LoopsOverFriction:
         n_instants = len(self.load) - 1
         lowest_instant = int(np.argmin(self.load[:-1]))
         highest_instant = int(np.argmax(self.load[:-1]))
-        begin = lowest_instant if rising else highest_instant
-        end = highest_instant if rising else lowest_instant
+        begin = lowest_instant if is_rising else highest_instant
+        end = highest_instant if is_rising else lowest_instant
         return begin, end if end > begin else end + n_instants
 
     @functools.cached_property
@@ -325,9 +325,9 @@ class LoopsOverFriction:
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
         instants_of_branches = {}
-        for rising in (True, False):
+        for is_branch_rising in (True, False):
             # first and last instant of the branch
-            begin, end = self.ends_of_branch(rising=rising)
+            begin, end = self.ends_of_branch(is_rising=is_branch_rising)
             instants_before = (begin - np.arange(1, n_instants // 2)) % n_instants
             instants_behind = (end + np.arange(1, n_instants // 2)) % n_instants
             # how many instants of the other branch lie near to the turning point
@@ -336,7 +336,7 @@ class LoopsOverFriction:
             )
             last_near_end = end + self._count_of_instants_near_turn(load_of_cycle[instants_behind])
             spans_of_instants = ((begin, end), (first_near_begin, begin), (end, last_near_end))
-            instants_of_branches[rising] = [
+            instants_of_branches[is_branch_rising] = [
                 np.arange(first_instant, last_instant + 1)
                 for first_instant, last_instant in spans_of_instants
                 if last_instant > first_instant
@@ -383,12 +383,12 @@ class LoopsOverFriction:
         load_of_scene = self.load.min() + self.range_of_load * np.clip(fraction_of_range, 0.0, 1.0)
         n_instants = len(self.load) - 1
         displacement_at_rows = np.empty(len(rows.load))
-        for rising in (True, False):
-            is_on_branch = rows.branches.is_rising == rising
+        for is_branch_rising in (True, False):
+            is_on_branch = rows.branches.is_rising == is_branch_rising
             # first and last instant of the branch
-            begin, end = self.ends_of_branch(rising=rising)
+            begin, end = self.ends_of_branch(is_rising=is_branch_rising)
             instants = np.arange(begin, end + 1) % n_instants
-            instants_by_load = instants if rising else instants[::-1]
+            instants_by_load = instants if is_branch_rising else instants[::-1]
             ascending_loads = np.maximum.accumulate(self.load[instants_by_load])
             displacement_at_rows[is_on_branch] = np.interp(
                 load_of_scene[is_on_branch],
@@ -435,8 +435,8 @@ class LoopsOverFriction:
         )
         n_instants = len(self.load) - 1
         # for each row: place, distance, unit normal in U and in Q
-        nearest = np.empty((4, len(rows.load)))
-        nearest[1] = math.inf
+        values_of_nearest = np.empty((4, len(rows.load)))
+        values_of_nearest[1] = math.inf
         row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
         loop_points = np.array(
             [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
@@ -452,9 +452,9 @@ class LoopsOverFriction:
                     # memory
                     candidate = nearest_on_polyline(row_points[:, rows_of_block], polyline)
                     candidate[0] += instants[0]
-                    is_nearer = np.abs(candidate[1]) < np.abs(nearest[1, rows_of_block])
-                    nearest[:, rows_of_block[is_nearer]] = candidate[:, is_nearer]
-        return NearestPoints(*nearest)
+                    is_nearer = np.abs(candidate[1]) < np.abs(values_of_nearest[1, rows_of_block])
+                    values_of_nearest[:, rows_of_block[is_nearer]] = candidate[:, is_nearer]
+        return NearestPoints(*values_of_nearest)
 
     def distances(self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise) -> Array:
         """Distances (n,) of the rows from their branches of theory's loop, in sigma."""
@@ -656,8 +656,8 @@ class _Search:
 
         # notation: Q tangential load
         """
-        highest_turn = self.rows.branches.highest
-        lowest_turn = self.rows.branches.lowest
+        highest_turn = self.rows.branches.highest_turn
+        lowest_turn = self.rows.branches.lowest_turn
         return np.array(
             [
                 (terms[0] - highest_turn.load) / highest_turn.standard_error,
@@ -680,8 +680,8 @@ class _Search:
         )
         # of the differences over the standard errors of both turning points
         derivatives_of_turns = np.zeros((2, 5))
-        derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.standard_error
-        derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest.standard_error
+        derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest_turn.standard_error
+        derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest_turn.standard_error
         residuals = np.concatenate([distances, self._residuals_of_turns(terms)])
         return residuals, np.concatenate([derivatives_of_distances, derivatives_of_turns])
 
@@ -689,8 +689,8 @@ class _Search:
         """The four terms from which a fit at this friction coefficient begins: highest and lowest Q
         of the measured loop, compliance C of the rig and origin U0 of the displacement, (4,).
         """
-        highest_load = self.rows.branches.highest.load
-        lowest_load = self.rows.branches.lowest.load
+        highest_load = self.rows.branches.highest_turn.load
+        lowest_load = self.rows.branches.lowest_turn.load
         rig = self.model.start_of_rig(self.rows, friction, highest_load, lowest_load)
         return np.array([highest_load, lowest_load, *rig])
 
@@ -732,23 +732,23 @@ class _Search:
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
 
-    def best_terms(self, friction: float, start: Array) -> tuple[float, Array]:
-        """Least sum of squares at this f, and Q_max, Q_min, C, U0 that give it, from a start near
-        them.
+    def best_terms(self, friction: float, start_terms: Array) -> tuple[float, Array]:
+        """Least sum of squares at this f, and Q_max, Q_min, C, U0 that give it, from `start_terms`
+        near them.
         """
-        sum_of_squares, _, terms = self._least_squares(friction, start, fits_friction=False)
+        sum_of_squares, _, terms = self._least_squares(friction, start_terms, fits_friction=False)
         return sum_of_squares, terms
 
-    def best_fit(self, friction: float, start: Array) -> tuple[float, float, Array]:
-        """Least sum of squares, and f and the four terms that give it, from a start near them."""
-        return self._least_squares(friction, start, fits_friction=True)
+    def best_fit(self, friction: float, start_terms: Array) -> tuple[float, float, Array]:
+        """Least sum of squares, and f and the four terms that give it, from values near them."""
+        return self._least_squares(friction, start_terms, fits_friction=True)
 
     def _least_squares(
-        self, friction: float, start: Array, *, fits_friction: bool
+        self, friction: float, start_terms: Array, *, fits_friction: bool
     ) -> tuple[float, float, Array]:
         """Least sum of squares between measured rows and theory's loop, and the friction
         coefficient f and terms that give it. Levenberg and Marquardt's method begins from
-        `friction` and the terms `start`.
+        `friction` and `start_terms`.
 
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
         displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
@@ -761,7 +761,7 @@ class _Search:
         # ln f, then the four terms
         is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
         typical_sizes = np.array([1.0, *self.rows.term_sizes])[is_free]
-        start_parameters = np.array([math.log(friction), *start])
+        start_parameters = np.array([math.log(friction), *start_terms])
         # bounds of ln f: 0.2 below that of gross sliding, and at 40 times it
         lowest_log = math.log(self.sliding_friction) - _LOG_BELOW_SLIDING
         highest_log = math.log(self.sliding_friction * _LARGEST_FRICTION_RATIO)
@@ -917,8 +917,8 @@ def fit_loop(
 
     # notation: P normal load
     """
-    highest_load = rows.branches.highest.load
-    lowest_load = rows.branches.lowest.load
+    highest_load = rows.branches.highest_turn.load
+    lowest_load = rows.branches.lowest_turn.load
     sliding_friction = model.friction_at_gross_sliding(highest_load, lowest_load)
     # noise of the last digits, at least 1e-9 of the largest U or Q; row_noise: standard deviation
     # that neighbouring rows show

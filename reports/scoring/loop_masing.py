@@ -501,13 +501,13 @@ def distances_from_loop(
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.is_rising, 1.0, -1.0)
     # (4, n) each: distance, normal in U, normal in Q, place on the branch
-    from_branch_of_rows = _distances_from_branch(
+    nearest_on_branch = _distances_from_branch(
         loop, corners_of_branch, displacement, load, branch_sign, sigma
     )
 
     # the other branch, for rows beside a turning point
     rows_beside_turns = rows.rows_beside_turns
-    from_other_branch = _distances_from_branch(
+    nearest_on_other_branch = _distances_from_branch(
         loop,
         corners_of_branch,
         displacement[rows_beside_turns],
@@ -515,15 +515,15 @@ def distances_from_loop(
         -branch_sign[rows_beside_turns],
         sigma,
     )
-    is_other_nearer = np.abs(from_other_branch[0]) < np.abs(
-        from_branch_of_rows[0, rows_beside_turns]
+    is_other_nearer = np.abs(nearest_on_other_branch[0]) < np.abs(
+        nearest_on_branch[0, rows_beside_turns]
     )
     rows_of_other_branch = rows_beside_turns[is_other_nearer]
-    from_branch_of_rows[:, rows_of_other_branch] = from_other_branch[:, is_other_nearer]
+    nearest_on_branch[:, rows_of_other_branch] = nearest_on_other_branch[:, is_other_nearer]
     branch_sign[rows_of_other_branch] *= -1
 
     # place on the branch: 0 to 1 in partial slip and 1 to 2 on the slide
-    distance, normal_displacement, normal_load, place_on_branch = from_branch_of_rows
+    distance, normal_displacement, normal_load, place_on_branch = nearest_on_branch
     displacement_derivatives, load_derivatives = loop.derivatives(place_on_branch)
     displacement_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]

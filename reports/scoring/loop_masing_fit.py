@@ -171,18 +171,18 @@ class _LeastSquaresFit(NamedTuple):
 class _FitsOfBothKinds(NamedTuple):
     """The best partial loop for the rows, and the best gross one."""
 
-    partial: _LeastSquaresFit
-    gross: _LeastSquaresFit
+    partial_fit: _LeastSquaresFit
+    gross_fit: _LeastSquaresFit
 
     @property
     def is_gross_better(self) -> bool:
         """Whether the gross loop lies nearer to the rows."""
-        return self.gross.sum_of_squares < self.partial.sum_of_squares
+        return self.gross_fit.sum_of_squares < self.partial_fit.sum_of_squares
 
     @property
     def better_fit(self) -> _LeastSquaresFit:
         """The loop that lies nearer to the rows."""
-        return self.gross if self.is_gross_better else self.partial
+        return self.gross_fit if self.is_gross_better else self.partial_fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,8 +246,8 @@ class _Search:
         rows = self.rows
         # self.curve: memory curve of theory, from which the branches of the loop are built
         loop = MasingLoop(self.curve, parameters)
-        # the rising branch ends at place 2 (places are a parameter along it); the falling one is the
-        # same, rotated about the middle of the loop
+        # the rising branch ends at place 2 (places are a parameter along it); the falling branch is
+        # the same, rotated about the middle of the loop
         place_of_turn = np.array([2.0])
         # U and Q there, from the middle of the loop, and their derivatives (1, 7)
         displacement_at_end, load_at_end = loop.points(place_of_turn)
@@ -256,7 +256,7 @@ class _Search:
         misfit = np.zeros(2)
         derivatives = np.zeros((2, 7))
         # mean_time: mean time of these turning points over that of the record, from -1/2 to 1/2
-        turns_of_rows = (rows.branches.highest, rows.branches.lowest)
+        turns_of_rows = (rows.branches.highest_turn, rows.branches.lowest_turn)
         for k, (turn_of_rows, sign_of_turn, mean_time) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.mean_times_of_turns, strict=True)
         ):
@@ -471,8 +471,8 @@ class _Search:
     def fits_near(self, fits: _FitsOfBothKinds) -> _FitsOfBothKinds:
         """The best partial and the best gross loop, sought from `fits` on."""
         return _FitsOfBothKinds(
-            self._fit_near(fits.partial.parameters, is_gross=False),
-            self._fit_near(fits.gross.parameters, is_gross=True),
+            self._fit_near(fits.partial_fit.parameters, is_gross=False),
+            self._fit_near(fits.gross_fit.parameters, is_gross=True),
         )
 
     def _fit_near(self, start_parameters: Array, *, is_gross: bool) -> _LeastSquaresFit:
@@ -565,7 +565,7 @@ class _Search:
         """
         is_gross_better = fits.is_gross_better
         # of each kind (is it gross?) the latest fit, from which the next one is sought
-        parameters_by_kind = {False: fits.partial.parameters, True: fits.gross.parameters}
+        parameters_by_kind = {False: fits.partial_fit.parameters, True: fits.gross_fit.parameters}
         is_nearest_kind_gross = is_gross_better
 
         def root_of_relative_rise(log_friction: float) -> float:

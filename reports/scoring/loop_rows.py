@@ -153,7 +153,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     names = table.names
     has_two_nameless_columns = not table.heading_line and len(names) == 2
     load_name = name_of_column(
-        mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
+        mapping, "tangential_load", names, file_name, is_needed=not has_two_nameless_columns
     )
     stated_displacement_name = (
         name_of_column(mapping, "slip", names, file_name)
@@ -244,13 +244,13 @@ def _column_of_loop(
             )
         is_plain_force = is_load and unit.known and not unit.per_length
         if unit.fault or (is_plain_force and not is_thickness_stated):
-            or_thickness = ""
+            hint_on_thickness = ""
             if is_plain_force:
-                or_thickness = ", or the thickness of the contact, by which it is divided"
+                hint_on_thickness = ", or the thickness of the contact, by which it is divided"
             raise InputError(
                 f"{file_name}: the column {name!r} is in {unit.word}, and the scene in"
                 f" {unit_of_scene}: state factors.{factor_name} in a mapping, by which it is"
-                f" multiplied{or_thickness}"
+                f" multiplied{hint_on_thickness}"
             )
         unit_factor = unit.factor
         reading_words.append(unit.remark)

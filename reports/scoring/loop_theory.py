@@ -28,16 +28,16 @@ def friction_at_gross_sliding(scene: Scene) -> float:
 
 def has_two_branches(scene: Scene) -> bool:
     """Whether Q has one highest and one lowest value in a cycle, and no other turning point."""
-    tangential = cycle_loads(scene)[1]
-    steps = np.diff(tangential)
-    signs = np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential)])
+    tangential_load = cycle_loads(scene)[1]
+    steps = np.diff(tangential_load)
+    signs = np.sign(steps[np.abs(steps) > 1e-9 * np.ptp(tangential_load)])
     return bool(len(signs) > 0 and np.count_nonzero(signs[1:] != signs[:-1]) <= 2)
 
 
 def has_constant_normal_load(scene: Scene) -> bool:
     """Whether the normal load P is constant through a cycle of the scene."""
-    normal = cycle_loads(scene)[0]
-    return bool(np.ptp(normal) <= 1e-9 * normal.max())
+    normal_loads = cycle_loads(scene)[0]
+    return bool(np.ptp(normal_loads) <= 1e-9 * normal_loads.max())
 
 
 def times_of_cycle(scene: Scene, shares: Array) -> Array:
@@ -51,8 +51,8 @@ def times_of_cycle(scene: Scene, shares: Array) -> Array:
 
 def cycle_loads(scene: Scene, shares: Array = SHARES_OF_CYCLE) -> tuple[Array, Array]:
     """P and Q of the scene at `shares` (n,) of its last cycle, (n,) each [force per thickness]."""
-    normal, tangential = scene.load.path().at(times_of_cycle(scene, shares))
-    return np.asarray(normal), np.asarray(tangential)
+    normal_load, tangential_load = scene.load.path().at(times_of_cycle(scene, shares))
+    return np.asarray(normal_load), np.asarray(tangential_load)
 
 
 def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES_OF_CYCLE) -> Array:

@@ -413,7 +413,7 @@ class _LoopOfScene(NamedTuple):
 
 
 def _loop_with_rig(
-    loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
+    loop: MeasuredLoop, fit: FittedLoop, computed_loop: _LoopOfScene, rig_compliance: float | None
 ) -> _ComputedLoop:
     """A computed loop with the rig added, U = r U_computed + C Q + U0, with the compliance C and
     the origin U0 such that it lies nearest to the rows; with its area W, slope dU/dQ and distance
@@ -425,7 +425,7 @@ def _loop_with_rig(
         the measured rows
     fit
         places of the rows on the cycle, and r, the file's Q over the scene's
-    computed
+    computed_loop
         name, f, and U through a cycle of the scene
 
     # notation: C compliance of the rig, f coefficient of friction, Q tangential load, U relative
@@ -435,15 +435,15 @@ def _loop_with_rig(
     load = fit.scale * load_of_scene
     # C and U0 by least squares over the rows
     _, compliance, origin = fit_rig(
-        loop, computed.displacement, fit.share_of_cycle, load, fit.scale, rig_compliance
+        loop, computed_loop.displacement, fit.share_of_cycle, load, fit.scale, rig_compliance
     )
-    displacement = fit.scale * computed.displacement + compliance * load + origin
+    displacement = fit.scale * computed_loop.displacement + compliance * load + origin
     # the rig is elastic: it adds nothing to the area
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
-    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.displacement)))
+    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed_loop.displacement)))
     slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
     # name, f, W and its uncertainty, slope, distance
-    table_row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
+    table_row = LoopRow(computed_loop.name, computed_loop.friction, area, 0.0, slope, distance)
     # offset: the file's Q is r times the scene's plus this
     return _ComputedLoop(table_row, displacement, load + fit.offset)
 

@@ -170,27 +170,27 @@ def name_of_column(
     mapping: Mapping,
     quantity: ColumnQuantity,
     names: Sequence[str],
-    where: str,
+    file_name: str,
     *,
-    needed: bool = False,
+    is_needed: bool = False,
 ) -> str | None:
     """Name of the column of a file that holds `quantity`, among all its column `names`: the one
     that the mapping states, by name or by number from 1, else the first known alias that is there;
     None where none is.
 
-    `where` is the file in messages; `needed` makes a missing column an error.
+    `file_name` stands in messages; `is_needed` makes a missing column an error.
 
     Raises
     ------
     InputError
         Where the mapping names one that is not there, where two names answer to the same alias, or
-        where none does and it is `needed`.
+        where none does and it `is_needed`.
     """
     stated_name = getattr(mapping.columns, quantity)
     if isinstance(stated_name, int):
         if stated_name > len(names):
             raise InputError(
-                f"{where}: the mapping says columns.{quantity} = {stated_name}, and there are"
+                f"{file_name}: the mapping says columns.{quantity} = {stated_name}, and there are"
                 f" {len(names)} columns"
             )
         return names[stated_name - 1]
@@ -201,7 +201,7 @@ def name_of_column(
             if similar_names:
                 hint = f"did you mean {similar_names[0]!r}?"
             raise InputError(
-                f"{where}: the mapping says columns.{quantity} = {stated_name!r}, which is not"
+                f"{file_name}: the mapping says columns.{quantity} = {stated_name!r}, which is not"
                 f" there; {hint}"
             )
         return stated_name
@@ -210,15 +210,16 @@ def name_of_column(
         matching_names = [name for name in names if normalised_name(name) == normalised_name(alias)]
         if len(matching_names) > 1:
             raise InputError(
-                f"{where}: {names_in_words(matching_names)} could each be {quantity}; say which by"
-                f" columns.{quantity} of a mapping"
+                f"{file_name}: {names_in_words(matching_names)} could each be {quantity}; say which"
+                f" by columns.{quantity} of a mapping"
             )
         if matching_names:
             return matching_names[0]
-    if needed:
+    if is_needed:
         raise InputError(
-            f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
-            f" among {names_in_words(names)}; {_naming_advice(quantity, names)}"
+            f"{file_name}: no column for {quantity} (looked for"
+            f" {', '.join(ALIASES[quantity][:4])} ...) among {names_in_words(names)};"
+            f" {_naming_advice(quantity, names)}"
         )
     return None
 
@@ -318,14 +319,14 @@ def conversion_in_words(mapping: Mapping, quantity: ColumnQuantity) -> str:
     return ", ".join([quantity.replace("_", " "), *phrases])
 
 
-def stated_times(source: str, mapping: Mapping, count: int, what: str = "instants") -> Array:
-    """The times that the mapping states, one for each of `what` the file has; InputError where the
-    file has another count.
+def stated_times(source: str, mapping: Mapping, count: int) -> Array:
+    """The times that the mapping states, one for each of the `count` instants of the file;
+    InputError where they are not as many.
     """
     times = np.array(mapping.times, dtype=float)
     if len(times) != count:
         raise InputError(
-            f"{source}: the mapping states {len(times)} times and the file has {count} {what}; give"
-            " one for each"
+            f"{source}: the mapping states {len(times)} times and the file has {count} instants;"
+            " give one for each"
         )
     return times

@@ -598,19 +598,23 @@ def _most_changed_instants(
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
     reference_rms = np.sqrt(np.mean(reference_pressure**2, axis=1))
     largest_change = (0.0, 0, 0)
-    for first, second in itertools.combinations(range(len(pressure)), 2):
+    for first_instant, second_instant in itertools.combinations(range(len(pressure)), 2):
         # more than a hundredth of the largest P
-        if not (discrepancy.is_loaded[first] and discrepancy.is_loaded[second]):
+        if not (discrepancy.is_loaded[first_instant] and discrepancy.is_loaded[second_instant]):
             continue
-        load_difference = abs(load[first] / load[second] - 1)
-        integral_difference = abs(pressure_integrals[first] / pressure_integrals[second] - 1)
+        load_difference = abs(load[first_instant] / load[second_instant] - 1)
+        integral_difference = abs(
+            pressure_integrals[first_instant] / pressure_integrals[second_instant] - 1
+        )
         has_same_load = load_difference < _LARGEST_DIFFERENCE_OF_SAME_LOAD
         has_same_integral = integral_difference < _LARGEST_DIFFERENCE_OF_SAME_LOAD
         if not (has_same_load and has_same_integral):
             continue
-        rms_difference = float(np.sqrt(np.mean((pressure[first] - pressure[second]) ** 2)))
-        change = rms_difference / float(reference_rms[first])
-        largest_change = max(largest_change, (change, first, second))
+        rms_difference = float(
+            np.sqrt(np.mean((pressure[first_instant] - pressure[second_instant]) ** 2))
+        )
+        change = rms_difference / float(reference_rms[first_instant])
+        largest_change = max(largest_change, (change, first_instant, second_instant))
     return largest_change
 
 

@@ -131,7 +131,7 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
         quantity_by_name: dict[str, ColumnQuantity] = {}
         for quantity in _QUANTITIES_OF_TABLES:
             is_needed = quantity in ("x", "pressure")
-            name = name_of_column(mapping, quantity, table.names, source, needed=is_needed)
+            name = name_of_column(mapping, quantity, table.names, source, is_needed=is_needed)
             if name is not None:
                 columns[quantity] = converted_values(mapping, quantity, table.column(name))
                 quantity_by_name[name] = quantity

@@ -312,23 +312,22 @@ def result_files(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
         path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
     )
     # files that a .pvd collection names
-    collected_parts = {part.resolve() for path in files for part in collected_files(path)}
-    files_alone = [path for path in files if path.resolve() not in collected_parts]
+    paths_in_collections = {part.resolve() for path in files for part in collected_files(path)}
+    uncollected_files = [path for path in files if path.resolve() not in paths_in_collections]
 
-    readable_files = [path for path in files_alone if path.suffix.lower() in known_suffixes]
+    readable_files = [path for path in uncollected_files if path.suffix.lower() in known_suffixes]
     # of files with one stem the last one counts: that whose suffix comes first among the known ones
     file_by_stem = {
         path.stem: path
         for path in sorted(readable_files, key=lambda p: -known_suffixes.index(p.suffix.lower()))
     }
-    names_left_out = [path.name for path in files_alone if path not in file_by_stem.values()]
+    names_left_out = [path.name for path in uncollected_files if path not in file_by_stem.values()]
     if not file_by_stem:
         raise InputError(
             f"{folder}: no result is in this folder; a result ends in {', '.join(known_suffixes)}"
         )
     notes = [f"Left out of the folder: {', '.join(names_left_out)}."] if names_left_out else []
-    if len(files_alone) < len(files):
-        notes.append(
-            f"Read through the collections that name them: {len(files) - len(files_alone)} files."
-        )
+    if len(uncollected_files) < len(files):
+        n_collected = len(files) - len(uncollected_files)
+        notes.append(f"Read through the collections that name them: {n_collected} files.")
     return tuple(sorted(file_by_stem.values())), tuple(notes)

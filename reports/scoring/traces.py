@@ -307,15 +307,15 @@ def find_alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     # result minus reference over p_ref, (k, n)
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_inside = residual.is_in_contact
-    all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
+    are_all_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
     # points of one instant: a mesh errs alike at all instants
-    n_points = int(all_three_inside.sum(axis=1).max())
+    n_points = int(are_all_inside.sum(axis=1).max())
     if not n_points or discrepancy.is_within_tolerance(PRESSURE):
         return
     values = residual.values
-    smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
+    smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[are_all_inside] / 4
     neighbour_changes = np.diff(values, axis=1)[is_inside[:, 1:] & is_inside[:, :-1]]
-    mean_square_of_residual = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
+    mean_square_of_residual = float(np.mean(values[:, 1:-1][are_all_inside] ** 2))
     ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square_of_residual
     deviations_from_noise = (ratio_of_neumann - 1) * np.sqrt(n_points)
     share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square_of_residual))
@@ -405,23 +405,23 @@ def find_long_steps(comparison: Comparison) -> Iterator[Diagnosis]:
     values = {metric.key: metric.value for metric in comparison.metrics}
     # relative errors of the dissipation, of the smooth path and of straight lines
     error = values.get("dissipation")
-    error_on_lines = values.get("dissipation_polygon")
+    error_on_straight_lines = values.get("dissipation_polygon")
     limit = comparison.scene.tolerances.limit("dissipation") or 0.0
-    if error is None or error_on_lines is None:
+    if error is None or error_on_straight_lines is None:
         return
-    if not abs(error) > limit or not abs(error_on_lines) < abs(error) / 2:
+    if not abs(error) > limit or not abs(error_on_straight_lines) < abs(error) / 2:
         return
     n_steps = len(comparison.result_cycle.time) - 1
     evidence = (
         (
             f"error of the dissipation {error:.2g}; against that of the straight lines between the"
-            f" {n_steps} steps {error_on_lines:.2g}"
+            f" {n_steps} steps {error_on_straight_lines:.2g}"
         ),
         "the tractions are within their tolerances",
     )
     sentence = FAULTS["steps"].format(steps=n_steps)
     # key and sentence of the finding, evidence, strength from 0 to 1
-    yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_lines / error))
+    yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_straight_lines / error))
 
 
 def points_near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:

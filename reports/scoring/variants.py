@@ -161,8 +161,10 @@ class Predictions:
         """
         x = self.discrepancy.x
         mirrored_x = 2 * offset * self.discrepancy.half_width - x
-        mirrored = np.apply_along_axis(lambda row: np.interp(mirrored_x, x, row), 2, difference)
-        return (difference - mirrored) / 2
+        mirrored_difference = np.apply_along_axis(
+            lambda values: np.interp(mirrored_x, x, values), 2, difference
+        )
+        return (difference - mirrored_difference) / 2
 
     def _solved_tractions(self, variant: Variant, *, with_shear: bool) -> Tractions:
         """Pressure p and shear q of half-plane theory with faults put in, (2, k, n), at the n
@@ -349,12 +351,12 @@ def _tractions_of_scene(
     time: Array,
     *,
     effects: BodyEffects | None = None,
-    straight: bool = False,
+    straight_steps: bool = False,
     fields: tuple[str, ...] = ("pressure", "shear"),
 ) -> Tractions:
     """Pressure p and shear q of half-plane theory at points x and at times in any order, (2, k, n).
-    With `straight` the load path is straight between the times; `effects` is what finite bodies add
-    to half-planes; of `fields` those not named are NaN.
+    With `straight_steps` the load path is straight between the times; `effects` is what finite
+    bodies add to half-planes; of `fields` those not named are NaN.
     """
     times, rows_of_times = np.unique(time, return_inverse=True)
     solution = semi_analytic.solve(
@@ -363,7 +365,7 @@ def _tractions_of_scene(
         time=times,
         fields=fields,
         effects=effects,
-        straight_steps=straight,
+        straight_steps=straight_steps,
     )
     return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
@@ -468,7 +470,7 @@ def _tractions_by_long_steps(
     times = np.unique(times[times > path.start])
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not takes_ends:
-        return _tractions_of_scene(scene, x, times, straight=True)[:, rows_of_instants]
+        return _tractions_of_scene(scene, x, times, straight_steps=True)[:, rows_of_instants]
     # vertices (P, Q) of the increments that the solver takes in effect
     polygon = [(0.0, 0.0)]
     # time on that polygon at the end of each increment
