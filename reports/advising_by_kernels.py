@@ -103,6 +103,7 @@ def advise_by_kernels(scene: Scene, limit: float, reason_for_kernels: str) -> Ke
         # The error is relative to the value of the solution, the uncertainty to that of theory.
         ratio_to_theory = 1 + estimate.value
         uncertainty = estimate.uncertainty + error_of_kernels * ratio_to_theory
+        # Estimate: a value with its uncertainty
         changes[quantity] = change._replace(relative_change=Estimate(estimate.value, uncertainty))
     return KernelAdvice(scene, changes, reason_for_kernels, limit)
 

@@ -164,6 +164,7 @@ class Advice:
         if has_coupled_tractions(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
         # Checked up to a change of 5 % by tilt and bulk strain, and an uncertainty of 1 %.
+        # Estimate: a value with its uncertainty
         odd_part = max(abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part)
         if odd_part > _LARGEST_CHECKED_ODD_PART:
             return (
@@ -272,6 +273,8 @@ def advise_by_numbers(
     exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
     # Key of each quantity, its name in a solution, and in words.
+    # _QUANTITIES_OF_ADVICE: of dissipation, largest pressure, half-width and stick. QUANTITIES:
+    # how the value of each is taken from a solution.
     for key, (name, words) in _QUANTITIES_OF_ADVICE.items():
         theory_value = QUANTITIES[name].value_of(theory)
         change = QUANTITIES[name].value_of(corrected_solution) / theory_value - 1
@@ -280,6 +283,7 @@ def advise_by_numbers(
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
             # LEAST_UNCERTAIN_FRACTION: 3e-5 of any value that the bodies change
+            # Estimate: a value with its uncertainty
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
         # _LARGEST_CHECKED_ODD_PART: a change of 0.05
         elif is_coupled or size_of_odd_part > _LARGEST_CHECKED_ODD_PART:
@@ -320,6 +324,7 @@ def _odd_part_of_work(
     # Relative uncertainty by orders that are left out.
     uncertain_fraction = uncertain_fraction_of_tilt_and_strain(even_part, ratio)
     uncertainty_of_order = uncertain_fraction * abs(odd_change.value)
+    # Estimate: a value with its uncertainty
     return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_of_order)
 
 
@@ -345,12 +350,14 @@ def _change_of_stick(
     try:
         second_order_answer(scene, effects)
     except DeclinedError:
+        # Estimate: a value with its uncertainty
         return Estimate(math.nan, math.nan)
     # the edges alone are needed, not the dissipation
     corrected_half_width = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
     # An error of 0.5 % by tilt and bulk strain is added.
+    # _RELATIVE_ERROR_OF_STICK: 0.005
     return Estimate(corrected_half_width / theory_value - 1, uncertainty + _RELATIVE_ERROR_OF_STICK)
 
 
@@ -375,6 +382,7 @@ def split_difference_of_work(comparison: JudgedPair, budget: ErrorBudget | None)
     # WORK: "dissipation"
     metric = comparison.metric(WORK)
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
+        # Estimate: a value with its uncertainty
         return Why(
             Estimate(math.nan, math.nan), reason_not_split="the dissipation was not compared"
         )
@@ -435,6 +443,7 @@ def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Es
     if not advice.reason_for_size_alone:
         if advice.neglected_part:
             # ODD_PART: "tilt and bulk strain"
+            # Estimate: a value with its uncertainty
             parts[ODD_PART] = Estimate(0.0, advice.neglected_part)
         return parts
 
@@ -464,9 +473,11 @@ def _parts_of_curved_faces(comparison: JudgedPair) -> dict[str, Estimate]:
 
     # W [energy / thickness] with its uncertainty.
     work_by_kernels = _work_by_kernels(comparison)
+    # WORK: "dissipation"
     theory_work = semi_analytic.solve(comparison.scene, fields=WORK).dissipation
     change = work_by_kernels.value / theory_work - 1
     # FINITE_BODIES: "finite bodies"
+    # Estimate: a value with its uncertainty
     return {FINITE_BODIES: Estimate(change, work_by_kernels.uncertainty / theory_work)}
 
 
@@ -492,6 +503,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
     # Half-planes by finite elements twice as large as in the comparison.
     mesh, settings = _coarser_mesh_and_settings(comparison)
     solution_of_half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
+    # WORK: "dissipation"
     theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
 
     change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
@@ -499,6 +511,7 @@ def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
     change_by_bodies = (work_by_kernels.value - solution_of_half_planes.dissipation) / theory_work
     uncertainty_of_kernels = work_by_kernels.uncertainty / theory_work
     # COUPLING, FINITE_BODIES: "coupling" and "finite bodies"
+    # Estimate: a value with its uncertainty
     return {
         COUPLING: Estimate(change_by_coupling, uncertainty_of_coupling),
         FINITE_BODIES: Estimate(change_by_bodies, uncertainty_of_kernels + uncertainty_of_coupling),
@@ -570,10 +583,12 @@ def _parts_by_curvatures(
     for curvature in CURVATURES:
         # The responses of the bodies with this curvature alone.
         effects_of_curvature = with_one_group_alone(effects, curvature)
+        # WORK: "dissipation"
         solution = semi_analytic.solve(
             theory.scene, x=0.0, time=theory.time, effects=effects_of_curvature, fields=WORK
         )
         change = solution.dissipation / theory.dissipation - 1
+        # Estimate: a value with its uncertainty
         parts[curvature] = Estimate(
             change, abs(change) * uncertain_fraction_by_curvature[curvature]
         )
@@ -714,6 +729,7 @@ def _sentence_on_limit(advice: Advice) -> str:
         return f"Whether it is within {limit_in_words} is undecided: {advice_to_solve}."
 
     # Outside: theory can be corrected, unless tilt and bulk strain (ODD_PART) are large.
+    # Estimate: a value with its uncertainty
     odd_part = advice.parts.get(ODD_PART, Estimate(0.0))
     size_of_odd_part = max(advice.neglected_part, abs(odd_part.value))
     if advice.reason_for_size_alone or size_of_odd_part > advice.limit / 2:

@@ -418,6 +418,7 @@ def engine_refusals(scene: Scene, source: str, *, finite_elements: bool = True) 
     # responses of flat faces.
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
+            # _NO_THEORY_OF_CURVED_FACES: the reason, as a sentence
             return EngineRefusals(_NO_THEORY_OF_CURVED_FACES, "")
         return EngineRefusals("", "", finds_own_loads=True)
 

@@ -288,6 +288,7 @@ def _main_input_in_words(effects: InputEffects) -> str:
         name_of_input = input_in_words[first_key]
         statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
         if key != WORK:
+            # _SYMBOL_OR_NAME: "the largest pressure"
             statement = f"For {_SYMBOL_OR_NAME[key]} {name_of_input} matters most"
         # _LEAST_SHARE_OF_NAMED_INPUT: 0.25 of the largest change
         if other_keys and sizes[other_keys[0]] >= _LEAST_SHARE_OF_NAMED_INPUT * sizes[first_key]:

@@ -498,6 +498,7 @@ def _changes_by_differences(
     for key, value in values_at_inputs.items():
         change = (values_above[key] - values_below[key]) / (2 * step)
         second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * step**2)
+        # Estimate: a value with its uncertainty
         changes[key] = Estimate(change, second_order)
     return changes
 
@@ -601,6 +602,7 @@ def _change_by_laws(
     standard_uncertainty = uncertain_input.standard_uncertainty
     if key.startswith("bodies.") and not key.endswith(".radius"):
         # half-plane theory has no size of a body; a radius belongs to the profile
+        # Estimate: a value with its uncertainty, here 0
         return _ChangeByInput(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
         return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_friction())
@@ -657,6 +659,7 @@ class _ScalingLaws:
             second_order = 0.0
             if value:
                 second_order = abs(change * (change - relative_uncertainty * value) / (2 * value))
+            # Estimate: a value with its uncertainty
             changes[name] = Estimate(change, second_order)
         return _ChangeByInput(key, changes)
 
@@ -721,6 +724,7 @@ class _ScalingLaws:
         # Both caches are by the key of the load.
         if key not in self._changes_by_loads:
             # An input with a relative standard uncertainty of 1 %, unless the scene states another.
+            # _RELATIVE_STEP_OF_LOAD: 0.01
             uncertain_load = Input(key, "", "", None, _RELATIVE_STEP_OF_LOAD)
             for stated_input in self.scene.inputs:
                 if stated_input.key == key:
@@ -933,6 +937,7 @@ class _LawOfModulus:
             change = -relative_uncertainty * (derivatives_by_p[key] + derivatives_by_q[key])
             # V is nearly linear in 1/E, whose change of second order is u times that of first
             # order, u being the relative uncertainty.
+            # Estimate: a value with its uncertainty
             changes[key] = Estimate(change, abs(change) * relative_uncertainty)
         return _ChangeByInput(modulus.key, changes)
 
@@ -1355,6 +1360,7 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         # The note says that pads were taken as blocks.
         if scene_solved is scene:
             return uncertainties_by_inputs
+        # _BLOCKS_FOR_PADS: the note
         return replace(
             uncertainties_by_inputs, notes=(*uncertainties_by_inputs.notes, _BLOCKS_FOR_PADS)
         )
@@ -1426,6 +1432,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
             quantities[RATIO], values_at_inputs[RATIO], changes_of_ratio, RATIO, correlation
         )
         uncertain_values[RATIO] = ratio
+        # NearSliding: the ratio with its standard uncertainty
         sliding = NearSliding(ratio.value, ratio.uncertainty)
 
     # Random draws where derivatives are not enough; "" for no reason.
@@ -1484,6 +1491,7 @@ def _changes_towards_sliding(changes_by_inputs: Sequence[_ChangeByInput]) -> lis
     for change_by_input in changes_by_inputs:
         central_change, second_order = change_by_input.changes[RATIO]
         larger_change = math.copysign(abs(central_change) + second_order, central_change)
+        # Estimate: a value with its uncertainty
         changes_towards_sliding.append(
             _ChangeByInput(change_by_input.key, {RATIO: Estimate(larger_change, second_order)})
         )
@@ -1644,4 +1652,5 @@ def nearness_to_sliding(scene: Scene) -> NearSliding | None:
     variance = max(
         float(changes_of_ratio @ scene.uncertainty.correlation_matrix() @ changes_of_ratio), 0.0
     )
+    # NearSliding: the ratio with its standard uncertainty
     return NearSliding(ratio, math.sqrt(variance))

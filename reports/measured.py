@@ -202,6 +202,7 @@ def sigma_of_noise(values: Array) -> float:
     # Second differences of white noise have the variance 6 sigma^2, fourth ones 70 sigma^2.
     sigma_by_second_differences = _sigma_of_differences(values, 2, 6)
     sigma_by_fourth_differences = _sigma_of_differences(values, 4, 70)
+    # _LEAST_SIGMA_RATIO, _MOST_SIGMA_RATIO: 0.7 and 1.4
     if not (
         sigma_by_fourth_differences > 0
         and _LEAST_SIGMA_RATIO

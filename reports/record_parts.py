@@ -122,6 +122,7 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     swings = _swings_of(rows, ~has_no_load)
 
     # Runs of rows without load, at rest, and of cycles.
+    # RecordPart: kind, numbers of the first and the last row, words
     parts: list[RecordPart] = []
     words_of_no_load = f"no load: P is below {100 * _LEAST_SHARE_OF_LOAD:g} % of its largest"
     # Indices begin at 0, numbers of rows at 1: `index_beyond` is the number of the last row.
@@ -248,6 +249,7 @@ def _parts_of_swings(swings: _Swings, unit: str) -> list[RecordPart]:
         words_of_part = _other_cycles_in_words(
             swings.ranges[first_swing:swing_beyond], first_swing, unit
         )
+        # RecordPart: kind, numbers of the first and the last row, words
         parts.append(RecordPart("other cycles", first_row, last_row, words_of_part))
     for first_swing, swing_beyond in _bounds_of_runs(is_alike):
         first_row = int(swings.turns[first_swing]) + 1

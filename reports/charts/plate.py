@@ -404,6 +404,7 @@ class Panel:
             low_x, high_x = _about_the_middle(low_x, high_x, units_per_pixel * area_width)
             low_y, high_y = _about_the_middle(low_y, high_y, units_per_pixel * area_height)
         # ends in numbers, then in places of the drawing
+        # Scale: ends of an axis, their places in the drawing, whether it is logarithmic
         x_scale = Scale(low_x, high_x, room_left, self.width - room_right, self.x.log)
         y_scale = Scale(low_y, high_y, self.height - room_below, room_above, self.y.log)
         return Frame(x_scale, y_scale, self.width, self.height)
@@ -526,6 +527,7 @@ class Plate:
         of its class in the style sheet (`css`), and its text.
         """
         # the pen makes SVG elements, which carry their look themselves
+        # _UNIT_SCALE: from 0 to 1, for a pen without axes
         pen = _Pen(Frame(_UNIT_SCALE, _UNIT_SCALE, 0, 0), is_standalone=True)
         x_of_entry = 10.0
         y_of_entry = 6.0
@@ -589,6 +591,7 @@ def figure_with_texts(
     # three lines: title, caption, description
     texts = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, description = str(texts).strip().split("\n")
+    # Plate: a figure with its texts, panels, CSV table and legend
     return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), columns)
 
 
@@ -645,6 +648,7 @@ def colour_scale(
     fractions_of_axis = (np.arange(64) + 0.5) / 64
     strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], colours_of(fractions_of_axis, colours))
     ticks = tuple(zip(tick_numbers, tick_labels(tick_numbers), strict=True))
+    # Panel: name, both axes, marks, description, width and height
     return Panel(
         name,
         Axis(low_end, high_end, words, log, ticks=ticks),
@@ -1010,6 +1014,7 @@ class _Pen:
         attributes: dict[str, object] = {"dx": shift_right or None, "dy": shift_down or None}
         attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
+        # _LINE_HEIGHT: 15 units of the drawing
         elements = [
             self.text_element(
                 x, y + _LINE_HEIGHT * line_number, line, mark.css, text_anchor=anchor, **attributes
@@ -1241,6 +1246,7 @@ def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) ->
     # lines of text above the area, each with its x and its class in the style sheet
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
+    # _LINE_HEIGHT: 15 units of the drawing
     y_of_first = top_y - 9.0 - _LINE_HEIGHT * (len(lines_above) - 1)
     for line_number, (x_of_line, text, css) in enumerate(lines_above):
         elements.append(

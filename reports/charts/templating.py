@@ -59,6 +59,7 @@ def colours_of(values: ArrayLike, name: str = "viridis") -> list[str]:
     ['#440154', '#461264', '#fde725']
     """
     # red, green and blue at eleven points of the scale, (11, 3), straight lines between them
+    # _MAPS: name of a scale -> the colours at its points, as one text
     knots = np.array([list(bytes.fromhex(code)) for code in _MAPS[name].split()])
     places = np.clip(np.asarray(values, dtype=float), 0.0, 1.0) * (len(knots) - 1)
     channels = [np.interp(places, np.arange(len(knots)), knots[:, k]) for k in range(3)]
@@ -118,6 +119,7 @@ def _style_rules() -> list[_Rule]:
     are those of light pages, lengths are in pixels.
     """
     # the sheet without comments and @media rules (dark pages, print); colours by their names
+    # _TEMPLATES: folder of the templates
     sheet = (_TEMPLATES / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
@@ -331,6 +333,7 @@ def without_formula(cell: str) -> str:
     ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
     """
     cell = cell.replace("\r", " ")  # no writer of CSV quotes it, and some readers end the row there
+    # _FORMULA: the characters with which a formula begins
     if not (cell.startswith(_FORMULA) or cell.lstrip().startswith(_FORMULA)):
         return cell
     try:

@@ -110,6 +110,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     # places, the same in each contact; with a critical distance stress is averaged over depth, by
     # these weights
     depths, weights = _depths_and_weights(criteria, half_widths[0])
+    # _PLACES_OVER_HALF_WIDTH: x/a from −1.25 to 1.25 in steps of 1/64
     depth, x_over_half_width = (
         axis.ravel() for axis in np.meshgrid(depths, _PLACES_OVER_HALF_WIDTH, indexing="ij")
     )
@@ -154,6 +155,7 @@ def _times_of_cycle(solution: FiniteElementSolution) -> Array:
     """
     # indices of the cycle's instants in the solution; those chosen are indices into them
     cycle_indices = np.asarray(solution.last_cycle)
+    # _MOST_INSTANTS: 40
     n_even = min(_MOST_INSTANTS, len(cycle_indices))
     even_indices = np.linspace(0, len(cycle_indices) - 1, n_even).round().astype(int)
     turning_indices = []

@@ -263,6 +263,7 @@ def write_fields(
             file_name = f"{part_name}_{snapshot_number:03d}.vtu"
             meshes.write_vtu(folder / file_name, points, cells, values_of_part)
             entries.append(meshes.PvdEntry(snapshot.time, part_number, part_name, file_name))
+    # _NAME_OF_COLLECTION: "fields.pvd"
     meshes.write_pvd(folder / _NAME_OF_COLLECTION, entries)
     return [_NAME_OF_COLLECTION, *(entry.file for entry in entries)]
 
@@ -368,6 +369,7 @@ def record(solution: FiniteElementSolution, **command_content: Any) -> dict[str,
     `command_content` holds further entries, those of the command.
     """
     scene = solution.scene
+    # NO_PEAK: a sentence, that nodal values are not peaks
     return {
         "format": "halfplane fields 1",
         "units": scene.units,

@@ -281,6 +281,7 @@ def mesh(
     )
 
     # the legend, and the boundaries
+    # Key: an entry of the legend, its look and text
     legend_entries = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
     if with_boundaries:
@@ -293,12 +294,14 @@ def mesh(
         left_x, bottom_y = (centre - half_size).tolist()
         right_x, top_y = (centre + half_size).tolist()
         is_repeated = view_number > 0  # a page holds the lines of a mesh once
+        # Segments: lines, their look and name, whether the page has them already
         marks: list[Mark] = [
             Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}", is_repeated)
             for body_name, sides_of_body in sides.items()
         ]
         if view_number == 0:
             marks += boundaries
+        # Panel: name, both axes, marks, description, width, height and title
         panels.append(
             Panel(
                 f"mesh-{view_number}",
@@ -312,6 +315,7 @@ def mesh(
                 has_equal_scales=True,
             )
         )
+    # Plate: name, title, caption, description, panels, CSV table and legend
     return Plate(
         "mesh",
         "Mesh",
@@ -341,6 +345,7 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
         return " (may touch)"
     if boundary == "free":
         return ""
+    # SUPPORT_WORDS: kind of support -> its words
     supports = [SUPPORT_WORDS.get(body.supports.get(boundary, ""), "free") for body in bodies]
     if len(set(supports)) == 1:
         return f" ({supports[0]})"
@@ -362,10 +367,12 @@ def _marks_of_boundaries(
         for sign_of_y, body in zip((1.0, -1.0), bodies, strict=True):
             if boundary in body.mesh.boundaries:
                 sides_of_body = _sides_of_boundary(body, boundary, sign_of_y) / half_width
+                # Segments: lines and their look in the style sheet
                 marks.append(Segments(sides_of_body, f"curve side-{boundary}"))
                 bodies_with_boundary.append(body)
         if bodies_with_boundary:
             support = _support_in_words(bodies_with_boundary, boundary)
+            # Key: an entry of the legend, its look and text
             legend_entries.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
     return marks, legend_entries
 
@@ -433,6 +440,9 @@ def stress(
                 solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels
             )
         )
+    # NO_PEAK: a sentence, that nodal values are not peaks; STATE_KEYS: legend of open, stick and
+    # slip
+    # Plate: name, title, caption, description, panels, CSV table and legend
     return Plate(
         name,
         "Von Mises stress",
@@ -499,6 +509,7 @@ def _panels_of_whole_bodies(
         offset = np.array([0.0, -outward_sign * (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2])
         values = np.log10(np.maximum(body.von_mises, least_stress))
         deformed_points = body.points + factor * body.displacement + offset
+        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
         skins.append(Skin(deformed_points, body.cells, values, limits))
         outlines += [
             _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
@@ -521,7 +532,9 @@ def _panels_of_whole_bodies(
         f" {load_unit(solution.scene)}"
     )
     note = f"{loads_in_words}; displacements × {number(factor)}, drawn apart"
+    # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
+    # Segments: lines and their look in the style sheet
     undeformed_outlines = Segments(np.concatenate(outlines), "curve undeformed")
     panel = rendered(
         name, (left_x, right_x, bottom_y, top_y), skins, pixels, panel_words, [undeformed_outlines]
@@ -533,6 +546,7 @@ def _panels_of_whole_bodies(
         log=True,
         width=440.0,
     )
+    # Cell: panels one under the other; None: a click on them shows no instant
     return Cell((panel, colours), None)
 
 
@@ -580,12 +594,14 @@ def _panels_of_contact(
         lift_by_gap = np.outer(rise_by_gap(solution, body), (0.0, 1.0))
         points = body.points + body.displacement + lift_by_gap
         limits = (0.0, largest_stress)
+        # Skin: nodes, elements, values at the nodes, ends of the scale of colours
         skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
     largest_nodal = peak(snapshot)  # value and body
     note = minus(
         f"largest nodal value {largest_nodal['value']:.4g} {stress_unit},"
         f" {largest_nodal['body']} body"
     )
+    # PanelWords: unit of length, title and note
     panel_words = PanelWords(length_unit, "at the contact, to true scale", note)
     window = (-half_size, half_size, -half_size, half_size)
     panel = rendered(f"{name}-contact", window, skins, pixels, panel_words)
@@ -611,6 +627,7 @@ def _panels_of_contact(
     colours = colour_scale(
         f"{name}-contact-colours", (0.0, largest_stress), colour_words, width=440.0
     )
+    # Cell: panels one under the other; None: a click on them shows no instant
     return Cell((panel, strip, colours), None)
 
 

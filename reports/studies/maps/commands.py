@@ -42,6 +42,7 @@ def make_map(name: str, options: Options) -> Answer:
     from reports.studies.maps.families import KINDS, kind_named
 
     folder = options.out or Path("out/maps")
+    # KINDS: the kinds of bodies by name
     kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
     pages.require_free(folder)  # InputError if a file of another program would be replaced
 
@@ -69,6 +70,7 @@ def make_map(name: str, options: Options) -> Answer:
         """What the terminal shows: the table of least heights, and the path of the page."""
         # Sheet: a table on the terminal, of title, heads and rows
         title = "height/a from which theory is within 1; 5; 10 %"
+        # Sheet: a table on the terminal, of title, heads and rows
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
         yield page
 
@@ -133,6 +135,7 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
         "limit": limit,
         "verdict": verdict,
     }
+    # EXIT_WITHIN, EXIT_OUTSIDE: exit codes 0 and 1
     code = EXIT_WITHIN if is_within else EXIT_OUTSIDE
     return Answer(code, [f"{scene.name}: {sentence}"], lambda: content, scene.name)
 
@@ -191,6 +194,7 @@ def _answer_by_numbers(advice: Advice) -> Answer:
             "effects": asdict(advice.effects),
         }
 
+    # EXIT_WITHIN, EXIT_OUTSIDE: exit codes 0 and 1
     code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
     return Answer(code, terminal_output(), content, advice.scene.name)
 
@@ -219,6 +223,7 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
             "declined": advice.reason_for_kernels,
         }
 
+    # EXIT_WITHIN, EXIT_OUTSIDE: exit codes 0 and 1
     code = EXIT_WITHIN if advice.verdict is Verdict.WITHIN else EXIT_OUTSIDE
     return Answer(code, terminal_output(), content, advice.scene.name)
 
@@ -250,6 +255,7 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
             )
         )
     heads = ("quantity", "half-plane theory", "bodies/theory − 1")
+    # Sheet: a table on the terminal, of title, heads and rows
     return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)
 
 

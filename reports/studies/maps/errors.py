@@ -154,8 +154,10 @@ def table_of(rows: Sequence[Row]) -> str:
     error of theory in each quantity with its uncertainty.
     """
     columns: dict[str, list[str]] = {"way": [row.way for row in rows]}
+    # _KEY_COLUMNS: "way", "height", "width", "friction"
     for coordinate in _KEY_COLUMNS[1:]:
         columns[coordinate] = [f"{getattr(row.place, coordinate):g}" for row in rows]
+    # QUANTITIES: dissipation, peak pressure, half-width, edge tension
     for quantity in QUANTITIES:
         for field_name in Estimate._fields:  # value, uncertainty
             name = quantity if field_name == "value" else f"{quantity}_{field_name}"
@@ -260,9 +262,11 @@ def least_heights_of(kind: Kind, rows: Sequence[Row], report: ProgressReport) ->
     report
         called with (number, how many, text)
     """
+    # QUANTITIES_WITH_HEIGHTS: "dissipation", "peak_pressure" and "edge_tension"
     quantities = list(QUANTITIES_WITH_HEIGHTS)
     if kind.is_curved:
         quantities.remove("edge_tension")
+    # ERROR_LEVELS: 0.01, 0.05 and 0.1
     combinations = [
         (width, quantity, level)
         for width in kind.widths

@@ -128,6 +128,7 @@ def page(tables: Tables) -> str:
     quantities_shown = _quantities(tables, "elements")
     heads = [kind.height_words, kind.width_words, "f"]
     for quantity in quantities_shown:
+        # QUANTITIES: name of a quantity -> its words
         heads += [f"{QUANTITIES[quantity]}, %", "kernels"]
     errors_by_kernels = _errors_by_place(tables.rows, "kernels")
     table_rows = []
@@ -188,6 +189,7 @@ def rows_of_heights(maps: Sequence[Tables]) -> list[list[str]]:
         width_in_words = f"{tables.kind.width_words} " if tables.kind.is_flat_pad else ""
         for width in tables.kind.widths:
             cells = [tables.kind.name, f"{width_in_words}{width:g}"]
+            # QUANTITIES_WITH_HEIGHTS: "dissipation", "peak_pressure" and "edge_tension"
             cells += [_heights(tables, width, quantity) for quantity in QUANTITIES_WITH_HEIGHTS]
             rows.append(cells)
     return rows
@@ -260,8 +262,11 @@ def figure(tables: Tables) -> Plate:
         for friction, line_style in zip(kind.frictions, ("", " dash"), strict=False):
             line_looks[width, friction] = (colour_number, line_style)
             line_in_words = f"{kind.width_words} {width:g}, f = {friction:g}"
+            # Key: an entry of the legend, its look and text
             legend_keys.append(Key(f"c{colour_number}{line_style}", line_in_words))
     panels = [_panel(tables, quantity, line_looks) for quantity in _quantities(tables, "kernels")]
+    # _CAPTION: the sentences below the figure
+    # Plate: name, title, caption, description, panels, CSV table, legend, columns
     return Plate(
         kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(legend_keys), 2
     )
@@ -305,6 +310,7 @@ def _panel(
     for (width, friction), (colour_number, line_style) in line_looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
         marks += _marks_of_line(rows_of_line, quantity, colour_number, line_style)
+    # QUANTITIES: name of a quantity -> its words; _WIDTH, _HEIGHT: of a panel [pixels]
     title = QUANTITIES[quantity]
     return Panel(quantity, x_axis, y_axis, marks, title, _WIDTH, _HEIGHT, title)
 
@@ -345,6 +351,7 @@ def _marks_of_line(
         if row.way == "kernels" or not error_in_percent >= _LEAST_DRAWN:
             continue
         if row.way == "numbers":
+            # Dot: x, y, look in the style sheet, radius
             yield Dot(row.place.height, error_in_percent, f"c{colour_number} hollow", 2.6)
             continue
         uncertainty = 100 * error.uncertainty

@@ -577,6 +577,7 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     """
     # Ratios, (m, count). The first is 1e-9, relative, above the limit of gross sliding: at the
     # limit itself round-off would decide whether the contact slides.
+    # FRICTIONS: 1, 0.8, 0.6 and 0.4
     friction = np.array(FRICTIONS)
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)

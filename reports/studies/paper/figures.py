@@ -106,6 +106,7 @@ def _text_at(
     if dot:
         yield Dot(x, y, f"p{colour}" if colour else "event", 2.8)
     if text:
+        # Note: x, y, text, look, anchor, shift
         yield Note(
             x,
             y,
@@ -133,6 +134,7 @@ def _plate(
     has the columns of its CSV file. The panels stand side by side in so many `columns`.
     """
     # texts of the figure in paper.toml, by their names
+    # PAPER_WORDS: the content of paper.toml
     figure_words = next(row for row in PAPER_WORDS["figure"] if row["key"] == name)
 
     # text of an entry -> entry, with the look of its mark: a line, or a patch for a band
@@ -144,6 +146,7 @@ def _plate(
     for further_key in keys:
         legend[further_key.text] = further_key
     caption = fill_in(figure_words["text"], numbers)
+    # Plate: name, title, caption, description, panels, CSV table, legend, columns
     return Plate(
         name,
         figure_words["title"],
@@ -332,6 +335,7 @@ def _letters_around_ellipse(case: Case, loads_by_letter: Mapping[str, Array]) ->
     """
     # P and Q -> letters of the events at these loads
     letters_at_point: dict[tuple[float, float], list[str]] = {}
+    # LETTERS: A to M
     for letter in LETTERS:
         p, q = loads_by_letter[letter][:2].round(6).tolist()
         letters_at_point.setdefault((p, q), []).append(letter)
@@ -408,6 +412,7 @@ def _slip_bands_to_limit(
             css, label = _SLIP_LOOKS[sign]
             zero_line = np.where(is_slipping, 0.0, np.nan)
             limit_line = np.where(is_slipping, sign * friction_limit, np.nan)
+            # Band: x, lower curve, upper curve, look, label
             yield Band(x, zero_line, limit_line, css, label)
 
 
@@ -545,6 +550,7 @@ def _figure_4a(case: Case) -> Plate:
     x_max = float(path_of_p[-1]) + 0.05
     x_axis = Axis(0.0, x_max, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
     alt = "Half-widths over the path of P"
+    # _HALF_WIDTH: axis of half-widths
     panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", path_of_p))
 
@@ -613,6 +619,7 @@ def _bands_from(start_time: float, case: Case) -> list[Band]:
     shown_zones = zones.at_instants(is_shown)
     shown_angles = angles[is_shown]
     label_end = f", f = {case.friction:g}"
+    # Band: x, lower curve, upper curve, look, label
     stick_band = Band(
         shown_angles,
         np.zeros(len(shown_angles)),
@@ -649,6 +656,7 @@ def _figure_5(case: Case) -> Plate:
         "reverse broad-line": "slipping in reverse",
         "faint dot": "separated",
     }
+    # Key: an entry of the legend, its look and text
     keys = [Key(css, text) for css, text in looks.items()]
     table: dict[str, Any] = {"theta [degrees]": angles}
     for x, point_displacement in zip(POINTS, displacement.T, strict=True):
@@ -685,10 +693,12 @@ def _panel_of_zones_and_points(case: Case) -> Panel:
         )
 
     # the points at x
+    # POINTS: x/a0 of the four points; _POINT_COLOURS: their colours in the style sheet
     for x, colour in zip(POINTS, _POINT_COLOURS, strict=True):
         marks.append(_line([0.0, 360.0], [x, x], "", f"{_curve_class(colour)} dot"))
         marks += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
     y_axis = Axis(0.5, 1.28, "x / a(P₀)")
+    # _REVOLUTION: axis of the angle, 0 to 360 degrees
     return _panel(
         "figure_05-zones", _REVOLUTION, y_axis, marks, "Zones over the angle", (760.0, 330.0)
     )
@@ -701,6 +711,7 @@ def _panel_of_displacements(angles: Array, displacement: Array, states: NDArray[
     """
     # a line for each point at x (`POINTS`), with x written at its least displacement (_text_at)
     marks: list[Mark] = []
+    # _POINT_COLOURS: colours of the points in the style sheet
     for x, colour, point_displacement, point_states in zip(
         POINTS, _POINT_COLOURS, displacement.T, states.T, strict=True
     ):
@@ -722,6 +733,7 @@ def _panel_of_displacements(angles: Array, displacement: Array, states: NDArray[
         "displacement / (A P₀/3)",
     )
     alt = "Displacement of four points over the angle"
+    # _REVOLUTION: axis of the angle, 0 to 360 degrees
     return _panel("figure_05-slip", _REVOLUTION, y_axis, marks, alt, (760.0, 360.0))
 
 
@@ -775,6 +787,7 @@ def _figure_8(case: Case) -> Plate:
         ),
     ]
     alt = "Half-widths over the angle"
+    # _REVOLUTION: axis of the angle; _HALF_WIDTH: axis of half-widths
     panel = _panel("figure_08", _REVOLUTION, _HALF_WIDTH, marks, alt, (700.0, 420.0))
     return _plate(
         "figure_08",
@@ -879,6 +892,7 @@ def _figure_of_sweep(
     for number, (friction, load_ratios, curve) in enumerate(
         zip(sweep.frictions, sweep.load_ratio, curves, strict=True)
     ):
+        # _CURVE_LOOKS: look of each curve in the style sheet
         marks.append(_line(load_ratios, curve, f"f = {friction:g}", _CURVE_LOOKS[number]))
         marks += _text_at(float(load_ratios[0]), float(curve[0]), "", colour=f"{number}", dot=True)
     x_axis = Axis(1.0, float(sweep.load_ratio.max()), "P₀ / P₁")

@@ -320,6 +320,7 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
         return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
     # share of the circles between both limits that slide: 99 for each coefficient of friction
+    # AGREEMENT_TOLERANCE: 1e-9
     limits_differ = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
     width_between = (mended_limit - printed_limit)[limits_differ]
     fractions = np.linspace(0.01, 0.99, 99)[:, None]

@@ -112,6 +112,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
         with stages.stage("page"):
             # the script of the page, and its hash, which the page's security policy names
             page_script, script_hash = script()
+            # AUTHORS, SOURCE: of the paper, as texts
             page_text = template("paper.html").render(
                 authors=AUTHORS,
                 source=SOURCE,

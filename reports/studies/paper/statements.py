@@ -356,6 +356,7 @@ def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     points x of figure 5 (`POINTS`), are over a0, the contact half-width at the mean load.
     """
     revolution = 2 * math.pi  # period of the loads
+    # LETTERS: A to M
     time_by_letter = {letter: case.time_of(letter) for letter in LETTERS}
 
     # width of the slip zone at many instants of the phases G-I and I-M, over a0
@@ -534,11 +535,13 @@ def _point_history(case: Case, x: float) -> VerdictAndNumbers:
     times = case.cycle_times(1441)
     middle_times = (times[1:] + times[:-1]) / 2
     states = case.solve(time=middle_times, x=[x], fields=("state",)).state[:, 0]
+    # STATE_NAMES: words of a state, such as "stick"
     state_names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     letter_by_state = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
     letters = [letter_by_state[name] for name in state_names]
 
     # what the paper states for x, in these letters, from each possible begin
+    # _STATED_HISTORIES: x/a0 of a point -> its letters in the paper
     stated_letters = _sequence(_STATED_HISTORIES[x])
     stated_sequences = [
         stated_letters[start:] + stated_letters[:start] for start in range(len(stated_letters))
@@ -672,6 +675,7 @@ def no_effect_of_mean_shear(case: Case) -> VerdictAndNumbers:
         case.with_load(mean_tangential_load=force * case.unit_load, initial_loading="straight")
         for force in (-1.0, 0.0, 0.5)
     ]
+    # The largest of c, the stick half-width, and of W, the dissipation; _ROUNDING_ERROR: 1e-10
     changes = _changes(case, changed_cases)
     return verdict_of_condition(max(changes.values()) <= _ROUNDING_ERROR), changes
 
@@ -879,6 +883,7 @@ def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
     # the paper's own cycle; "confirmed" if the condition holds, "refined" if it holds `nearly`
     statements: dict[str, VerdictAndNumbers] = {}
     cases = (paper.hertz_case, paper.rounded_case)
+    # _PROFILE_NAMES: "Hertz" and "flat and rounded"
     for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
         fraction = float(peak.fraction)
         numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.unit_length}

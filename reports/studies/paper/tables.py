@@ -150,6 +150,7 @@ def is_misprint_proven(mended_error: float, printed_error: float) -> bool:
     (True, False, False)
     """
     # not <=: a printed formula without a real value (NaN) counts as an error too
+    # AGREEMENT_TOLERANCE, LEAST_MISPRINT_ERROR: 1e-9 and 1e-3
     return bool(mended_error <= AGREEMENT_TOLERANCE and not printed_error <= LEAST_MISPRINT_ERROR)
 
 

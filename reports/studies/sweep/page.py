@@ -126,6 +126,7 @@ def write_page(store: Store) -> Path:
         "Theory is exact to rounding at the points and instants at which it is evaluated."
     )
     if "fe" in study.engines:
+        # _UNCERTAINTY: a sentence for each way to find uncertainties
         uncertainty_words = _UNCERTAINTY[study.uncertainty]
 
     # table (250 rows of it) and plots; the script of the page, with its hash
@@ -232,6 +233,7 @@ def quantity_columns(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
     of its `columns`.
     """
     coordinate_columns = {column for axis in axes for column in axis.columns}
+    # STATUS_COLUMNS: status, seconds, reason, notes and address
     further_columns = {"number", *STATUS_COLUMNS, *coordinate_columns}
     return [
         name
@@ -317,6 +319,7 @@ class _QuantityFigure:
             caption = (
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
+            # Plate: name, title, caption, description, panels, CSV table, legend, columns
             return Plate(stem, title, caption, caption, (), csv_columns)
 
         # for the first six combinations (_MOST_PANELS), which rows belong to them
@@ -590,6 +593,7 @@ class _QuantityFigure:
         alt = f"Map of {self.title_words}, {combination}"
         panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _in_words(combination))
         if has_one_colour:
+            # Cell: panels one under the other; None: a click on them shows no instant
             return Cell((panel,), None)
         scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.axis_words)
         return Cell((panel, scale), None)
@@ -632,6 +636,7 @@ class _QuantityFigure:
             colour_axis.words,
             log=colour_axis.log,
         )
+        # Cell: panels one under the other; None: a click on them shows no instant
         return Cell((panel, scale), None)
 
 

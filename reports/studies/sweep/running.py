@@ -443,6 +443,7 @@ def tasks_of(sweep: PreparedSweep, n_workers: int) -> deque[Task]:
     """The points of a sweep that wait for a result, in tasks, the groups in which they are handed
     out: small enough that all workers have some until the end.
     """
+    # _FE_AT_ONCE, _EXACT_AT_ONCE: 4 and 50 points
     points_at_once = _FE_AT_ONCE if "fe" in sweep.study.engines else _EXACT_AT_ONCE
     n_waiting = len(sweep.waiting_points)
     # of at most 4 points with finite elements, 50 without; about four tasks for each worker

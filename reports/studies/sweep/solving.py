@@ -230,6 +230,7 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
         "energy / thickness": unit_of_energy,
         "energy / area": f"{unit_of_energy}²",
     }
+    # _ENGINES: words of "fe" and "exact"
     return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_by_dimension[unit]
 
 
@@ -251,6 +252,7 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
     # each name
     for name in figures:
         prefix, _, quantity = name.partition(".")
+        # _ENGINES: words of "fe" and "exact"
         is_quantity = prefix in (*_ENGINES, "error") and quantity in QUANTITIES
         if name not in METRICS and not is_quantity:
             raise ValueError(
@@ -323,6 +325,7 @@ def _value_of_quantity(
             # displacements of half-planes that stand for finite bodies
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
+            # QUANTITIES: how the value of each is taken from a solution
             value_by_engine[engine] = QUANTITIES[quantity].value_in(solution, scene)
             if not math.isfinite(value_by_engine[engine]):
                 return None, f"there is none in {_ENGINES[engine]}"
@@ -350,6 +353,7 @@ def _uncertainty_of_edges(
     """
     prefix, _, quantity = name.partition(".")
     # field of the solution with the uncertainty of these edges; "" where the quantity has none
+    # QUANTITIES: how the value of each is taken from a solution
     field_name = "" if prefix == "exact" else QUANTITIES[quantity].edges
     if not field_name:
         return 0.0
@@ -795,6 +799,7 @@ def _compare(
         {"dissipation_polygon", "dissipation_step"} & metric_keys
     )
     theory_on_polygon = theory_on_steps(fe_solution) if needs_polygon and not polygon else None
+    # _DISPLACEMENT_METRICS: keys of the metrics of displacement and approach
     compares_displacements = bool(metric_keys & _DISPLACEMENT_METRICS)
     effects = effects_between(theory, fe_solution) if compares_displacements else None
     return compare(theory, fe_solution, polygon_reference=theory_on_polygon, effects=effects)

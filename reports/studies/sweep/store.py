@@ -155,6 +155,7 @@ class Store:
             {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
             for p in points
         ]
+        # _FORMAT: name and version of the format
         self.write_text(
             self.folder / "sweep.json",
             json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n",
@@ -175,6 +176,7 @@ class Store:
                 for row in stored_plan["points"]
             ]
             for point in points:  # an address becomes the name of a file
+                # _ADDRESS: 64 hexadecimal digits
                 if not _ADDRESS.fullmatch(point.address):
                     raise ValueError(f"{shortened_repr(point.address)} is no address of a result")
             # keys that an earlier version stored are left out

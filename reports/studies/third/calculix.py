@@ -397,6 +397,7 @@ def run_calculix(
             for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
         ]
         lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
+        # _N_SHOWN_LOG_LINES: 6
         last_lines = " | ".join(lines_with_words[-_N_SHOWN_LOG_LINES:]) or "nothing"
         raise ConvergenceError(
             f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
