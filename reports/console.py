@@ -240,7 +240,7 @@ def show_table(
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
-    # Blanks beside the rules (vertical lines between columns), whether there are outer rules, and
+    # Blanks beside the rules (strokes between columns), whether there are outer rules, and
     # widths of the columns.
     layout = _layout([columns, *table_rows], console.width)
     table = Table(
@@ -272,9 +272,10 @@ class _Layout(NamedTuple):
 
 
 def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
-    """The layout of a table within `total_width`, its first row being the heads: the widest in
-    which no cell needs a second line. Where there is none, the layout with the fewest lines; one
-    without columns where no layout is as narrow as that.
+    """The layout of a table within `total_width`, its first row being the heads, its rules the
+    vertical strokes between columns and at both ends: the widest in which no cell needs a second
+    line. Where there is none, the layout with the fewest lines; one without columns where no layout
+    is as narrow as that.
 
     >>> _layout([("a head", "b"), ("12 words", "c")], 12)
     _Layout(blanks=0, has_outer_rules=True, widths=[8, 1])

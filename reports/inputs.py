@@ -1357,10 +1357,9 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
         return InputEffects(scene.inputs, scene.uncertainty.correlations, reason_unknown=reason)
     try:
         uncertainties_by_inputs = _input_effects(scene_solved, effects)
-        # The note says that pads were taken as blocks.
+        # The note `_BLOCKS_FOR_PADS` says that pads were taken as blocks.
         if scene_solved is scene:
             return uncertainties_by_inputs
-        # _BLOCKS_FOR_PADS: the note
         return replace(
             uncertainties_by_inputs, notes=(*uncertainties_by_inputs.notes, _BLOCKS_FOR_PADS)
         )

@@ -592,16 +592,10 @@ def _times_and_work_since_first_row(
     from the first of these times to each, (m,). None where the solution does not hold the work of
     each instant.
 
-    Parameters
-    ----------
-    solution
-        by half-plane theory ("semi_analytic") or finite elements: `time` of its instants, and the
-        work of the load step up to each under `record.energy`
-    rows
-        of the first period, where the record repeats
-    shift_to_last
-        time from that period to the last one solved, whose work counts; 0 for a record that does
-        not repeat
+    Parameters ---------- solution by half-plane theory ("semi_analytic") or finite elements: `time`
+    of its instants, and the work of the load step up to each under `record.energy` rows of the
+    first period, where the rows repeat shift_to_last time from that period to the last one solved,
+    whose work counts; 0 for rows that do not repeat
     """
     if solution.engine == "semi_analytic":
         # Theory is solved again at the rows and at the ends of their load cycles.
@@ -688,7 +682,7 @@ def _times_and_work_of_steps(
     A step leads from one of these times to the next. An end beyond the last row counts a period
     earlier. A cycle may end between two rows. A row is added there, on the straight line between
     them: the load path stays the same, and the work needs no interpolation. The work is that at
-    times later by `shift_of_time`: in the last period of a record that repeats.
+    times later by `shift_of_time`: in the last period of rows that repeat.
     """
     import semi_analytic
 

@@ -407,7 +407,7 @@ def stress(
     pixels: int = 560,
 ) -> Plate:
     """A figure of von Mises' stress at some instants: both bodies, drawn apart and deformed; and
-    the contact to true scale, with its mesh. Its table has the largest nodal stress of each
+    the contact without magnification, with its mesh. Its table has the largest nodal stress of each
     instant.
 
     Parameters
@@ -566,9 +566,9 @@ def _panels_of_contact(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of the contact at one instant, to true scale. Both bodies are coloured by von Mises'
-    stress, with their mesh. Below them are the states of the contact points, and the scale of
-    colours.
+    """Panels of the contact at one instant, without magnification. Both bodies are coloured by von
+    Mises' stress, with their mesh. Below them are the states of the contact points, and the scale
+    of colours.
 
     Parameters
     ----------

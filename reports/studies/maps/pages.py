@@ -94,7 +94,7 @@ def stored_maps(folder: Path) -> list[Tables]:
 
 def write(folder: Path) -> None:
     """Write figures and pages of the maps of errors whose tables are in `folder`: all files, or
-    none after an error.
+    none where one fails.
 
     Raises
     ------

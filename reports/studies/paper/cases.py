@@ -363,11 +363,11 @@ class Formulas:
             / (alpha_minus_f - math.sqrt(alpha_minus_f * alpha_minus_f + 4 * beta * q_minus_f_p))
         )
 
-    def shear_of_full_stick(self, x: Array, load: float) -> Array:
+    def shear_of_full_stick(self, x: Array, end_load: float) -> Array:
         """Shear traction q, (n,), at points x (n,) after loading without slip up to the normal load
-        `load`. It is the integral of p'(x, P) dQ/dP over P, in the paper's equations (5) to (7),
-        where p' = dp/dP. The loads follow the initial parabola Q = alpha P + beta P^2 up to the
-        event A, and the ellipse of loads after A.
+        `end_load`. It is the integral of p'(x, P) dQ/dP over P, in the paper's equations (5) to
+        (7), where p' = dp/dP. The loads follow the initial parabola Q = alpha P + beta P^2 up to
+        the event A, and the ellipse of loads after A.
 
         By parts it is dQ/dP p(x, P) − int p(x, P) d2Q/dP2 dP: p' itself has an inverse root at the
         load whose contact reaches x.
@@ -397,15 +397,15 @@ class Formulas:
             ) / rate_of_p**3
 
         # the first term: dQ/dP at the end of loading, times the pressure there
-        slope = np.asarray(alpha + 2 * beta * load)
-        if load > load_at_a:
-            slope, _ = slope_on_ellipse(np.asarray(load))
-        shear = slope * case.contact.pressure(x, load)
+        slope = np.asarray(alpha + 2 * beta * end_load)
+        if end_load > load_at_a:
+            slope, _ = slope_on_ellipse(np.asarray(end_load))
+        shear = slope * case.contact.pressure(x, end_load)
 
         # the integral, on the parabola and on the ellipse, from the load that reaches x on
         ranges_of_load = (
-            (0.0, min(load, load_at_a), False),
-            (load_at_a, max(load, load_at_a), True),
+            (0.0, min(end_load, load_at_a), False),
+            (load_at_a, max(end_load, load_at_a), True),
         )
         for first_load, last_load, is_on_ellipse in ranges_of_load:
             # nodes and weights of quadrature, nodes closer together at both ends
@@ -494,13 +494,13 @@ class Formulas:
         #           taken at an earlier load P_Y
         """
         sign = 1 if phase == "EG" else -1
-        load, _ = self.loads(t)
-        load_rate, _ = self.rates(t)
+        normal_load, _ = self.loads(t)
+        normal_load_rate, _ = self.rates(t)
         # C dP/dt arccosh(x/c), c being the contact half-width under `stick_edge_load`
         part_by_slip = self.multiplied_load_rate(phase, t) * self.arccosh_ratio(
             x, self.stick_edge_load(phase, t)
         )
-        part_by_load = sign * load_rate * self.arccosh_ratio(x, load)
+        part_by_load = sign * normal_load_rate * self.arccosh_ratio(x, normal_load)
         return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
 
     def engine_slip(self, x: float, start: float, end: float) -> float:

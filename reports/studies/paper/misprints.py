@@ -438,9 +438,9 @@ def _load_at_k(case: Case) -> VerdictAndNumbers:
 
     def rate_as_printed(time: Array) -> Array:
         """ds/dt of the slip s where P_K is a constant load: (A f/pi) dP/dt arccosh(x/a)."""
-        load, _ = formulas.loads(time)  # P and Q
+        normal_load, _ = formulas.loads(time)  # P and Q
         load_rate, _ = formulas.rates(time)
-        return slip_factor * load_rate * formulas.arccosh_ratio(x, load)
+        return slip_factor * load_rate * formulas.arccosh_ratio(x, normal_load)
 
     def rate_as_mended(time: Array) -> Array:
         """ds/dt of the slip s with the moving stick edge."""
@@ -623,12 +623,12 @@ def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
         [2 dP_c/dt int_c^x − dP/dt int_a^x], with the same root in both integrals. Here a and c are
         the half-widths of contact and stick zone; slip is reverse, from event E to G.
         """
-        load, _ = formulas.loads(time)  # P and Q
+        normal_load, _ = formulas.loads(time)  # P and Q
         load_rate, _ = formulas.rates(time)  # dP/dt and dQ/dt
         stick_edge_load = formulas.stick_edge_load("EG", time)  # P_c, with half-width c
         # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
         integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)  # arccosh(x/c)
-        half_width = case.contact.half_width(load)
+        half_width = case.contact.half_width(normal_load)
         integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
         stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
         terms = 2 * stick_edge_load_rate * integral_from_c - load_rate * integral_from_a
@@ -763,9 +763,9 @@ def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
 
         def rate(time: Array) -> Array:
             """dQ/dt arccosh(x/a), a the contact half-width."""
-            load, _ = formulas.loads(time)
+            normal_load, _ = formulas.loads(time)
             _, tangential_rate = formulas.rates(time)
-            return tangential_rate * formulas.arccosh_ratio(x, load)
+            return tangential_rate * formulas.arccosh_ratio(x, normal_load)
 
         integral_of_17 = integral(rate, time_of_g, time_of_h)
         engine_displacement = formulas.engine_slip(x, time_of_g, time_of_h)  # between these times

@@ -517,7 +517,7 @@ class _QuantityFigure:
         """
         # both axes; a line at zero
         least_value, largest_value = axis_limits(self.lower_ends, self.upper_ends)
-        if labels_in_corner:  # room for them; _WORD_HEIGHT: 0.055, a line of words over the range
+        if labels_in_corner:  # room for them; _WORD_HEIGHT: 0.055 of the range, for each label
             largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
         x_axis = self.chart_axis(column)
         y_axis = ChartAxis(least_value, largest_value, self.axis_words)
