@@ -499,8 +499,8 @@ class _InstantsOnPath(NamedTuple):
         one, share of the step that is over, tolerance of that share; (k,) each. `step`,
         `share_of_step` and `share_tolerance` are those of all instants, in the order of the path.
         """
-        first_and_last = np.searchsorted(self.step, [first_step, first_step + n_steps])
-        instants = slice(*first_and_last.tolist())
+        begin_and_end_numbers = np.searchsorted(self.step, [first_step, first_step + n_steps])
+        instants = slice(*begin_and_end_numbers.tolist())
         return (
             self.step[instants] - first_step,
             self.share_of_step[instants],
@@ -1093,7 +1093,7 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if request.wants("normal_approach"):
         # A/pi int_0^P ln(2 L/a) d eta
         approach = request.unit_compliance * contact.approach_integral(snapshot.load)
-    left_and_right = np.array([-1.0, 1.0])
+    signs_of_edges = np.array([-1.0, 1.0])
     values = {
         "normal_load": snapshot.load,
         "tangential_load": snapshot.force,
@@ -1101,8 +1101,8 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         "normal_approach": approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
-        "contact_edges": half_width[:, None] * left_and_right,
-        "stick_edges": stick_half_width[:, None] * left_and_right,
+        "contact_edges": half_width[:, None] * signs_of_edges,
+        "stick_edges": stick_half_width[:, None] * signs_of_edges,
     }
     if request.bulk_tilt_path is not None:
         values |= _values_with_bulk_and_tilt(request, request.bulk_tilt_path, snapshot, values)

@@ -94,7 +94,7 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
 
     # the stick zone is smallest at the largest Q
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
-    stress_of_lower, stress_of_upper = path_loads.bulk_stresses(time)
+    stress_of_lower_body, stress_of_upper_body = path_loads.bulk_stresses(time)
     return Findings(
         time=time + period,  # the second cycle, of which the loads are those of the first
         x=x,
@@ -118,8 +118,8 @@ def findings_in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Fin
             "permanent_stick_half_width": float(np.diff(permanent_stick_edges)[0]) / 2,
             "permanent_stick_edges": permanent_stick_edges,
             "steady_from": 1,
-            "bulk_stress_lower": stress_of_lower,
-            "bulk_stress_upper": stress_of_upper,
+            "bulk_stress_lower": stress_of_lower_body,
+            "bulk_stress_upper": stress_of_upper_body,
             "tilt": tilt,
             "moment": tilted_contact.moment(contact_middle, contact_half_width, normal_load, tilt),
         },

@@ -290,10 +290,10 @@ def _largest_maximum(
     place = np.full(n_ellipses, np.nan)
 
     slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
-    maxima_of_slipping = maximum_number[slipping_ellipses]
+    maxima_of_slipping_ellipses = maximum_number[slipping_ellipses]
     vertices = maxima.vertex
-    work[slipping_ellipses] = vertices.work[maxima_of_slipping]
-    place[slipping_ellipses] = vertices.place[maxima_of_slipping]
+    work[slipping_ellipses] = vertices.work[maxima_of_slipping_ellipses]
+    place[slipping_ellipses] = vertices.place[maxima_of_slipping_ellipses]
     densities_by_stride = np.stack(
         [
             density(slipping_ellipses, place[slipping_ellipses], node_stride)
@@ -304,8 +304,8 @@ def _largest_maximum(
     relative_rule_error = quadrature_error(densities_by_stride, densities_by_stride[0])
     relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
     error[slipping_ellipses] = (
-        vertices.possible_rise[maxima_of_slipping]
-        + vertices.work[maxima_of_slipping] * relative_error
+        vertices.possible_rise[maxima_of_slipping_ellipses]
+        + vertices.work[maxima_of_slipping_ellipses] * relative_error
     )
     return _Peaks(work, error, place, maximum_number)
 
@@ -327,8 +327,8 @@ def _second_maximum(
     if not len(maxima.sample):
         return second_work, second_place
     # From the sample of each maximum to that of the largest of its ellipse.
-    sample_of_largest = maxima.sample[peaks.maximum_number[maxima.ellipse]]
-    sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
+    sample_of_largest_maximum = maxima.sample[peaks.maximum_number[maxima.ellipse]]
+    sample_ranges = np.sort(np.stack([maxima.sample, sample_of_largest_maximum]), axis=0)
     # Every other minimum of `reduceat` is that between two ranges: it is left out.
     least_work_in_range = np.minimum.reduceat(sampled_work, sample_ranges.T.ravel())[::2]
     # _LEAST_FALL_SHARE: 1e-3
@@ -456,7 +456,9 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         # the middle one of five, which are closer together at both ends
         fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
         kink_loads = clipped_least_load
-    places_between = half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
+    places_between_half_widths = (
+        half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
+    )
     kink_half_widths = contact.half_width(kink_loads)
     # four distances, fractions of the smaller part of the slip zone
     distance_to_kink = (
@@ -466,7 +468,7 @@ def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     further_places = [
         places_of_ellipses.reshape(-1, len(least_load))
         for places_of_ellipses in (
-            places_between,
+            places_between_half_widths,
             kink_half_widths - distance_to_kink,
             kink_half_widths + distance_to_kink,
         )
@@ -513,17 +515,17 @@ def _narrowed_brackets(
         wide_bracket_numbers = wide_bracket_numbers[is_wide_bracket]
         if not len(wide_bracket_numbers):
             break
-        places_before = bracket_places[:, wide_bracket_numbers]
-        width_before = places_before[2] - places_before[0]
+        former_places = bracket_places[:, wide_bracket_numbers]
+        former_width = former_places[2] - former_places[0]
         # (3, n): at the vertex and on each side of it
-        places_by_parabola = _next_trial_places(places_before, vertex.place[is_wide_bracket])
-        even_places = places_before[0] + width_before * _EVEN_BRACKET_FRACTIONS[:, None]
+        places_by_parabola = _next_trial_places(former_places, vertex.place[is_wide_bracket])
+        even_places = former_places[0] + former_width * _EVEN_BRACKET_FRACTIONS[:, None]
         new_places = np.where(narrows_slowly[wide_bracket_numbers], even_places, places_by_parabola)
         new_works = [
             density(ellipse_of_maximum[wide_bracket_numbers], places) for places in new_places
         ]
         # Of the six places that of the highest W and its neighbours are the new bracket.
-        six_places = np.concatenate([places_before, new_places])
+        six_places = np.concatenate([former_places, new_places])
         six_works = np.concatenate([bracket_works[:, wide_bracket_numbers], new_works])
         order_by_place = np.argsort(six_places, axis=0, kind="stable")
         six_places = np.take_along_axis(six_places, order_by_place, 0)
@@ -533,7 +535,7 @@ def _narrowed_brackets(
         bracket_places[:, wide_bracket_numbers] = np.take_along_axis(six_places, rows_of_bracket, 0)
         bracket_works[:, wide_bracket_numbers] = np.take_along_axis(six_works, rows_of_bracket, 0)
         width = bracket_places[2, wide_bracket_numbers] - bracket_places[0, wide_bracket_numbers]
-        narrows_slowly[wide_bracket_numbers] = width > width_before / 2
+        narrows_slowly[wide_bracket_numbers] = width > former_width / 2
     return bracket_places, bracket_works
 
 
@@ -585,14 +587,14 @@ def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
     parabola is convex the middle point stands for its vertex.
     """
     distances = np.diff(x, axis=0)
-    distance_before, distance_after = distances
-    slope_before, slope_after = np.diff(work, axis=0) / np.where(distances > 0, distances, np.inf)
+    first_distance, second_distance = distances
+    first_slope, second_slope = np.diff(work, axis=0) / np.where(distances > 0, distances, np.inf)
     total_distance = np.where(
-        distance_before + distance_after > 0, distance_before + distance_after, np.inf
+        first_distance + second_distance > 0, first_distance + second_distance, np.inf
     )
-    half_second_derivative = (slope_after - slope_before) / total_distance
+    half_second_derivative = (second_slope - first_slope) / total_distance
     slope_at_middle = (
-        slope_before * distance_after + slope_after * distance_before
+        first_slope * second_distance + second_slope * first_distance
     ) / total_distance
     is_concave = half_second_derivative < 0
     distance_to_vertex = np.where(
@@ -602,7 +604,7 @@ def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
         work=work[1] + slope_at_middle * distance_to_vertex / 2,
         place=x[1] + distance_to_vertex,
         possible_rise=np.maximum(
-            np.abs(slope_before) * distance_after, np.abs(slope_after) * distance_before
+            np.abs(first_slope) * second_distance, np.abs(second_slope) * first_distance
         ),
     )
 

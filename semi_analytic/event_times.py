@@ -103,11 +103,11 @@ def events(scene: Scene) -> tuple[Event, ...]:
     # events of one instant become one
     merged_events: list[Event] = []
     for event in sorted(_unlettered_events(history), key=lambda event: event.time):
-        event_before = merged_events[-1] if merged_events else None
+        former_event = merged_events[-1] if merged_events else None
         # _SAME_TIME_SHARE: 1e-9
         tolerance = _SAME_TIME_SHARE * max(abs(event.time), 1.0)
-        if event_before is not None and abs(event_before.time - event.time) <= tolerance:
-            merged_events[-1] = _merged_event(event_before, event)
+        if former_event is not None and abs(former_event.time - event.time) <= tolerance:
+            merged_events[-1] = _merged_event(former_event, event)
         else:
             merged_events.append(event)
 
@@ -185,17 +185,17 @@ def _unlettered_events(history: History) -> Iterator[Event]:
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
     for label, spans in [("initial loading", history.loading), *spans_of_cycles]:
-        span_before: Span | None = None
+        former_span: Span | None = None
         for span in spans:
-            if span_before is None:
+            if former_span is None:
                 event_name = f"{label} starts"
-            elif span_before.direction != span.direction:
+            elif former_span.direction != span.direction:
                 event_name = (
-                    f"{state_names[span_before.direction]} ends, {state_names[span.direction]}"
+                    f"{state_names[former_span.direction]} ends, {state_names[span.direction]}"
                     " starts"
                 )
             elif span.direction and not _same_piece(
-                span_before.sticking_piece, span.sticking_piece
+                former_span.sticking_piece, span.sticking_piece
             ):
                 event_name = (
                     f"the front of {state_names[span.direction]} passes a piece of the memory"
@@ -203,11 +203,11 @@ def _unlettered_events(history: History) -> Iterator[Event]:
             else:
                 event_name = state_names[span.direction] + _CONTINUATION_ENDING
             yield _event_at(span, span.begin.time, event_name)
-            if span_before is not None:
-                yield _event_at(span_before, span_before.end.time, event_name)
+            if former_span is not None:
+                yield _event_at(former_span, former_span.end.time, event_name)
             # P or Q largest or least
             yield from _load_extremes(span)
-            span_before = span
+            former_span = span
     last_span = history.spans[-1]
     yield _event_at(
         last_span,
@@ -256,13 +256,15 @@ def _load_extremes(span: Span) -> Iterator[Event]:
         for time in searched_segment.turning_points(combination):
             if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
                 # From the turning point to just after it, and to just before it.
-                change_to_after = float(
+                change_to_later_time = float(
                     segment.change_of(combination, time + time_difference, time)
                 )
-                change_to_before = float(
+                change_to_earlier_time = float(
                     segment.change_of(combination, time - time_difference, time)
                 )
-                extreme_name = "largest" if change_to_after + change_to_before < 0 else "least"
+                extreme_name = (
+                    "largest" if change_to_later_time + change_to_earlier_time < 0 else "least"
+                )
                 yield _event_at(span, time, f"{load_name} {extreme_name}")
 
 

@@ -250,8 +250,8 @@ def _work_over_spans(
     if numbers_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
-        largest_total = float(np.max(np.abs(np.sum(integrals, axis=0))))
-        size_of_integrals = np.maximum(largest_total, np.max(np.abs(integrals), axis=1))
+        largest_total_integral = float(np.max(np.abs(np.sum(integrals, axis=0))))
+        size_of_integrals = np.maximum(largest_total_integral, np.max(np.abs(integrals), axis=1))
         # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
         # many small kinks may hide from one halving.
         relative_error = np.where(

@@ -234,10 +234,10 @@ def _check_part(
         return
     # Where P reaches 0 both limits of friction are met at the same instant: that is separation.
     # `faults` are times and reasons, separation first; _SAME_INSTANT_SHARE is 1e-14.
-    latest_time_of_first = min(fault_time for fault_time, _ in faults) + _SAME_INSTANT_SHARE * (
-        end - begin
-    )
-    first_time, reason = next(fault for fault in faults if fault[0] <= latest_time_of_first)
+    latest_time_of_first_fault = min(
+        fault_time for fault_time, _ in faults
+    ) + _SAME_INSTANT_SHARE * (end - begin)
+    first_time, reason = next(fault for fault in faults if fault[0] <= latest_time_of_first_fault)
     fault_instant = instant(segment, first_time)
     raise InadmissibleLoadError(
         reason,
@@ -533,9 +533,9 @@ def slip_directions(
     for begin_of_part, end_of_part, direction in parts_by_direction:
         merged_begin = begin_of_part
         if merged_parts:
-            begin_of_last, _, direction_of_last = merged_parts[-1]
-            if direction_of_last == direction:
-                merged_begin = begin_of_last
+            begin_of_last_part, _, direction_of_last_part = merged_parts[-1]
+            if direction_of_last_part == direction:
+                merged_begin = begin_of_last_part
                 merged_parts.pop()
         merged_parts.append((merged_begin, end_of_part, direction))
     return merged_parts
@@ -798,9 +798,9 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
         cached_histories = {}
     histories_of_path = cached_histories.setdefault((path, friction), {})
     history = histories_of_path.get(most_cycles)
-    for most_cycles_of_cached, cached_history in histories_of_path.items():
+    for most_cycles_of_cached_history, cached_history in histories_of_path.items():
         # What is steady within these cycles has no others.
-        if len(cached_history.cycles) <= most_cycles < most_cycles_of_cached:
+        if len(cached_history.cycles) <= most_cycles < most_cycles_of_cached_history:
             history = cached_history
     if history is None:
         history = histories_of_path[most_cycles] = _followed_path(path, friction, most_cycles)
@@ -809,10 +809,10 @@ def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None 
     n_solved_cycles = len(history.cycles)
     n_covered_cycles = whole_cycles_in_time or n_solved_cycles
     # Cycles after the last one that was solved are copies of it.
-    solved_cycle_of_covered = tuple(
+    solved_cycle_of_covered_cycle = tuple(
         min(number, n_solved_cycles - 1) for number in range(n_covered_cycles)
     )
-    return replace(history, covered=solved_cycle_of_covered)
+    return replace(history, covered=solved_cycle_of_covered_cycle)
 
 
 @contextmanager
@@ -985,7 +985,7 @@ def corner_times(contact: Contact, span: Span) -> Array:
     # the edge of contact: P is monotonic in the span
     passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
     # `time_of`: when P has changed so much since the begin
-    times_of_passing = [
+    times_of_passing_corners = [
         segment.time_of(NORMAL_LOAD, passed_loads - begin.normal_load, begin.time, end.time)
     ]
     piece = span.sticking_piece
@@ -1000,11 +1000,11 @@ def corner_times(contact: Contact, span: Span) -> Array:
         levels_at_corners = slip_combination_on_piece(
             piece, span.direction, span.friction, loads_on_piece
         )
-        times_of_passing.append(
+        times_of_passing_corners.append(
             segment.time_of(slip_level, levels_at_corners - level_at_begin, begin.time, end.time)
         )
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
-    sorted_times = np.sort(np.concatenate(times_of_passing))
+    sorted_times = np.sort(np.concatenate(times_of_passing_corners))
     is_inside_span = (sorted_times - begin.time > shortest_time) & (
         end.time - sorted_times > shortest_time
     )

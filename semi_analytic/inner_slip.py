@@ -332,7 +332,7 @@ def _slip_on_punches(
     excess = (
         direction * shear - coulomb_limit
     )  # beyond the limit of slip in the direction `direction` [stress]
-    excess_of_reverse = -direction * shear - coulomb_limit
+    excess_of_reverse_slip = -direction * shear - coulomb_limit
     # _ROUND_OFF_SHARE: 1e-9
     excess_tolerance = _ROUND_OFF_SHARE * float(np.max(excess))
     # points outside the stick zone slip at the edge
@@ -360,7 +360,7 @@ def _slip_on_punches(
         equations_matrix[:n_points, n_points] = is_sticking_point
         right_hand_side[:n_points] = np.where(states == _SLIPPING, -direction * excess, 0.0)
         right_hand_side[:n_points] += np.where(
-            (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse, 0.0
+            (states == _SLIPPING_BACK) & ~is_at_edge, direction * excess_of_reverse_slip, 0.0
         )
         *densities, slip_at_middle = np.linalg.solve(equations_matrix, right_hand_side)
 
@@ -374,7 +374,7 @@ def _slip_on_punches(
         exceeds_limit = is_sticking_point & (excess + added_shear > excess_tolerance)
         new_states = np.where(exceeds_limit, _SLIPPING, new_states)
         exceeds_limit_of_reverse = is_sticking_point & (
-            excess_of_reverse - added_shear > excess_tolerance
+            excess_of_reverse_slip - added_shear > excess_tolerance
         )
         new_states = np.where(exceeds_limit_of_reverse, _SLIPPING_BACK, new_states)
         changed_points = np.flatnonzero(new_states != states)

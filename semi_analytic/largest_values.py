@@ -231,11 +231,11 @@ class _Search:
 
         # the largest load, and the edges of contact then
         turning_loads = np.asarray(self.scene.load.path().at(self.turning_times)[0])
-        number_of_largest = np.argmax(turning_loads)
-        self.largest_load_time = float(self.turning_times[number_of_largest])
+        number_of_largest_load = np.argmax(turning_loads)
+        self.largest_load_time = float(self.turning_times[number_of_largest_load])
         # (n, 2)
         edges_at_turns = solve(self.scene, x=0.0, time=self.turning_times, fields=()).contact_edges
-        self.widest_edges = edges_at_turns[number_of_largest]
+        self.widest_edges = edges_at_turns[number_of_largest_load]
         # places between which values are smooth functions of x
         self.kinks = self._find_kinks(edges_at_turns[turning_loads > 0])
 
@@ -520,9 +520,9 @@ def _largest_value_and_place(
         return float(values(kinks)[0]), float(kinks[0])
     first_places = _places_between_kinks(kinks, first_count)
     first_values = values(first_places)
-    number_of_largest = int(np.argmax(first_values))
-    largest_value = float(first_values[number_of_largest])
-    place = float(first_places[number_of_largest])
+    number_of_largest_value = int(np.argmax(first_values))
+    largest_value = float(first_values[number_of_largest_value])
+    place = float(first_places[number_of_largest_value])
     # three at most, each with its two neighbours
     maxima = _local_maxima(first_places, first_values)
     nearly_settled_share = max(settled_share, _NEARLY_SETTLED_CHANGE_SHARE)
@@ -535,11 +535,11 @@ def _largest_value_and_place(
         places_by_maximum = [maximum.places_around() for maximum in maxima]
         all_places = np.unique(np.concatenate(places_by_maximum))
         new_values = values(all_places)
-        number_of_largest = int(np.argmax(new_values))
-        value_change = float(new_values[number_of_largest]) - largest_value
+        number_of_largest_value = int(np.argmax(new_values))
+        value_change = float(new_values[number_of_largest_value]) - largest_value
         if value_change > 0:
-            largest_value = float(new_values[number_of_largest])
-            place = float(all_places[number_of_largest])
+            largest_value = float(new_values[number_of_largest_value])
+            place = float(all_places[number_of_largest_value])
         if is_nearly_settled and value_change <= settled_share * abs(largest_value):
             break
         is_nearly_settled = value_change <= nearly_settled_share * abs(largest_value)
@@ -606,8 +606,8 @@ class _LocalMaximum(NamedTuple):
         """
         all_places = np.concatenate([self.places[:1], places, self.places[-1:]])
         all_values = np.concatenate([self.values[:1], values, self.values[-1:]])
-        number_of_largest = int(np.argmax(values)) + 1
-        maximum_and_neighbours = slice(number_of_largest - 1, number_of_largest + 2)
+        number_of_largest_value = int(np.argmax(values)) + 1
+        maximum_and_neighbours = slice(number_of_largest_value - 1, number_of_largest_value + 2)
         return _LocalMaximum(all_places[maximum_and_neighbours], all_values[maximum_and_neighbours])
 
 

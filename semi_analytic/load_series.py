@@ -381,11 +381,11 @@ def _curve_after_loading_in_stick(
     curve_below = curve
     if curve is not None:
         # The slopes of the line below and of the step, both times both lengths.
-        line_slope_scaled = curve.force_rise * length
-        step_slope_scaled = rise * curve.load_length
+        scaled_line_slope = curve.force_rise * length
+        scaled_step_slope = rise * curve.load_length
         # _SLOPE_ROUNDOFF_SHARE: 1e-15
-        tolerance = _SLOPE_ROUNDOFF_SHARE * (abs(line_slope_scaled) + abs(step_slope_scaled))
-        if abs(line_slope_scaled - step_slope_scaled) <= tolerance:
+        tolerance = _SLOPE_ROUNDOFF_SHARE * (abs(scaled_line_slope) + abs(scaled_step_slope))
+        if abs(scaled_line_slope - scaled_step_slope) <= tolerance:
             curve_below = curve.curve_below
             length += curve.load_length
             rise += curve.force_rise
@@ -606,12 +606,12 @@ def _parts_of_unloading(
     line = curve
     drop_above_line = 0.0  # fall of P from the begin of the step to the upper end of the line
     excess_at_top = 0.0  # Q - M(P) there
-    side_before = 0  # its sign: 1, -1 or 0
+    former_side = 0  # its sign: 1, -1 or 0
     side_of_unfinished_part = 0
     while line is not None and drop_above_line < load_drop:
         # fall of P that remains of the step, and on this line
-        drop_left = load_drop - drop_above_line
-        drop_on_line = line.load_length if line.load_length < drop_left else drop_left
+        remaining_drop = load_drop - drop_above_line
+        drop_on_line = line.load_length if line.load_length < remaining_drop else remaining_drop
         # where the path leaves the line
         excess_at_bottom = (
             excess_at_top
@@ -622,17 +622,17 @@ def _parts_of_unloading(
         if abs(excess_at_bottom) <= tolerance:
             side = 0
         # the path crosses the curve within the line, or leaves it at a knot
-        if side * side_before < 0:
+        if side * former_side < 0:
             drop_at_crossing = drop_above_line + drop_on_line * excess_at_top / (
                 excess_at_top - excess_at_bottom
             )
-            parts.append(_UnloadingPart(drop_at_crossing, side_before))
-        elif drop_above_line > 0 and (side or side_before) != side_of_unfinished_part:
+            parts.append(_UnloadingPart(drop_at_crossing, former_side))
+        elif drop_above_line > 0 and (side or former_side) != side_of_unfinished_part:
             parts.append(_UnloadingPart(drop_above_line, side_of_unfinished_part))
-        side_of_unfinished_part = side or side_before
+        side_of_unfinished_part = side or former_side
         drop_above_line += drop_on_line
         excess_at_top = excess_at_bottom
-        side_before = side
+        former_side = side
         line = line.curve_below
     return [*parts, _UnloadingPart(load_drop, side_of_unfinished_part)]
 
@@ -671,16 +671,16 @@ def _curve_after_retracing(
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
     load_drop = load - load_at_end
-    fall_left = load_drop  # of P, below the upper end of the line `curve`
+    remaining_fall = load_drop  # of P, below the upper end of the line `curve`
     station = begin_station
-    while curve is not None and fall_left > 0 and station is not end_station:
+    while curve is not None and remaining_fall > 0 and station is not end_station:
         # of the line, which P has still to fall through
-        share_of_line = fall_left / curve.load_length
-        fall_left -= curve.load_length
-        if curve.curve_below is None or fall_left <= 0:
+        share_of_line = remaining_fall / curve.load_length
+        remaining_fall -= curve.load_length
+        if curve.curve_below is None or remaining_fall <= 0:
             next_station = end_station
         else:
-            share_of_drop = 1 - fall_left / load_drop
+            share_of_drop = 1 - remaining_fall / load_drop
             # Q of a station inside a step is not recorded.
             next_station = (
                 load - share_of_drop * load_drop,
@@ -1124,10 +1124,10 @@ def require_admissible_rows(rows: Array, friction: float) -> None:
     if not len(bad_rows):
         return
     bad_row = bad_rows[0]
-    time_before, *loads_before = rows[max(int(bad_row) - 1, 0)].tolist()
+    time_of_row_before, *loads_of_row_before = rows[max(int(bad_row) - 1, 0)].tolist()
     bad_time, *bad_loads = rows[bad_row].tolist()
     segment_to_bad_row = StraightSegment(
-        time_before, bad_time, tuple(loads_before), tuple(bad_loads)
+        time_of_row_before, bad_time, tuple(loads_of_row_before), tuple(bad_loads)
     )
     require_admissible(
         [segment_to_bad_row], friction
@@ -1198,7 +1198,7 @@ def _follow_cycles(
     n_covered_cycles = whole_cycles
     if not whole_cycles:
         n_covered_cycles = len(followed_cycles) if repeats else 1
-    solved_cycle_of_covered = tuple(
+    solved_cycle_of_covered_cycle = tuple(
         min(number, len(followed_cycles) - 1) for number in range(n_covered_cycles)
     )
     return LoadSeries(
@@ -1207,7 +1207,7 @@ def _follow_cycles(
         first_cycle_part=1,
         steady_from=steady_from,
         period=period,
-        covered=solved_cycle_of_covered,
+        covered=solved_cycle_of_covered_cycle,
         repeats=repeats,
     )
 

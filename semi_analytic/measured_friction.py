@@ -648,14 +648,14 @@ def _roots_of(
         & is_valid_target
     )
     # the sample below each root in f, and the target to which the root belongs
-    sample_before, target_of_root = np.nonzero(encloses_root)
-    order_by_target = np.lexsort((sample_before, target_of_root))
-    sample_before = sample_before[order_by_target]
+    sample_before_root, target_of_root = np.nonzero(encloses_root)
+    order_by_target = np.lexsort((sample_before_root, target_of_root))
+    sample_before_root = sample_before_root[order_by_target]
     target_of_root = target_of_root[order_by_target]
     n_roots = np.bincount(target_of_root, minlength=len(target))
     roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_unsettled = np.zeros(len(target), dtype=bool)
-    if len(sample_before):
+    if len(sample_before_root):
         member_of_root = member[target_of_root]
         # iteration over ln f between two samples
         root_search = elementwise.find_root(
@@ -665,13 +665,16 @@ def _roots_of(
                 )
                 - goal_work
             ),
-            (log_f[sample_before, member_of_root], log_f[sample_before + 1, member_of_root]),
+            (
+                log_f[sample_before_root, member_of_root],
+                log_f[sample_before_root + 1, member_of_root],
+            ),
             args=(member_of_root.astype(float), target[target_of_root]),
         )
         # each root in the row of its target, in ascending order
         roots[
             target_of_root,
-            np.arange(len(sample_before)) - np.searchsorted(target_of_root, target_of_root),
+            np.arange(len(sample_before_root)) - np.searchsorted(target_of_root, target_of_root),
         ] = np.exp(root_search.x)
 
         # a residual above 1e-8 of the target: not found

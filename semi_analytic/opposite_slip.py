@@ -151,14 +151,16 @@ def _newton_step(depth: Array, residual: Array) -> Array:
         depth_difference = (
             _DIFFERENCE_SHARE_OF_DEPTH * depth * (np.arange(2) == end_number)[:, None]
         )
-        loads_after = np.stack(loads_of_slip_depths(*(depth + depth_difference)))
-        loads_before = np.stack(loads_of_slip_depths(*(depth - depth_difference)))
-        derivatives.append((loads_after - loads_before) / (2 * depth_difference[end_number]))
-    (e_by_left, force_by_left), (e_by_right, force_by_right) = derivatives
+        loads_after_difference = np.stack(loads_of_slip_depths(*(depth + depth_difference)))
+        loads_before_difference = np.stack(loads_of_slip_depths(*(depth - depth_difference)))
+        derivatives.append(
+            (loads_after_difference - loads_before_difference) / (2 * depth_difference[end_number])
+        )
+    (e_by_left_depth, force_by_left_depth), (e_by_right_depth, force_by_right_depth) = derivatives
     residual_of_e, residual_of_force = residual
-    determinant = e_by_left * force_by_right - e_by_right * force_by_left
-    left_numerator = force_by_right * residual_of_e - e_by_right * residual_of_force
-    right_numerator = e_by_left * residual_of_force - force_by_left * residual_of_e
+    determinant = e_by_left_depth * force_by_right_depth - e_by_right_depth * force_by_left_depth
+    left_numerator = force_by_right_depth * residual_of_e - e_by_right_depth * residual_of_force
+    right_numerator = e_by_left_depth * residual_of_force - force_by_left_depth * residual_of_e
     return np.stack([left_numerator, right_numerator]) / determinant
 
 
@@ -312,8 +314,10 @@ class OppositeSlip(TiltedProfile):
             relative_x <= right_edge_at(largest_unloading)
         )
         load_at_x = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
-        distance_beyond = np.abs(relative_x) - 1
-        return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), load_at_x)
+        distance_beyond_contact = np.abs(relative_x) - 1
+        return np.where(
+            distance_beyond_contact > 0, largest_load * (1 + distance_beyond_contact), load_at_x
+        )
 
     def slip_direction_at(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
@@ -353,23 +357,23 @@ class OppositeSlip(TiltedProfile):
         )
         different_places, column_of_place = np.unique(places, return_inverse=True)
         different_loads, row_of_load = np.unique(loads, return_inverse=True)
-        load_below = different_loads[:, None]
-        load_above = np.append(different_loads[1:], largest_load)[:, None]
+        lower_load = different_loads[:, None]
+        upper_load = np.append(different_loads[1:], largest_load)[:, None]
         # P_x
         edge_load = self.load(different_places)
-        begin_loads = load_below + 0 * edge_load
+        begin_loads = lower_load + 0 * edge_load
         if kernel == "inverse_root":
-            end_loads = load_above + 0 * edge_load
-            distance_to_edge_load = load_below - np.maximum(edge_load, least_load)
-            is_integrated = (load_below >= edge_load) & (load_above > load_below)
+            end_loads = upper_load + 0 * edge_load
+            distance_to_edge_load = lower_load - np.maximum(edge_load, least_load)
+            is_integrated = (lower_load >= edge_load) & (upper_load > lower_load)
         else:
-            end_loads = np.minimum(load_above, edge_load)
+            end_loads = np.minimum(upper_load, edge_load)
             distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
             is_integrated = end_loads > begin_loads
 
         # integrals over the ranges between neighbouring loads, (ranges, places)
         range_integrals = np.zeros(is_integrated.shape)
-        is_near_edge_load = distance_to_edge_load < 3 * (load_above - load_below)
+        is_near_edge_load = distance_to_edge_load < 3 * (upper_load - lower_load)
         for takes_rule, rule in (
             (is_integrated & is_near_edge_load, graded_nodes),
             (is_integrated & ~is_near_edge_load, _gauss_nodes),

@@ -436,10 +436,10 @@ class _LogTable(NamedTuple):
         d = np.exp(
             log_d_in_table + self.slope[0] * log_below_table + self.slope[-1] * log_above_table
         )
-        row_below = np.searchsorted(self.log_load[1:-1], log_load)
+        number_of_row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below_table == log_above_table
-        least_d = np.where(is_in_table, self.edge_advance[row_below], d / 2)
-        largest_d = np.where(is_in_table, self.edge_advance[row_below + 1], d * 2)
+        least_d = np.where(is_in_table, self.edge_advance[number_of_row_below], d / 2)
+        largest_d = np.where(is_in_table, self.edge_advance[number_of_row_below + 1], d * 2)
         return d, least_d, largest_d
 
 
@@ -941,19 +941,21 @@ def _root_intervals(knots: Array) -> list[_RootInterval]:
     `knots` (k,) are half-widths at which the curvature of the profile jumps.
     """
     intervals: list[_RootInterval] = []
-    for knot_before, knot, next_knot in zip(
+    for former_knot, knot, next_knot in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
-        root_of_distance_behind = (next_knot - knot) ** 0.5
-        root_of_distance_before = (knot - knot_before) ** 0.5
-        doublings = range(math.ceil(math.log2(root_of_distance_behind / root_of_distance_before)))
+        root_of_distance_to_next_knot = (next_knot - knot) ** 0.5
+        root_of_distance_to_former_knot = (knot - former_knot) ** 0.5
+        doublings = range(
+            math.ceil(math.log2(root_of_distance_to_next_knot / root_of_distance_to_former_knot))
+        )
         interval_ends = [
             0.0,
-            *(root_of_distance_before * 2.0**k for k in doublings),
-            root_of_distance_behind,
+            *(root_of_distance_to_former_knot * 2.0**k for k in doublings),
+            root_of_distance_to_next_knot,
         ]
         # A last interval that would be a small part of the one before is joined to it.
-        if len(interval_ends) > 2 and root_of_distance_behind - interval_ends[-2] < 0.1 * (
+        if len(interval_ends) > 2 and root_of_distance_to_next_knot - interval_ends[-2] < 0.1 * (
             interval_ends[-2] - interval_ends[-3]
         ):
             del interval_ends[-2]
@@ -1132,9 +1134,9 @@ def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distance
         group = knot_sums.with_far_knots(group_to_refine, half_width_range)
         # _MOST_INTERVALS_OF_GROUP: 32
         if group.stop - group.first > _MOST_INTERVALS_OF_GROUP:
-            middle = (group.first + group.stop) // 2
-            groups.append(group._replace(stop=middle))
-            groups.append(group._replace(first=middle))
+            number_of_middle_interval = (group.first + group.stop) // 2
+            groups.append(group._replace(stop=number_of_middle_interval))
+            groups.append(group._replace(first=number_of_middle_interval))
             continue
         # a group of 32 intervals at most: far knots by their series, near ones one by one
         intervals = slice(group.first, group.stop)
@@ -1253,14 +1255,16 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     # distances at which h'' jumps, and the half-length of a flat
     jump_distances = _corners(profile)
     least_half_width = _flat_half_length(profile, jump_distances)
-    corners_beyond = [b for b in jump_distances if least_half_width < b < profile.extent]
-    first_half_widths = [least_half_width, *corners_beyond]
+    corners_beyond_flat = [b for b in jump_distances if least_half_width < b < profile.extent]
+    first_half_widths = [least_half_width, *corners_beyond_flat]
     half_width_ranges = list(pairwise([*first_half_widths, profile.extent]))
-    corners_descending = tuple(reversed(first_half_widths if least_half_width else corners_beyond))
+    descending_corners = tuple(
+        reversed(first_half_widths if least_half_width else corners_beyond_flat)
+    )
 
     # P and dP/da by series, between two jumps of h'' each
     series_of_ranges = [
-        _series_behind_corner(modulus, profile, begin, end, corners_descending)
+        _series_behind_corner(modulus, profile, begin, end, descending_corners)
         for begin, end in half_width_ranges
     ]
     last_load = series_of_ranges[-1].load
@@ -1302,7 +1306,7 @@ def law_of_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         edge_advance=edge_advance,
         stiffness=stiffness,
         least_half_width=least_half_width,
-        corner_half_widths=tuple(corners_beyond),
+        corner_half_widths=tuple(corners_beyond_flat),
         power=series_of_ranges[0].power if not least_half_width else 2.0,
         extent=profile.extent,
         half_width_may_be_steep=True,
@@ -1489,11 +1493,13 @@ def _corners(profile: CallableProfile) -> tuple[float, ...]:
     jump_distances = []
     for b in profile.corners:
         # `curvature_times_x` is x h''
-        bend_before, bend_behind = profile.curvature_times_x(
+        bend_before_corner, bend_behind_corner = profile.curvature_times_x(
             np.array([b * (1 - 1e-9), b * (1 + 1e-9)])
         )
-        size_of_bend = abs(bend_before) + abs(bend_behind) + float(profile.slope(np.array(b)))
-        if abs(bend_before - bend_behind) > 1e-6 * size_of_bend + 1e-300:
+        size_of_bend = (
+            abs(bend_before_corner) + abs(bend_behind_corner) + float(profile.slope(np.array(b)))
+        )
+        if abs(bend_before_corner - bend_behind_corner) > 1e-6 * size_of_bend + 1e-300:
             jump_distances.append(b)
     return tuple(jump_distances)
 

@@ -372,13 +372,13 @@ class PunchSuperposition:
             a(eta) - a(0) [length]
         """
         # `_advance_to`: |x| - a(0), at least 0
-        advance_to_x, load_between, punch_advance = np.broadcast_arrays(
+        advance_to_x, load_difference, punch_advance = np.broadcast_arrays(
             self._advance_to(x), as_floats(excess), as_floats(advance)
         )
         punch_half_width = punch_advance + self.least_half_width
         # x^2 - a^2, without cancellation
         difference_of_squares = self._difference_of_squares(
-            punch_advance, np.maximum(advance_to_x, punch_advance), load_between
+            punch_advance, np.maximum(advance_to_x, punch_advance), load_difference
         )
         return np.arcsinh(
             np.sqrt(difference_of_squares)
@@ -400,13 +400,13 @@ class PunchSuperposition:
         advance
             a(eta) - a(0) [length]
         """
-        distance, load_between, punch_advance = np.broadcast_arrays(
+        distance, load_difference, punch_advance = np.broadcast_arrays(
             np.abs(as_floats(x)), as_floats(excess), as_floats(advance)
         )
         advance_to_x = np.minimum(distance - self.least_half_width, punch_advance)
         # a^2 - x^2, without cancellation
         difference_of_squares = self._difference_of_squares(
-            advance_to_x, punch_advance, load_between
+            advance_to_x, punch_advance, load_difference
         )
         return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
@@ -467,24 +467,24 @@ class PunchSuperposition:
         # at least four last digits of range, so that there is a mean
         end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         corner_advances = self.law.corner_advances
-        corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
-        next_corner_advance = np.append(corner_advances, np.inf)[corner_below + 1]
+        number_of_corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
+        next_corner_advance = np.append(corner_advances, np.inf)[number_of_corner_below + 1]
         # half the rises of P and of a^2, from a corner on, up to the next one
         half_rise_of_load, half_rise_of_square = self._half_rises(
             inner_advance,
             np.minimum(next_corner_advance, end_advance),
-            corner_advances[corner_below],
+            corner_advances[number_of_corner_below],
         )
 
         # the rises behind that corner, where the range goes on there
         crossing_numbers = np.flatnonzero(next_corner_advance < end_advance)
-        half_rise_of_load_behind, half_rise_of_square_behind = self._half_rises(
+        half_rise_of_load_behind_corner, half_rise_of_square_behind_corner = self._half_rises(
             next_corner_advance[crossing_numbers],
             end_advance[crossing_numbers],
-            corner_advances[corner_below[crossing_numbers] + 1],
+            corner_advances[number_of_corner_below[crossing_numbers] + 1],
         )
-        half_rise_of_load[crossing_numbers] += half_rise_of_load_behind
-        half_rise_of_square[crossing_numbers] += half_rise_of_square_behind
+        half_rise_of_load[crossing_numbers] += half_rise_of_load_behind_corner
+        half_rise_of_square[crossing_numbers] += half_rise_of_square_behind_corner
         return half_rise_of_load / np.where(half_rise_of_square > 0, half_rise_of_square, 1.0)
 
     def _half_rises(
@@ -557,11 +557,11 @@ class PunchSuperposition:
         stick_edge_load = np.maximum(load - load_above_stick, 0.0)
 
         # index in `_corner_loads`, the loads P at which the edge of contact is at a corner, 0 first
-        corner_below = np.maximum(
+        number_of_corner_below = np.maximum(
             np.searchsorted(self._corner_loads, stick_edge_load, side="right") - 1, 0
         )
-        next_corner_load = np.append(self._corner_loads, np.inf)[corner_below + 1]
-        load_from_corner = stick_edge_load - self._corner_loads[corner_below]
+        next_corner_load = np.append(self._corner_loads, np.inf)[number_of_corner_below + 1]
+        load_from_corner = stick_edge_load - self._corner_loads[number_of_corner_below]
         # _SHORT_LOAD_RANGE_SHARE: 0.3
         is_short_range = load_above_stick < _SHORT_LOAD_RANGE_SHARE * load_from_corner
         suits_gauss_rule = is_short_range & (load <= next_corner_load)
@@ -624,16 +624,17 @@ class PunchSuperposition:
         # _INTEGRALS_AT_ONCE: 4096, which bounds the memory
         chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
         for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
-            # each part belongs to one integral, and lies behind the corner number `corner_below`
+            # each part belongs to one integral, and lies behind the corner number
+            # `number_of_corner_below`
             n_parts_of_chunk = n_parts[integral_numbers]
             integral_of_part = np.repeat(integral_numbers, n_parts_of_chunk)
             first_part_of_integral = np.cumsum(n_parts_of_chunk) - n_parts_of_chunk
             number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
                 first_part_of_integral, n_parts_of_chunk
             )
-            corner_below = number_in_integral + first_corner[integral_of_part] - 1
+            number_of_corner_below = number_in_integral + first_corner[integral_of_part] - 1
             integrals_of_parts = self._integrals_of_parts(
-                load[integral_of_part], load_above_stick[integral_of_part], corner_below
+                load[integral_of_part], load_above_stick[integral_of_part], number_of_corner_below
             )
             kernel += np.bincount(integral_of_part, integrals_of_parts, len(kernel))
         return kernel
@@ -861,8 +862,8 @@ class PunchSuperposition:
         points, advances = np.broadcast_arrays(x, advance)
         # Bands are numbered from the largest advance down; -1 where there is no contact.
         band_numbers = np.full(advances.shape, -1)
-        ratio_to_largest = largest_advance / advances[advances > 0]
-        band_numbers[advances > 0] = np.log(ratio_to_largest) / math.log(
+        ratio_to_largest_advance = largest_advance / advances[advances > 0]
+        band_numbers[advances > 0] = np.log(ratio_to_largest_advance) / math.log(
             self._advance_ratio_of_primitive
         )
         integral = np.zeros(advances.shape)
@@ -1361,7 +1362,7 @@ def _resolved_series(
     back in any order.
     """
     finished_series: list[_PanelSeries] = []
-    last_coefficients_before = np.full(len(panels.point_number), np.inf)
+    former_last_coefficients = np.full(len(panels.point_number), np.inf)
     for n_halvings in range(_MOST_HALVINGS + 1):
         # (n, nodes) over v
         coefficients = _series_of_integrand(kind, load_power, panels, law)
@@ -1381,7 +1382,7 @@ def _resolved_series(
         has_small_error = truncation_errors <= _NEGLIGIBLE_COEFFICIENT_SHARE * size_of_integral
         # _COEFFICIENT_RATIO_WITHOUT_GAIN: 0.9 of the coefficients before halving
         has_roundoff_alone = (
-            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * last_coefficients_before
+            last_coefficients > _COEFFICIENT_RATIO_WITHOUT_GAIN * former_last_coefficients
         )
         is_finished = has_small_error | has_roundoff_alone | (n_halvings == _MOST_HALVINGS)
         # finished panels are set aside, the others halved
@@ -1390,7 +1391,7 @@ def _resolved_series(
         if np.all(is_finished):
             break
         panels = panels.take(np.flatnonzero(~is_finished)).halved()
-        last_coefficients_before = np.tile(last_coefficients[~is_finished], 2)
+        former_last_coefficients = np.tile(last_coefficients[~is_finished], 2)
     return _PanelSeries(
         Panels.joined([group.panels for group in finished_series]),
         np.concatenate([group.coefficients for group in finished_series]),
@@ -1503,9 +1504,11 @@ def _panels_of_points(
     corner_advances
         advances at which the edge is at a corner of the profile, ascending [length]
     """
-    corner_below = np.searchsorted(corner_advances, ends_of_ranges[:-1], side="right") - 1
+    number_of_corner_below = np.searchsorted(corner_advances, ends_of_ranges[:-1], side="right") - 1
     # the corner below each range, from where v is measured
-    corner_advance = corner_advances[np.clip(corner_below, 0, None)]  # (n,), one for each range
+    corner_advance = corner_advances[
+        np.clip(number_of_corner_below, 0, None)
+    ]  # (n,), one for each range
     distance_beyond_flat = x - least_half_width
     column_of_zeros = 0 * distance_beyond_flat[:, None]
     ranges = _AdvanceRanges(

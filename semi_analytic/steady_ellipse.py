@@ -285,10 +285,14 @@ def _stick_edge_angles(ellipses: Ellipses, loads: Array) -> tuple[Array, Array]:
     """
     u = ellipses.forward_amplitude
     v = ellipses.reverse_amplitude
-    load_above = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
+    load_above_permanent_stick = np.maximum(loads - ellipses.permanent_stick_load, 0.0)
     # 2 arcsin(sqrt(...)), clipped to [0, pi]
-    angle_in_e_to_g = angle_of_squared_half_sine(load_above / np.where(v > 0, v, np.inf))
-    angle_in_j_to_m = angle_of_squared_half_sine(load_above / np.where(u > 0, u, np.inf))
+    angle_in_e_to_g = angle_of_squared_half_sine(
+        load_above_permanent_stick / np.where(v > 0, v, np.inf)
+    )
+    angle_in_j_to_m = angle_of_squared_half_sine(
+        load_above_permanent_stick / np.where(u > 0, u, np.inf)
+    )
     return angle_in_e_to_g, angle_in_j_to_m
 
 
@@ -980,8 +984,8 @@ def _work_over_phases(
     works_of_phases, error = _integrals_by_group(
         ellipses, pieces, len(PHASE_NAMES), work_rate, rules, converged_share
     )
-    reverse_work, forward_work_early, forward_work_later = works_of_phases
-    return np.stack([forward_work_early + forward_work_later, reverse_work, error])
+    reverse_work, early_forward_work, later_forward_work = works_of_phases
+    return np.stack([early_forward_work + later_forward_work, reverse_work, error])
 
 
 _COURSE_NAMES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
@@ -1034,16 +1038,16 @@ def _work_over_loads(
         _LEAST_WORK_OF_COURSES,
     )
     (
-        load_course_of_reverse,
-        load_course_of_forward,
-        stick_course_of_reverse,
-        stick_course_early,
-        stick_course_later,
+        load_course_of_reverse_slip,
+        load_course_of_forward_slip,
+        stick_course_of_reverse_slip,
+        early_stick_course,
+        later_stick_course,
     ) = works_of_courses
     # a last digit, 1e-15, of the square of the largest load
     error += _LAST_DIGIT_SHARE * np.square(ellipses.mean_load + ellipses.load_amplitude)
-    forward_work = load_course_of_forward + stick_course_early + stick_course_later
-    reverse_work = load_course_of_reverse + stick_course_of_reverse
+    forward_work = load_course_of_forward_slip + early_stick_course + later_stick_course
+    reverse_work = load_course_of_reverse_slip + stick_course_of_reverse_slip
     return np.stack([forward_work, reverse_work, error])
 
 
